@@ -9,8 +9,7 @@ set(SDK_INCLUDES ${CMAKE_INSTALL_INCLUDEDIR}/talkrobots)
 set(SDK_CMAKE ${CMAKE_INSTALL_LIBDIR}/cmake/talkrobots)
 # service, and what it is linked from. Only the headers of base, proto and actor are public besides its own.
 foreach(PART base proto actor fleet ranking security config log transport service)
-  # A unity file includes its sources by their whole paths, which a sanitizer then writes into the library.
-  set_target_properties(trb_${PART} PROPERTIES EXPORT_NAME ${PART} UNITY_BUILD OFF)
+  set_target_properties(trb_${PART} PROPERTIES EXPORT_NAME ${PART})
   install(TARGETS trb_${PART} EXPORT talkrobotsTargets COMPONENT sdk DESTINATION ${CMAKE_INSTALL_LIBDIR}
           INCLUDES DESTINATION ${SDK_INCLUDES})
 endforeach()

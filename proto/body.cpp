@@ -125,7 +125,7 @@ Result<Bytes> pack_body(const Body& body) {
   if (data && data->size() > most)
     data = fail(Errc::too_large, std::to_string(data->size()) + " bytes, over " + std::to_string(most));
   if (data) return data;
-  return fail(data.error().code, std::string(subtype_of(body)) + ": " + data.error().what, "say less at once");
+  return fail(data.error().code, std::string(subtype_of(body)) + ": " + data.error().what, "send less at once");
 }
 
 Result<Body> decode_body(std::string_view subtype, BytesView data) {

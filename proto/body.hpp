@@ -33,13 +33,13 @@
   X(AdapterState) X(AdapterStateRequest) X(RobotFault) X(TakeOutOfUse) X(TakeIntoUse) X(RobotConnection) X(RobotState) X(InjectFault)             \
   X(NodeSensors) X(SensorRead) X(SensorReading) X(SensorWatch) X(SensorSnapshot) X(SensorImage)                    \
   X(SensorListRequest) X(SensorTable)                                                                              \
-  X(Stop) X(Release) X(BridgeCommand) X(BridgeEvent) X(BridgeState)                                                \
+  X(Stop) X(Release) X(Velocity) X(BridgeCommand) X(BridgeEvent) X(BridgeState)                                                \
   X(Scenario) X(RunStart) X(TaskResult) X(AbortOrder) X(RunSubmit) X(RunAccepted) X(Baton) X(BatonJournaled)       \
   X(NeedDefinition) X(Definition) X(NeedResults) X(Results) X(ResultsJournaled) X(TaskProgress) X(RunAbort)        \
   X(AbortConfirmed) X(RunEnd) X(RunOver) X(NeedEnd) X(RunQuery) X(RunView) X(RunListRequest) X(RunTable) X(RunProofRequest) X(RunRecords) X(Choice)                                 \
   X(Decision) X(RunDecision) X(DecisionJournaled) X(ReleaseTasks) X(PauseOrder) X(RunPause) X(PauseJournaled)      \
   X(RunWatch) X(RunChanged) X(Alert) X(AlertListRequest) X(AlertTable) X(AlertDecide)                        \
-  X(HistoryListRequest) X(HistoryTable) X(AlertRankRequest) X(AlertRanking)
+  X(HistoryListRequest) X(HistoryTable) X(AlertRankRequest) X(AlertRanking) X(DecidedElsewhere)
 // clang-format on
 
 namespace trb {

@@ -119,7 +119,7 @@ bool JsonReader::take_enum(std::span<const std::string_view> names, const Value&
   }
   std::string all;
   for (const std::string_view name : names) all += (all.empty() ? "" : ", ") + std::string(name);
-  return refuse(Errc::bad_value, "is none of " + all);
+  return refuse(Errc::bad_value, "is not one of " + all);
 }
 
 bool JsonReader::take_bool(const Value& from, bool& out) {

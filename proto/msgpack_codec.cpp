@@ -166,7 +166,7 @@ bool MsgpackReader::take_blob(const msgpack::object& from, Blob& out, std::uint3
 bool MsgpackReader::take_enum(std::span<const std::string_view> names, const msgpack::object& from, std::uint8_t& out) {
   std::uint8_t raw = 0;
   if (!take_integer(from, raw)) return false;
-  if (raw >= names.size()) return refuse(Errc::bad_value, std::to_string(raw) + " is none of its values");
+  if (raw >= names.size()) return refuse(Errc::bad_value, std::to_string(raw) + " is not one of its values");
   out = raw;
   return true;
 }

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Checks who includes whom, and what must not stand in a core or in a test. Exit 0 if all is well.
+"""Checks who includes whom, what must not stand in a core or in a test, and that the files which ARCHITECTURE.md names are
+there. Exit 0 if all is well.
 
     scripts/check_layers.py          checks the repository it stands in
     scripts/check_layers.py --list   prints the layers
@@ -24,6 +25,7 @@ LAYERS = {
     "common/ranking": ["proto"],
     "common/consensus": ["proto", "common/security"],
     "common/scenario": ["common/fleet", "common/security"],
+    "common/model": ["common/scenario"],
     "common/config": ["common/fleet", "common/ranking", "common/security"],
     "common/drivers": ["common/actor", "common/config"],
     "common/transport": ["common/base"],
@@ -31,7 +33,7 @@ LAYERS = {
     "common/operator": ["common/ranking", "common/scenario", "common/service"],
     "common/supervisor": ["common/transport"],
     "services": ["common/service", "common/operator", "common/supervisor", "common/drivers", "common/scenario",
-                 "common/ranking", "common/consensus", "common/metrics", "common/sqlite", "common/audit"],
+                 "common/model", "common/ranking", "common/consensus", "common/metrics", "common/sqlite", "common/audit"],
 }
 CORE_FORBIDDEN = [
     (r'<zmq', "zmq"), (r'<nlohmann', "a JSON library"), (r'<spdlog', "a logger"),
@@ -47,11 +49,14 @@ CORE_CALLS = [(r'\b(system|steady|high_resolution)_clock::now|clock_gettime|\bti
 ZMQ_HEADER = re.compile(r'<zmq')
 # They cost a compiler seconds to half a minute, and bring sockets along: of a service only its io/ has them.
 NETWORK_HEADER = re.compile(r'<(boost|openssl)/')
+IGNORED = {"build", "node_modules", ".git"}
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"][^>"]+[>"])')
 # A benchmark measures bare sockets beside ours; everything else reaches libzmq through common/transport.
 MAY_INCLUDE_ZMQ = ("common/transport/", "tests/bench/")
 ZMQ_CAUGHT = re.compile(r'\bcatch\s*\(\s*(const\s+)?zmq::')
 ZMQ_USED = re.compile(r'\bzmq::|\bzmq_\w+\s*\(|\bZMQ_[A-Z]')
+# The simulator plays the services' cores, and only these: no shell, no test.
+PLAYS_CORES = "services/simulator/world/"
 # What a service's core is told of its configuration is its own; this one still reads a file's type.
 CONFIG_IN_CORE = {"services/resilience/core/criteria.hpp"}
 
@@ -137,7 +142,8 @@ def check_include(path, line, included, faults):
         faults.append(f"{where}: {mine} may not include {theirs} ({target})")
     if service_of(path) == "virtual-robots" and theirs != "services":
         faults.append(f"{where}: a virtual robot shares no code with the middleware ({target})")
-    if service_of(path) and service_of(target) and service_of(path) != service_of(target):
+    played = path.startswith(PLAYS_CORES) and "/core/" in target
+    if service_of(path) and service_of(target) and service_of(path) != service_of(target) and not played:
         faults.append(f"{where}: a service includes another one ({target})")
 
 
@@ -167,6 +173,20 @@ def is_test(path):
     return path.startswith("tests/") and "/bench/" not in path or beside or path.endswith("_test.cpp")
 
 
+def check_document(faults):
+    """Every file that a row of ARCHITECTURE.md's "Where would I change ...?" names is there."""
+    text = (REPO / "ARCHITECTURE.md").read_text()
+    rows = text.partition("## Where would I change")[2].partition("\n## ")[0].splitlines()
+    there = {name for path in REPO.rglob("*") if not IGNORED & set(path.relative_to(REPO).parts)
+             for name in (path.relative_to(REPO).as_posix(), path.relative_to(REPO).with_suffix("").as_posix())}
+    ends = {"/".join(name.split("/")[-length:]) for name in there for length in range(1, 7)}
+    for row in rows:
+        where = row.rstrip("| ").rpartition("|")[2] if row.startswith("| ") else ""
+        for name in re.findall(r"`([\w/.-]+)`", where):
+            if ("/" in name or "_" in name) and "NAME" not in name and name.rstrip("/") not in ends:
+                faults.append(f"ARCHITECTURE.md: '{name}' names no file")
+
+
 def main():
     if "--list" in sys.argv:
         for part in LAYERS:
@@ -177,6 +197,7 @@ def main():
              for p in sorted((REPO / top).rglob("*")) if p.suffix in (".hpp", ".cpp")]
     for path in files:
         check_file(path, faults)
+    check_document(faults)
     for fault in faults:
         print(fault)
     print(f"check_layers: {len(files)} files, {len(faults)} faults")

@@ -40,4 +40,5 @@ def open_to_people(fleet, say):
     fleet.wait("the page is served", lambda: is_ready(fleet), 20)
     made = fleet.json("cloud", "password", fleet.dir(CLOUD))
     say(f"\n== the page: https://localhost:{fleet.gateway_port}/   sign in as {made['user']}, password {made['password']}")
+    say("  The page asks for a password of your own first.")
     say("  This machine alone reaches it. Its certificate is its own, and a browser asks about that once.")

@@ -1,6 +1,7 @@
 #include "common/audit/audit_export.hpp"
 
 #include <algorithm>
+#include <map>
 
 #include "common/base/hex.hpp"
 #include "proto/body.hpp"
@@ -23,7 +24,7 @@ std::string line_of(std::string_view kind, const std::string& json, const std::s
 struct Lines {
   std::vector<AuditRow> rows;
   std::vector<SignedRecord> heads;
-  std::optional<SignedRecord> certificate;
+  std::vector<SignedRecord> certificates;
 };
 
 template <class T>
@@ -57,7 +58,7 @@ Status take(const Value& line, Lines& out) {
   if (is_head) {
     out.heads.push_back(std::move(*record));
   } else {
-    out.certificate = std::move(*record);
+    out.certificates.push_back(std::move(*record));
   }
   return Done{};
 }
@@ -76,12 +77,27 @@ Result<Lines> lines_of(std::string_view text) {
   return out;
 }
 
-/// The head, if the node has signed it.
-std::optional<AuditHead> head_of(const SignedRecord& record, const Certificate& signer, BytesView fleet) {
-  if (!verify(record, kSignedAuditHead, fleet, signer.identity_key.bytes)) return std::nullopt;
+/// By node; of several certificates of one the last counts.
+using Signers = std::map<std::string, Certificate>;
+
+/// The head, if one of the nodes has signed it.
+std::optional<AuditHead> head_of(const SignedRecord& record, const Signers& signers, BytesView fleet) {
+  const auto signed_it = [&](const auto& one) {
+    return verify(record, kSignedAuditHead, fleet, one.second.identity_key.bytes);
+  };
+  if (std::ranges::none_of(signers, signed_it)) return std::nullopt;
   auto head = read_audit_head(record.payload.bytes);
   if (!head) return std::nullopt;
   return std::move(*head);
+}
+
+/// Whose chain it is: of several gateways that share one, the first has begun it.
+std::string chain_node(const Lines& lines, const Signers& signers, const std::string& otherwise, BytesView fleet) {
+  for (const auto& [node, certificate] : signers) {
+    if (!lines.rows.empty() && audit_hash(audit_start(fleet, node), lines.rows[0].record) == lines.rows[0].hash)
+      return node;
+  }
+  return otherwise;
 }
 
 }  // namespace
@@ -102,18 +118,25 @@ std::string audit_certificate_line(const SignedRecord& certificate) {
 Result<AuditCheck> check_audit_export(std::string_view text, const FleetAuthority& authority) {
   auto lines = lines_of(text);
   if (!lines) return lines.error();
-  if (!lines->certificate) {
+  if (lines->certificates.empty()) {
     return fail(Errc::missing, "the export has no certificate of the node",
                 "export the log anew, from its first record on");
   }
-  const auto signer = open_certificate_any_time(*lines->certificate, authority);
-  if (!signer) return signer.error();
+  Signers signers;
+  std::string last;
+  for (const SignedRecord& record : lines->certificates) {
+    auto signer = open_certificate_any_time(record, authority);
+    if (!signer) return signer.error();
+    last = signer->id;
+    signers.insert_or_assign(last, std::move(*signer));
+  }
   std::vector<AuditHead> heads;
   for (const SignedRecord& record : lines->heads) {
-    if (auto head = head_of(record, *signer, authority.id())) heads.push_back(std::move(*head));
+    if (auto head = head_of(record, signers, authority.id())) heads.push_back(std::move(*head));
   }
-  AuditCheck out{signer->id, {}, lines->rows.size(), heads.size(), lines->heads.size() - heads.size()};
-  out.report = verify_audit(audit_start(authority.id(), signer->id), lines->rows, heads);
+  const std::string node = chain_node(*lines, signers, last, authority.id());
+  AuditCheck out{node, {}, lines->rows.size(), heads.size(), lines->heads.size() - heads.size()};
+  out.report = verify_audit(audit_start(authority.id(), node), lines->rows, heads);
   return out;
 }
 

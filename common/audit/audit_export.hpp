@@ -17,7 +17,7 @@ std::string audit_head_line(const SignedRecord& head);
 std::string audit_certificate_line(const SignedRecord& certificate);
 
 struct AuditCheck {
-  std::string node;  ///< whose log it is, by its certificate
+  std::string node;  ///< whose log it is, by its certificate; of a shared one, who has begun it
   AuditReport report;
   std::size_t records = 0;
   std::size_t heads = 0;        ///< with a valid signature
@@ -25,8 +25,9 @@ struct AuditCheck {
 };
 
 /// Reads the lines of an export (several joined exports of one log are one) and checks all of it. A certificate counts
-/// whatever its dates are: the log may be older than the certificate, and its reader may come later. Of several
-/// certificates the last counts. Errors: malformed (with the line's number), missing (no certificate), and those of
+/// whatever its dates are: the log may be older than the certificate, and its reader may come later. A log that several
+/// gateways share has a certificate of each node, and heads that any of them has signed; of several certificates of one
+/// node the last counts. Errors: malformed (with the line's number), missing (no certificate), and those of
 /// open_certificate.
 Result<AuditCheck> check_audit_export(std::string_view text, const FleetAuthority& authority);
 

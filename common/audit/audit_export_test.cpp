@@ -76,6 +76,41 @@ TEST_CASE("given two pages that were joined, each with the certificate, then the
   CHECK(check_audit_export(audit_certificate_line(cloud.certificate) + "\n" + cloud.text(), cloud.authority).ok());
 }
 
+TEST_CASE("given two clouds' gateways that share one log, then the heads of both prove it, whichever exports it") {
+  Cloud first;
+  const SigningKey root = make_signing_key();
+  first.authority = {"hall", root.public_key};
+  const SigningKey other = make_signing_key();
+  const auto certificate = [&](const std::string& id, const SigningKey& key) {
+    Certificate is;
+    is.fleet = {first.authority.id()};
+    is.serial = 8;
+    is.id = id;
+    is.role = Role::cloud;
+    is.identity_key = {key.public_key};
+    is.link_key = {Bytes(32, 'l')};
+    return audit_certificate_line(sign(kSignedCertificate, "", first.authority.id(), encode(is), root));
+  };
+  first.rows.clear();
+  first.chain = AuditChain(audit_start(first.authority.id(), "cloud"));
+  for (int i = 1; i <= 2; ++i) first.rows.push_back(first.chain.append({0, i, "ann", "::1", "POST", "arm", "done"}));
+  std::string log;
+  for (const AuditRow& row : first.rows) log += audit_line(row);
+  log += audit_head_line(first.sign_head(other));
+  const std::string cloud = certificate("cloud", first.node);
+  const std::string second = certificate("second", other);
+  for (const std::string& text : {cloud + second + log, second + cloud + log}) {
+    const auto check = check_audit_export(text, first.authority);
+    REQUIRE(check.ok());
+    CHECK_FALSE(check->report.fault);
+    CHECK(check->node == "cloud");
+    CHECK(check->report.covered == 2);
+  }
+  const auto without = check_audit_export(cloud + log, first.authority);
+  REQUIRE(without.ok());
+  CHECK(without->other_heads == 1);
+}
+
 TEST_CASE("given a record was changed and all behind it hashed anew, then a signed head tells") {
   Cloud cloud;
   AuditChain again(audit_start(cloud.authority.id(), "cloud"));

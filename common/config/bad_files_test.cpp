@@ -286,7 +286,7 @@ TEST_CASE("commands.json: values") {
                  {"commands.json", R"("go":)", R"("goo":)", "ur.commands.go", "skill 'go' sends it"},
                  {"commands.json", R"("go":)", R"("go": 1, "go2":)", "ur.commands.go", "whole number"},
                  {"commands.json", R"("monitor": {"protocol": "ur-primary", "port": 30001},)", "", "ur.requests",
-                  "there is none"},
+                  "no monitor is configured"},
                  {"commands.json", R"("ur":)", R"("kuka":)", "ur", "needs the vendor's words"}});
 }
 

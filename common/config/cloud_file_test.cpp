@@ -57,3 +57,52 @@ TEST_CASE("cloud.json: how much history is kept") {
   CHECK(read.settings.history_days == 7);
   CHECK(read.settings.history_mb == 64);
 }
+
+TEST_CASE("cloud.json: a shared database, by its host or the folder of its socket") {
+  CHECK_FALSE(cloud_of("{}").settings.database);
+  const ReadCloud remote = cloud_of(R"({"database": "postgresql://trb@db.example:5433/hall"})");
+  CHECK(remote.faults.empty());
+  REQUIRE(remote.settings.database);
+  CHECK(remote.settings.database->user == "trb");
+  CHECK(remote.settings.database->host == "db.example");
+  CHECK(remote.settings.database->port == 5433);
+  CHECK(remote.settings.database->name == "hall");
+  CHECK_FALSE(remote.settings.database->is_local());
+  CHECK(remote.settings.database->text() == "postgresql://db.example:5433/hall");
+  const ReadCloud socket = cloud_of(R"({"database": "postgresql://trb@/hall?host=/run/postgresql"})");
+  REQUIRE(socket.settings.database);
+  CHECK(socket.settings.database->host == "/run/postgresql");
+  CHECK(socket.settings.database->is_local());
+  CHECK(cloud_of(R"({"database": "postgresql://trb@[fd00::1]/hall"})").settings.database->host == "fd00::1");
+  CHECK(cloud_of(R"({"database": "postgresql://trb@127.0.0.1/hall"})").settings.database->is_local());
+}
+
+TEST_CASE("cloud.json: what is no database is refused, and a password in it is not repeated") {
+  for (const char* wrong :
+       {"", "mysql://trb@db/hall", "postgresql://db/hall", "postgresql://trb@db", "postgresql://trb@db/",
+        "postgresql://@db/hall", "postgresql://trb@db:0/hall", "postgresql://trb@db:65536/hall",
+        "postgresql://trb@db/hall?sslmode=disable", "postgresql://trb@/hall", "postgresql://trb@/hall?host=run",
+        "postgresql://trb@/hall?host=/run' host='x", "postgresql://trb@db/ha'll", "postgresql://t b@db/hall",
+        "postgresql://trb@[fd00::1/hall", "postgresql://trb@db /hall"}) {
+    CAPTURE(wrong);
+    const ReadCloud read = cloud_of("{\"database\": \"" + std::string(wrong) + "\"}");
+    REQUIRE(read.faults.size() == 1);
+    CHECK(read.faults[0].key == "database");
+    CHECK_FALSE(read.settings.database);
+  }
+  for (const char* secret : {"postgresql://trb:hidden@db/hall", "postgresql://trb@db/hall?password=hidden"}) {
+    const ReadCloud read = cloud_of("{\"database\": \"" + std::string(secret) + "\"}");
+    REQUIRE(read.faults.size() == 1);
+    CHECK((read.faults[0].what + read.faults[0].hint).find("hidden") == std::string::npos);
+    CHECK(read.faults[0].hint.find("keys/database.password") != std::string::npos);
+  }
+}
+
+TEST_CASE("cloud.json: a name with a port is that of a proxy") {
+  const ReadCloud read = cloud_of(R"({"names": ["hall.example:443", "hall.example:9443"]})");
+  CHECK(read.faults.empty());
+  const auto origins = read.settings.origins();
+  CHECK(origins[2] == "https://hall.example");
+  CHECK(origins[3] == "https://hall.example:9443");
+  CHECK(cloud_of(R"({"names": ["hall.example:0", "hall.example:x", ":443"]})").faults.size() == 3);
+}

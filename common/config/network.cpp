@@ -57,7 +57,7 @@ void resolve_host(NodeConfig& config, const std::vector<Interface>& known, Confi
   network.address = host.address;
   network.broadcast = host.broadcast;
   if (config.beacon && host.what.empty() && host.broadcast.empty()) {
-    file.add("HOST_INT", "'" + network.host_int + "' has no broadcast, so no beacon can be heard there",
+    file.add("HOST_INT", "'" + network.host_int + "' has no broadcast, so no beacon can be received there",
              "set \"beacon\" to false in node.json and name the peers in \"seeds\", or use another interface");
   }
 }

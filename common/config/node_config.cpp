@@ -41,6 +41,7 @@ class NodeChecker {
     description(node);
     mode();
     check_value_names(out_.config, known_, node.description, out_.faults);
+    check_drive_words(out_.config, known_, node.description, out_.faults);
     read_sensor_files(out_.config.dir, out_.faults);
     read_resilience_file(out_.config.dir, out_.faults);
     read_cloud_file(out_.config.dir, out_.faults);

@@ -95,6 +95,7 @@ class RobotChecker {
     node.commands = words;
     known_.check(node, {commands_path_, faults});
     check_value_names(node, known_, files_.description, faults);
+    check_drive_words(node, known_, files_.description, faults);
     return faults;
   }
 

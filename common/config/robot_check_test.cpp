@@ -107,3 +107,16 @@ TEST_CASE("words that fit nobody, and a framework that is not there") {
   CHECK(only_fault(files_of(folder, "urr")).hint == "did you mean 'ur'?");
   CHECK(only_fault(files_of(folder, "ur")).key == "ur.commands.fly");
 }
+
+TEST_CASE("a drive whose words commands.json does not have is told with the nearest one") {
+  const NodeFolder folder("ur");
+  folder.change("robots/r.json", R"("skills")",
+                R"("drives": [{"part": "base", "capability": "mobile", "axes": {"x": 1}, "command": {"subtype": "mov",)"
+                R"( "data": "{x}"}, "stand": {"subtype": "stand_still"}}], "skills")");
+  const ConfigFaults faults = check_robot_files(files_of(folder, "ur"), drivers::robot_transports()).faults;
+  REQUIRE_MESSAGE(faults.size() == 2, to_text(faults));
+  CHECK(faults[0].key == "drives[0].command.subtype");
+  CHECK(faults[0].what == "'mov' is no command that commands.json has under 'ur'");
+  CHECK(faults[0].hint.find("move") != std::string::npos);
+  CHECK(faults[1].key == "drives[0].stand.subtype");
+}

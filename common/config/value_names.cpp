@@ -1,4 +1,4 @@
-// Checks that the robot reports the values that a description watches.
+// Checks that commands.json has what a description names: the values that it watches, the words of its drives.
 #include <algorithm>
 
 #include "common/config/readers.hpp"
@@ -34,6 +34,27 @@ void check_value_names(const NodeConfig& config, const Transports& known, const 
   };
   for (const FaultRule& rule : config.description.faults) check(rule.value, "faults." + rule.name + ".value");
   for (const std::string& name : config.description.sensors) check(name, "sensors");
+}
+
+void check_drive_words(const NodeConfig& config, const Transports& known, const std::string& file,
+                       ConfigFaults& faults) {
+  const Transport* transport = known.find(config.commands.transport);
+  const auto& words = config.commands.commands;
+  if (transport == nullptr || !transport->names_values || words.empty() || config.description.has_field_channel) return;
+  std::vector<std::string> names;
+  for (const auto& [subtype, ignored] : words) names.push_back(subtype);
+  const FileFaults sink(file, faults);
+  const auto check = [&](const Skill& skill, const std::string& key) {
+    if (skill.subtype.empty() || words.contains(skill.subtype)) return;
+    sink.add(key, in_quotes(skill.subtype) + " is no command that commands.json has under '" + config.framework + "'",
+             did_you_mean(skill.subtype, names, "add it there, or use one of"));
+  };
+  for (std::size_t i = 0; i < config.description.drives.size(); ++i) {
+    const Drive& drive = config.description.drives[i];
+    const std::string at = "drives[" + std::to_string(i) + "]";
+    check(drive.command, at + ".command.subtype");
+    if (drive.stand) check(*drive.stand, at + ".stand.subtype");
+  }
 }
 
 }  // namespace trb

@@ -1,5 +1,6 @@
 #include "common/drivers/polled_check.hpp"
 
+#include "common/drivers/check_names.hpp"
 #include "common/fleet/did_you_mean.hpp"
 
 namespace trb::drivers {
@@ -42,8 +43,7 @@ void PolledCheck::check_skill(const Skill& skill) const {
 }
 
 void PolledCheck::add_no_value(const std::string& key, const std::string& name, const std::string& why) const {
-  std::vector<std::string> known;
-  for (const auto& [one, ignored] : config_.commands.values) known.push_back(one);
+  const std::vector<std::string> known = names_in(config_.commands.values);
   const std::string example = R"(add "values": {")" + name + R"(": ")" + with_name(examples_.value, name) + R"("})";
   add(key, in_quotes(name) + " is no name of \"values\"" + why,
       known.empty() ? example : did_you_mean(name, known, "add it there, or use one of"));

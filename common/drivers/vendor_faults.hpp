@@ -27,13 +27,13 @@ class VendorFaults {
   FileFaults faults_;
 };
 
-/// Makes a driver with its commands, as `read` parses them from commands.json: never from texts that cannot be parsed.
+/// Makes a driver with its commands, as `kRead` parses them from commands.json: never from texts that cannot be parsed.
 /// Errors: bad_value (the first fault).
-template <class DriverType, auto read>
+template <class DriverType, auto kRead>
 Result<std::unique_ptr<Driver>> make_with(const DriverSettings& settings) {
   ConfigFaults faults;
   const VendorFaults vendor(settings.commands.transport, FileFaults("commands.json", faults));
-  auto commands = read(settings.commands, settings.description, vendor);
+  auto commands = kRead(settings.commands, settings.description, vendor);
   if (faults.empty()) return std::unique_ptr<Driver>(std::make_unique<DriverType>(settings, std::move(commands)));
   const ConfigFault& first = faults.front();
   return fail(Errc::bad_value, first.file + ": " + first.key + ": " + first.what, first.hint);

@@ -88,6 +88,11 @@ const Skill* Description::find_skill(std::string_view name) const {
   return at == skills.end() ? nullptr : &*at;
 }
 
+const Drive* Description::find_drive(DrivePart part) const {
+  const auto at = std::find_if(drives.begin(), drives.end(), [&](const Drive& drive) { return drive.part == part; });
+  return at == drives.end() ? nullptr : &*at;
+}
+
 Description read_description(const Value& json, const std::string& file, ConfigFaults& faults) {
   const FileFaults sink(file, faults);
   ObjectReader reader(json, "", sink);
@@ -102,6 +107,7 @@ Description read_description(const Value& json, const std::string& file, ConfigF
     description.field_channel = read_field_channel(*channel, sink);
   }
   read_skills(reader, description);
+  read_drives(reader, description);
   description.faults = read_faults(reader, description.capabilities);
   description.sensors = read_sensors(reader);
   read_numbers(reader, description);

@@ -63,6 +63,24 @@ struct Skill {
   bool repeatable = false;
 };
 
+/// An axis that a person drives: a speed in m/s or rad/s.
+struct DriveAxis {
+  std::string name;
+  double limit = 0;              ///< the highest speed
+  bool one_way = false;          ///< it has no other direction: a speed under 0 counts as 0
+  std::optional<double> factor;  ///< the robot's number for 1 m/s or 1 rad/s; none: as `frame` says
+};
+
+/// A part of the robot that can be driven by hand (Velocity). Its command's data has a placeholder for each axis.
+struct Drive {
+  DrivePart part{};
+  std::vector<DriveAxis> axes;
+  Skill command;               ///< its parameters are the axes; it has no end
+  std::optional<Skill> stand;  ///< how it is told to stand; none: by the command, all speeds 0
+
+  [[nodiscard]] DriveInfo info() const;
+};
+
 enum class Framing : std::uint8_t { newline = 0, length, delay };
 constexpr auto enum_names(Framing) {
   return std::array<std::string_view, 3>{"newline", "length", "delay"};
@@ -96,6 +114,7 @@ struct Description {
   std::string model;
   std::vector<std::string> capabilities;
   std::vector<Skill> skills;
+  std::vector<Drive> drives;  ///< one of a part
   RobotFrame frame;
   std::map<std::string, Value>
       places;  ///< the robot's own terms for a place (joints, a station's number); take precedence over the pose
@@ -106,6 +125,7 @@ struct Description {
   bool has_field_channel = false;  ///< the file has that key: the robot can use the field channel, whatever its mode
 
   [[nodiscard]] const Skill* find_skill(std::string_view name) const;
+  [[nodiscard]] const Drive* find_drive(DrivePart part) const;
 };
 
 /// Reads a description; every fault is added to `faults`, and reading continues. Skills without an end, of an unknown

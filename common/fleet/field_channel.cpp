@@ -66,6 +66,13 @@ void check_code(const Codes& codes, const std::string& word, const std::string& 
              "add \"" + word + "\" with a number of its own");
 }
 
+void check_drive_words(const FieldChannel& channel, const Skill& words, const std::string& key,
+                       const FileFaults& faults) {
+  check_code(channel.subtype_codes, words.subtype, "drive's subtype", faults);
+  if (is_numeric_text(parse_template(words.data).literal)) return;
+  faults.add(key, "the numeric encoding carries numbers only", "use numbers, spaces and placeholders of axes");
+}
+
 }  // namespace
 
 FieldChannel read_field_channel(const Value& json, const FileFaults& faults) {
@@ -97,6 +104,13 @@ void check_numeric(const Description& description, const FileFaults& faults) {
     if (is_numeric_text(parse_template(skill.data).literal) && !uses_text(skill)) continue;
     faults.add("skills." + skill.name + ".command.data", "the numeric encoding carries numbers only",
                "use numbers, spaces and placeholders of numeric parameters");
+  }
+  for (std::size_t i = 0; i < description.drives.size(); ++i) {
+    const Drive& drive = description.drives[i];
+    check_drive_words(channel, drive.command, "drives[" + std::to_string(i) + "].command.data", faults);
+    if (drive.stand) {
+      check_drive_words(channel, *drive.stand, "drives[" + std::to_string(i) + "].stand.data", faults);
+    }
   }
 }
 

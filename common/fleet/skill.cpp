@@ -118,16 +118,17 @@ void read_end(ObjectReader& skill_reader, Skill& skill) {
   reader.refuse_unknown_keys();
 }
 
-void read_capability(ObjectReader& reader, const std::vector<std::string>& capabilities, Skill& skill) {
-  const auto capability = reader.text("capability", Need::required, kMaxIdSize);
-  if (!capability) return;
-  skill.capability = *capability;
-  if (std::find(capabilities.begin(), capabilities.end(), *capability) != capabilities.end()) return;
-  reader.faults().add(reader.path("capability"), in_quotes(*capability) + " is not among the robot's capabilities",
-                      did_you_mean(*capability, capabilities, "add it to \"capabilities\", or use one of"));
-}
-
 }  // namespace
+
+std::string read_capability(ObjectReader& reader, const std::vector<std::string>& capabilities) {
+  const std::string capability = reader.text("capability", Need::required, kMaxIdSize).value_or("");
+  if (capability.empty() || std::find(capabilities.begin(), capabilities.end(), capability) != capabilities.end()) {
+    return capability;
+  }
+  reader.faults().add(reader.path("capability"), in_quotes(capability) + " is not among the robot's capabilities",
+                      did_you_mean(capability, capabilities, "add it to \"capabilities\", or use one of"));
+  return capability;
+}
 
 Skill read_skill(const std::string& name, const Value& json, const std::vector<std::string>& capabilities,
                  const FileFaults& faults) {
@@ -138,7 +139,7 @@ Skill read_skill(const std::string& name, const Value& json, const std::vector<s
     faults.add("skills." + name, in_quotes(name) + " is no name",
                "start with a letter; then letters, digits, '_' or '-'");
   }
-  read_capability(reader, capabilities, skill);
+  skill.capability = read_capability(reader, capabilities);
   if (const auto* parameters = reader.object("parameters", Need::optional, kMaxParameters)) {
     for (const auto& [key, member] : *parameters) {
       skill.parameters.push_back(read_parameter(key, member, reader.path("parameters") + "." + key, faults));

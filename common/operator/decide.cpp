@@ -24,10 +24,27 @@ Status check_decision(const AlertDecide& decision) {
   return Done{};
 }
 
+namespace {
+
+/// Another cloud node decides on the run: it gets the verdict from here, and knows run and tasks by the same names.
+void decide_there(Session& session, AlertDecide decision, const Result<DecidedElsewhere>& place,
+                  const Callback<Ack>& done) {
+  if (!place) return done(place.error());
+  decision.run = place->run;
+  decision.tasks = place->tasks;
+  const auto answered = [done](const Message& answer) { done(decode<Ack>(answer.data)); };
+  session.command(place->node, std::move(decision), on_success<Message>(done, answered));
+}
+
+}  // namespace
+
 void decide(Session& session, const AlertDecide& decision, const Callback<Ack>& done) {
   if (const Status sound = check_decision(decision); !sound)
     return session.after(Duration::zero(), [done, why = sound.error()] { done(why); });
-  const auto answered = [done](const Message& answer) { done(decode<Ack>(answer.data)); };
+  const auto answered = [&session, decision, done](const Message& answer) {
+    if (answer.subtype != DecidedElsewhere::kSubtype) return done(decode<Ack>(answer.data));
+    decide_there(session, decision, decode<DecidedElsewhere>(answer.data), done);
+  };
   session.command(session.node(), decision, on_success<Message>(done, answered));
 }
 

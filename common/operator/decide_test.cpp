@@ -59,6 +59,29 @@ TEST_CASE("a decision is given to the node that decides, and taken or refused") 
   }
 }
 
+TEST_CASE("another cloud node decides on the run: it gets the decision, on the run's tasks") {
+  FakeNode node;
+  Ending<Ack> ending;
+  AlertDecide decision = on_alert(Verdict::accept);
+  decision.person = "ann";
+  decide(node.session(), decision, ending);
+  node.take<AlertDecide>();
+  node.answer(DecidedElsewhere{"cloud2", "71c0", {"fetch"}});
+  const auto sent = node.take<AlertDecide>("cloud2");
+  CHECK(sent.alert == "3f2a");
+  CHECK(sent.run == "71c0");
+  CHECK(sent.tasks == std::vector<std::string>{"fetch"});
+  CHECK(sent.person == "ann");
+  SUBCASE("it takes it") {
+    node.answer(Ack{"accepted", "the run goes on"});
+    CHECK(ending.value().text == "the run goes on");
+  }
+  SUBCASE("it is cut off") {
+    node.pass(kAnswerWait);
+    CHECK(ending.error().code == Errc::timeout);
+  }
+}
+
 TEST_CASE("one that is not sound is not sent") {
   FakeNode node;
   Ending<Ack> ending;

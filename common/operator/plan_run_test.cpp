@@ -116,7 +116,7 @@ TEST_CASE("a planned run is signed and submitted, with the certificates of whom 
     person.node.answer(RunAccepted{start->run});
     CHECK(run.value() == start->run);
   }
-  SUBCASE("unless a node of it was never heard") {
+  SUBCASE("unless a node of it is not known") {
     plan.robots = {"cart9"};
     submit_run(person.node.session(), plan, {}, run);
     CHECK_FALSE(run.has_come());

@@ -13,13 +13,8 @@ using namespace trb::op;
 namespace {
 
 Bytes frame_of(const std::string& subtype) {
-  Message message;
-  message.type = MessageType::information;
-  message.subtype = subtype;
-  message.source = "ant";
-  message.target = "bee";
-  message.data = "hello";
-  return encode_frame(message);
+  return encode_frame(
+      {.type = MessageType::information, .subtype = subtype, .source = "ant", .target = "bee", .data = "hello"});
 }
 
 }  // namespace

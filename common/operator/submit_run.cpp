@@ -20,7 +20,7 @@ Result<std::vector<Member>> members_of(const RunPlan& plan) {
     if (wanted.erase(route.id) != 0 || route.role == Role::cloud) out.push_back({route.id, route.certificate});
   }
   if (!wanted.empty())
-    return fail(Errc::unknown_target, "node '" + *wanted.begin() + "' was never heard", "see trb route list");
+    return fail(Errc::unknown_target, "node '" + *wanted.begin() + "' is not known", "see trb route list");
   return out;
 }
 

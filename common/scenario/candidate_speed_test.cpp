@@ -1,10 +1,14 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <cstddef>
 #include <ctime>
+#include <string>
+#include <vector>
 
 #include "common/scenario/candidate_index.hpp"
 #include "common/scenario/definition.hpp"
+#include "common/scenario/task_need.hpp"
 #include "common/scenario/test/candidate_hall.hpp"
 
 using namespace trb;
@@ -37,7 +41,8 @@ double cpu_ms(Work work) {
 
 }  // namespace
 
-TEST_CASE("a thousand robots: check, preflight and binding of a hundred tasks take less than 50 ms") {
+TEST_CASE(
+    "a thousand robots: check, preflight and binding of a hundred tasks take no more than a few looks at each robot") {
   const Profiles profiles = large_hall();
   Scenario scenario{"n", "", {}};
   for (int i = 0; i < 100; ++i) {
@@ -47,6 +52,16 @@ TEST_CASE("a thousand robots: check, preflight and binding of a hundred tasks ta
     task.id = "t" + std::to_string(i);
     scenario.tasks.push_back(task);
   }
+  // The floor: each task is compared with each robot once. A slow machine is slow at both.
+  std::vector<TaskNeed> needs;
+  for (const Task& task : scenario.tasks) needs.push_back(need_of(task).value());
+  std::size_t taken = 0;
+  const double floor = cpu_ms([&] {
+    for (const TaskNeed& need : needs) {
+      for (const auto& [id, profile] : profiles) taken += takes_task(need, profile) ? 1U : 0U;
+    }
+  });
+  REQUIRE(taken > 0);
   const double ms = cpu_ms([&] {
     ConfigFaults faults;
     check_scenario(scenario, profiles, "s.json", faults);
@@ -55,6 +70,6 @@ TEST_CASE("a thousand robots: check, preflight and binding of a hundred tasks ta
     CHECK(tasks_without_spare(scenario, candidates).size() == 50);
     CHECK(bind_tasks(scenario, candidates, "", "s.json", faults)[0] == "robot0");
   });
-  MESSAGE("check, preflight, binding: " << ms << " ms");
-  CHECK(ms < 50);
+  MESSAGE("check, preflight, binding: " << ms << " ms, " << ms / floor << " of the floor's " << floor << " ms");
+  CHECK(ms / floor < 4);
 }

@@ -6,8 +6,10 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
+#include <variant>
 
 #include "common/base/bytes.hpp"
 #include "common/base/result.hpp"
@@ -64,6 +66,18 @@ class SqliteFile {
     (bind(*statement, ++place, values), ...);
     return step(*statement, each);
   }
+  /// The same with values of a number that is known when it runs: each a std::variant of what rows() takes.
+  template <class Variant>
+  Status rows_of(const char* sql, const EachRow& each, std::span<const Variant> values) {
+    auto statement = prepared(sql);
+    if (!statement) return statement.error();
+    int place = 0;
+    for (const Variant& value : values) {
+      ++place;
+      std::visit([&](const auto& one) { bind(*statement, place, one); }, value);
+    }
+    return step(*statement, each);
+  }
 
   /// Writes everything that `work` writes, or nothing. Within another transaction it is part of that one,
   /// whose work returns its error.
@@ -87,6 +101,7 @@ class SqliteFile {
     bind(statement, place, std::string_view(text));
   }
   static void bind(sqlite3_stmt* statement, int place, BlobView blob);
+  static void bind(sqlite3_stmt*, int, std::monostate) {}  ///< NULL
   static void bind(sqlite3_stmt* statement, int place, std::int64_t number);
   static void bind(sqlite3_stmt* statement, int place, std::uint32_t number) {
     bind(statement, place, std::int64_t{number});

@@ -99,7 +99,7 @@ struct Ack {
   }
 };
 
-/// Asks the router to sign a record of this kind; only the one service that may make this kind is served.
+/// Requests the router to sign a record of this kind; only the one service that may make this kind is served.
 struct SignRequest {
   static constexpr std::string_view kSubtype = "sign_request";
   static constexpr Travel kTravel = on_bus(CostPhase::upkeep, {kAnyService});
@@ -111,7 +111,7 @@ struct SignRequest {
   }
 };
 
-/// Asks a router for its table, which comes in pages: common/actor/route_pages.hpp.
+/// Requests a router's table, which comes in pages: common/actor/route_pages.hpp.
 struct RouteListRequest {
   static constexpr std::string_view kSubtype = "route_list";
   static constexpr Travel kTravel = between_nodes(CostPhase::upkeep);
@@ -161,7 +161,7 @@ struct ServiceTable {
   }
 };
 
-/// Asks a router for its counters ("sent.SUBTYPE", "refused.REASON" …).
+/// Requests a router's counters ("sent.SUBTYPE", "refused.REASON" …).
 struct RouterCountersRequest {
   static constexpr std::string_view kSubtype = "router_counters";
   static constexpr Travel kTravel = between_nodes(CostPhase::upkeep);

@@ -98,7 +98,7 @@ struct DecisionJournaled {
   }
 };
 
-/// The decider asks a robot's node to give tasks back (command). A task that has not begun is answered by its signed
+/// A decider requests a robot's node to give tasks back (command). A task that has not begun is answered by its signed
 /// result, `released`; one that has ended stays as it is, and so does a running one unless it is to stop. Answered by
 /// Ack "accepted" or a Nack; the results come as usual.
 struct ReleaseTasks {

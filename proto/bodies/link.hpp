@@ -92,6 +92,7 @@ struct NodeProfile {
   FrameInfo frame{};                   ///< the frame of the robot's own `position`
   std::vector<OutOfUse> out_of_use{};  ///< current faults, and whether it is retired
   std::vector<NamedNumber> numbers{};  ///< from the description
+  std::vector<DriveInfo> drives{};     ///< what of the robot can be driven by hand
   bool operator==(const NodeProfile&) const = default;
   template <class T = NodeProfile>
   static FieldTable fields() {
@@ -111,7 +112,8 @@ struct NodeProfile {
                       field("plugged", &T::plugged, 255),
                       field("frame", &T::frame),
                       field("out_of_use", &T::out_of_use, kMaxOutOfUse),
-                      field("numbers", &T::numbers, 64)};
+                      field("numbers", &T::numbers, 64),
+                      field("drives", &T::drives, 4)};
   }
 };
 
@@ -235,7 +237,7 @@ struct Relayed {
   }
 };
 
-/// Asks a router for the errors on its links: for `trb doctor`.
+/// Requests the errors on a router's links: for `trb doctor`.
 struct LinkErrorTableRequest {
   static constexpr std::string_view kSubtype = "link_troubles";
   static constexpr Travel kTravel = between_nodes(CostPhase::upkeep);
@@ -374,7 +376,7 @@ struct RouteTable {
   static constexpr Travel kTravel = between_nodes(CostPhase::upkeep);
   std::string node;
   std::vector<Route> routes;
-  bool more = false;    ///< more rows follow the last of these: ask for the next page
+  bool more = false;    ///< more rows follow the last of these: request the next page
   std::string after{};  ///< the `after` of this page's request
   template <class T = RouteTable>
   static FieldTable fields() {

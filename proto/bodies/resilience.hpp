@@ -151,10 +151,12 @@ struct AlertTable {
   }
 };
 
-/// A verdict on an alert (command), on the decider's own bus. Answered by Ack "accepted" once journaled, or a Nack.
+/// A verdict on an alert, or on a run's tasks (command): by a person on a node's own bus, or by one on another cloud
+/// node, which then names the run and its tasks. Answered by Ack "accepted" once journaled, by DecidedElsewhere, or a
+/// Nack.
 struct AlertDecide {
   static constexpr std::string_view kSubtype = "alert_decide";
-  static constexpr Travel kTravel = on_bus(CostPhase::upkeep, {kProbe, "cloud-gateway"});
+  static constexpr Travel kTravel = from_cloud(CostPhase::upkeep, {kProbe, "cloud-gateway"});
   std::string alert;  ///< the id, or a unique beginning of it
   Verdict verdict{};
   std::string robot;  ///< accept: the robot of the proposal, empty for the best; override: the robot that takes over
@@ -168,6 +170,20 @@ struct AlertDecide {
     return FieldTable{field("alert", &T::alert, 64),   field("verdict", &T::verdict),     field("robot", &T::robot, 64),
                       field("person", &T::person, 64), field("reason", &T::reason, 1024), field("stands", &T::stands),
                       field("run", &T::run, 64),       field("tasks", &T::tasks, 1000)};
+  }
+};
+
+/// Answers a verdict on a run that another node decides on: the verdict belongs there, on this run and these tasks.
+/// Alerts have other ids on other nodes.
+struct DecidedElsewhere {
+  static constexpr std::string_view kSubtype = "decided_elsewhere";
+  static constexpr Travel kTravel = on_bus(CostPhase::upkeep, {"resilience"});
+  std::string node;
+  std::string run;
+  std::vector<std::string> tasks;
+  template <class T = DecidedElsewhere>
+  static FieldTable fields() {
+    return FieldTable{field("node", &T::node, 64), field("run", &T::run, 64), field("tasks", &T::tasks, 1000)};
   }
 };
 
@@ -228,7 +244,7 @@ struct AlertRanking {
   }
 };
 
-/// Asks a node's trb-resilience for what it has recorded about its fleet's robots.
+/// Requests what a node's trb-resilience has recorded about its fleet's robots.
 struct HistoryListRequest {
   static constexpr std::string_view kSubtype = "history_list";
   static constexpr Travel kTravel = between_nodes(CostPhase::upkeep);

@@ -1,4 +1,4 @@
-// Bodies about the robot: between scheduler and mode-adapter of one node, and what the fleet is told about it.
+// Bodies about the robot: between scheduler and mode-adapter of one node, and what the fleet is notified of.
 #pragma once
 
 #include "proto/field.hpp"
@@ -242,6 +242,53 @@ struct RobotState {
   template <class T = RobotState>
   static FieldTable fields() {
     return FieldTable{field("values", &T::values, 32)};
+  }
+};
+
+/// What of a robot a velocity moves.
+enum class DrivePart : std::uint8_t {
+  base = 0,  ///< axes x, y, z (m/s; forward, left, up), roll, pitch, yaw (rad/s), in the robot's own frame
+  joints,    ///< an axis for each joint, rad/s
+  tool,      ///< as base, of the tool in the frame of the arm's foot
+  belt,      ///< x, m/s along the belt
+};
+constexpr auto enum_names(DrivePart) {
+  return std::array<std::string_view, 4>{"base", "joints", "tool", "belt"};
+}
+
+constexpr std::uint32_t kMaxDriveAxes = 16;
+
+/// A part of a robot that a person can drive.
+struct DriveInfo {
+  DrivePart part{};
+  std::vector<std::string> axes;  ///< their names, in the order of Velocity::speeds
+  std::vector<double> limits;     ///< the highest speed of each, m/s or rad/s
+  bool operator==(const DriveInfo&) const = default;
+  template <class T = DriveInfo>
+  static FieldTable fields() {
+    return FieldTable{field("part", &T::part), field("axes", &T::axes, kMaxDriveAxes),
+                      field("limits", &T::limits, kMaxDriveAxes)};
+  }
+};
+
+/// A person drives the robot by hand (command to its mode-adapter, several times a second). 250 ms after the last one
+/// the robot's node orders it to stand; after 500 ms the drive is over. Answered by Ack "driving" or "over", or a Nack.
+struct Velocity {
+  static constexpr std::string_view kSubtype = "velocity";
+  static constexpr Travel kTravel = from_cloud(CostPhase::task, {kProbe, "cloud-gateway"});
+  DrivePart part{};
+  std::vector<double> speeds;  ///< of the part's axes (DriveInfo), m/s or rad/s; missing ones are 0
+  std::uint64_t drive = 0;     ///< names the drive; a late message of one that is over starts nothing
+  std::uint64_t sequence = 0;  ///< increases within a drive; an older one is refused
+  bool over = false;           ///< the person lets go: the robot stands, and control is free at once
+  bool take = false;           ///< takes control from who has it
+  std::string by;              ///< the person
+  template <class T = Velocity>
+  static FieldTable fields() {
+    return FieldTable{field("part", &T::part),   field("speeds", &T::speeds, kMaxDriveAxes),
+                      field("drive", &T::drive), field("sequence", &T::sequence),
+                      field("over", &T::over),   field("take", &T::take),
+                      field("by", &T::by, 64)};
   }
 };
 

@@ -190,7 +190,7 @@ struct RunEnd {
   }
 };
 
-/// Carries a RunEnd to a member (information): sent once, and again to every node that asks.
+/// Carries a RunEnd to a member (information): sent once, and again to every node that requests it.
 struct RunOver {
   static constexpr std::string_view kSubtype = "run_over";
   static constexpr Travel kTravel = between_nodes(CostPhase::upkeep, {"scheduler"});
@@ -201,7 +201,7 @@ struct RunOver {
   }
 };
 
-/// A member with nothing left to do in a run asks the node that signs its end (request). Answered by RunOver, or Ack
+/// A member with nothing left to do in a run requests its end from the node that signs it. Answered by RunOver, or Ack
 /// "not_over".
 struct NeedEnd {
   static constexpr std::string_view kSubtype = "need_end";
@@ -298,7 +298,7 @@ struct Definition {
   }
 };
 
-/// Asks for the results of tasks that the other node knows to be final.
+/// Requests the results of tasks that the other node knows to be final.
 struct NeedResults {
   static constexpr std::string_view kSubtype = "need_results";
   static constexpr Travel kTravel = between_nodes(CostPhase::forward);
@@ -496,12 +496,12 @@ struct RunQuery {
   }
 };
 
-/// Asks for what is signed of a run, open or over, from its record `first` on (request). Answered by RunRecords.
+/// Requests what is signed of a run, open or over, from its record `first` on (request). Answered by RunRecords.
 struct RunProofRequest {
   static constexpr std::string_view kSubtype = "run_proof";
   static constexpr Travel kTravel = on_bus(CostPhase::upkeep, {kProbe, "cloud-gateway"});
   std::string run;          ///< as in RunQuery
-  std::uint32_t first = 0;  ///< how many records the asker has
+  std::uint32_t first = 0;  ///< how many records the requester has
   template <class T = RunProofRequest>
   static FieldTable fields() {
     return FieldTable{field("run", &T::run, 64), field("first", &T::first)};
@@ -567,7 +567,7 @@ struct RunSummary {
   }
 };
 
-/// Asks a scheduler to report on its runs (request): answered by RunTable at once, then, for `lease_s`, by RunChanged
+/// Requests a scheduler to report on its runs: answered by RunTable at once, then, for `lease_s`, by RunChanged
 /// with the same `reply_to` at each change.
 struct RunWatch {
   static constexpr std::string_view kSubtype = "run_watch";

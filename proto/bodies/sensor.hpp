@@ -105,7 +105,7 @@ struct SensorReading {
 };
 
 /// To a node's sensor-bus (request): one picture of a sensor of kind image. Answered by SensorImage on the lossy lane,
-/// or a Nack: a requester that receives neither asks again.
+/// or a Nack: a requester that receives neither sends it again.
 struct SensorSnapshot {
   static constexpr std::string_view kSubtype = "sensor_snapshot";
   static constexpr Travel kTravel = between_nodes(CostPhase::sensor);
@@ -133,7 +133,7 @@ struct SensorImage {
   }
 };
 
-/// Asks a node's sensor-bus for its sensors and for the devices that match no rule.
+/// Requests a node's sensors from its sensor-bus, and the devices that match no rule.
 struct SensorListRequest {
   static constexpr std::string_view kSubtype = "sensor_list";
   static constexpr Travel kTravel = between_nodes(CostPhase::upkeep);

@@ -4,6 +4,6 @@
 
 int main(int argc, char** argv) {
   return trb::service_main(argc, argv,
-                           {"ros-bridge", "Says and hears ROS topics for the node's mode-adapter.", "nodes/ridgeback",
-                            trb::ros::start, nullptr, true});
+                           {"ros-bridge", "Publishes and subscribes to ROS topics for the node's mode-adapter.",
+                            "nodes/ridgeback", trb::ros::start, nullptr, true});
 }

@@ -70,9 +70,10 @@ TEST_CASE("a node's profile") {
                             {{"t1", "temperature", "degC", "7", "d", SensorState::ok, ""}},
                             {1, 2.5, 0, -1},
                             {{"grab", Severity::fatal, "t", 5, false, "b"}},
-                            {{"payload", 3, "kg"}}};
+                            {{"payload", 3, "kg"}},
+                            {{DrivePart::tool, {"x"}, {2.5}}}};
   CHECK(to_hex(encode(profile)) ==
-        "dc0011"
+        "dc0012"
         "a27572"
         "a6646972656374"
         "a87463702d74657874"
@@ -97,7 +98,8 @@ TEST_CASE("a node's profile") {
         "9197a27431ab74656d7065726174757265a464656743a137a16401a0"
         "94cb3ff0000000000000cb4004000000000000cb0000000000000000cbbff0000000000000"
         "9196a46772616203a17405c2a162"
-        "9193a77061796c6f6164cb4008000000000000a26b67");
+        "9193a77061796c6f6164cb4008000000000000a26b67"
+        "91930291a17891cb4004000000000000");
 }
 
 TEST_CASE("the start of a run") {
@@ -196,6 +198,7 @@ TEST_CASE("alerts and what is decided on them") {
         "90a0c200a0a000a0");
   CHECK(to_hex(encode(AlertDecide{"a", Verdict::override_, "p1", "Ann", "why", true, "r", {"go"}})) ==
         "98a16102a27031a3416e6ea3776879c3a17291a2676f");
+  CHECK(to_hex(encode(DecidedElsewhere{"c", "r", {"go"}})) == "93a163a17291a2676f");
   CHECK(to_hex(encode(AlertListRequest{true})) == "91c3");
   CHECK(to_hex(encode(AlertRankRequest{"a", {{"b", 1}}})) == "92a1619192a162cb3ff0000000000000");
   CHECK(to_hex(encode(AlertRanking{"a", {}, {}, {}, {{"b", 0.5, "r"}}, true})) ==
@@ -216,12 +219,14 @@ TEST_CASE("bodies of link and bus") {
   CHECK(to_hex(encode(Hello{kRecord, 1, "h:1", "v", 2, false, {}, 3, "s", true, "l"})) ==
         std::string("9b") + kRecordHex +
             "01a3683a31a17602c2"
-            "dc0011a0a0a0a0a090909090a0a0c2a090"
+            "dc0012a0a0a0a0a090909090a0a0c2a090"
             "94cb0000000000000000cb0000000000000000cb0000000000000000cb0000000000000000"
-            "9090"
+            "909090"
             "03a173c3a16c");
   CHECK(to_hex(encode(Beacon{kRecord, "h:1", 1, 2, 3})) == std::string("95") + kRecordHex + "a3683a31010203");
   CHECK(to_hex(encode(InjectFault{"grab", Severity::fatal, "t"})) == "93a46772616203a174");
+  CHECK(to_hex(encode(Velocity{DrivePart::joints, {2.5}, 300, 7, false, true, "p"})) ==
+        "970191cb4004000000000000cd012c07c2c3a170");
   CHECK(to_hex(encode(RobotState{{{"safety", "3"}}})) == "919192a6736166657479a133");
   CHECK(to_hex(encode(SensorRead{"t", "7", 2})) == "93a174a137cb4000000000000000");
   CHECK(to_hex(encode(SensorReading{"t", "7", "m", false, 2, "", 5, 2, "good", 3, 4})) ==

@@ -81,7 +81,7 @@ TEST_CASE("what a reader would refuse is not packed: a list or blob over its bou
   CHECK_FALSE(decode<RobotState>(encode(state)).ok());
 
   SignRequest request{"result", {std::string((1U << 19U) + 1, 'x')}};
-  CHECK(pack_body(request).error().text() == "too_large: sign_request: payload: over 524288 bytes; say less at once");
+  CHECK(pack_body(request).error().text() == "too_large: sign_request: payload: over 524288 bytes; send less at once");
   request.payload.bytes.pop_back();
   CHECK(pack(request).ok());
 

@@ -85,6 +85,10 @@ class Demo(support.Demonstration, unittest.TestCase):
         client = gateway_client.Client(int(port), self.root / "nodes/cloud/keys/gateway.crt")
         self.assertEqual(client.sign_in(user, password).status, 201)
         self.assertIn(b"<html", client.ask("GET", "/").bytes)
+        own = "a password of my own"
+        changed = client.ask("PUT", "/api/v1/me/password", {"old": password, "new": own})
+        self.assertLess(changed.status, 300, changed.bytes)
+        self.assertEqual(client.sign_in(user, own).status, 201)
         robots = client.ask("GET", "/api/v1/robots").json
         self.assertEqual(len(robots["items"]), 9, robots)
         os.killpg(child.pid, signal.SIGINT)

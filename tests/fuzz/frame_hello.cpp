@@ -101,13 +101,8 @@ std::vector<Bytes> seeds() {
   profile.robot = "ONLINE";
   Hello hello = make_hello(keys.cat, "cat");
   hello.profile = profile;
-  Message move;
-  move.type = MessageType::command;
-  move.subtype = "move";
-  move.source = "bee";
-  move.target = "ant";
-  move.id = 9;
-  move.data = "[1,2,3]";
+  const Message move{
+      .type = MessageType::command, .subtype = "move", .source = "bee", .target = "ant", .id = 9, .data = "[1,2,3]"};
   return {encode(hello),
           encode(make_hello(keys.bee, "bee")),
           frame_of(make_hello(keys.bee, "bee"), 1),

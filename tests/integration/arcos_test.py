@@ -4,11 +4,9 @@ router, mode-adapter and virtual robot. Addresses 127.0.146.x and 127.0.147.x.
 import json
 import math
 import os
-import pathlib
 import signal
 import socket
 import subprocess
-import tempfile
 import time
 import unittest
 
@@ -26,11 +24,10 @@ class Robot(trb_fleet.Process):
     """A virtual Pioneer of its own, on a free port."""
 
     def __init__(self, case, *arguments):
-        folder = tempfile.TemporaryDirectory(prefix="trb-")
-        case.addCleanup(folder.cleanup)
+        folder = support.temporary_folder(case)
         super().__init__([ROBOT, "--address", "127.0.147.200", "--port", "auto", "--control", "127.0.147.200:auto",
                           "--die-with-parent", *arguments],
-                         pathlib.Path(folder.name) / "robot.log", stdin=subprocess.PIPE)
+                         folder / "robot.log", stdin=subprocess.PIPE)
         case.addCleanup(self.stop)
         self.port = int(self.wait_line("ready", 10)[0].split()[1])
         self.control = int(self.wait_line("control", 10)[0].split()[1])
@@ -262,7 +259,7 @@ class InAFleet(unittest.TestCase):
         self.robot.wait_line("command 8", LONG_S, self.mark())
         done = self.fleet.trb("stop", "pioneer1", node="pioneer2")
         self.assertIn("confirmed", done.stdout)
-        self.assertEqual(self.fleet.ask("velocity"), [0, 0])
+        self.assertEqual(self.fleet.ask("speeds"), [0, 0])
         self.assertNotIn(self.view(run)["tasks"][0]["state"], ("RUNNING", "FINISHED"))
         self.assertIn("fenced", self.fleet.send("speed", "100").stderr)
         self.fleet.trb("scenario", "abort", run, node="pioneer1", check=False)
@@ -277,7 +274,7 @@ class InAFleet(unittest.TestCase):
         self.assertIn("robot_offline", self.fleet.send("speed", "100").stderr)
         self.robot.child.send_signal(signal.SIGCONT)
         self.fleet.wait_robot("ONLINE")
-        self.fleet.wait("it stands", lambda: self.fleet.ask("velocity") == [0, 0], 10)
+        self.fleet.wait("it stands", lambda: self.fleet.ask("speeds") == [0, 0], 10)
         self.fleet.trb("scenario", "abort", run, node="pioneer1", check=False)
 
     def test_a_robot_that_is_killed_and_one_in_its_place(self):

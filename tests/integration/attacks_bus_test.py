@@ -1,9 +1,7 @@
 """A program on a node's own bus is hostile: a compromised service, or a holder of trb's key. It may harm its own
 node's robot, but not other nodes' links, nor may it have records signed in another's name.
 """
-import pathlib
 import secrets
-import tempfile
 import time
 import unittest
 
@@ -229,9 +227,8 @@ class Programs(unittest.TestCase):
 
     @classmethod
     def setUpClass(cls):
-        folder = tempfile.TemporaryDirectory(prefix="trb-bus-", ignore_cleanup_errors=True)
-        cls.addClassCleanup(folder.cleanup)
-        cls.bus = bus = private_bus.PrivateBus(pathlib.Path(folder.name))
+        folder = support.temporary_folder(cls)
+        cls.bus = bus = private_bus.PrivateBus(folder)
         cls.bus.start()
         cls.addClassCleanup(cls.bus.stop)
 

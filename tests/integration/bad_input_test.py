@@ -8,7 +8,6 @@ import re
 import shutil
 import socket
 import subprocess
-import tempfile
 import unittest
 
 import support
@@ -40,9 +39,7 @@ def processes_of(folder):
 
 class Case(unittest.TestCase):
     def temporary(self):
-        folder = tempfile.TemporaryDirectory(prefix="trb-")
-        self.addCleanup(folder.cleanup)
-        return pathlib.Path(folder.name)
+        return support.temporary_folder(self)
 
     def error_of(self, *arguments, code, what, cure, status=1, **env):
         """Refused with that code; `what` and `cure` are parts of the texts, in text and JSON output."""

@@ -6,7 +6,6 @@ import json
 import pathlib
 import shutil
 import subprocess
-import tempfile
 import unittest
 
 import support
@@ -25,9 +24,7 @@ SHORT = ["--timeout", "0.6", "--wait", "1"]
 class Conform(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        folder = tempfile.TemporaryDirectory(prefix="trb-conform-")
-        cls.addClassCleanup(folder.cleanup)
-        cls.root = pathlib.Path(folder.name)
+        cls.root = support.temporary_folder(cls)
 
     def description(self, **channel):
         """The shipped example with another field channel."""

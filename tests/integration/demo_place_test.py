@@ -21,9 +21,7 @@ import trb_fleet
 
 class Place(unittest.TestCase):
     def setUp(self):
-        folder = tempfile.TemporaryDirectory(prefix="trb-")
-        self.addCleanup(folder.cleanup)
-        self.folder = pathlib.Path(folder.name)
+        self.folder = support.temporary_folder(self)
         self.said = []
         patch = mock.patch.object(demo_place, "BLOCKS", range(242, 246, 2))
         patch.start()
@@ -82,9 +80,7 @@ class Place(unittest.TestCase):
 
 class Bus(unittest.TestCase):
     def start(self, below):
-        folder = tempfile.TemporaryDirectory(prefix="trb-")
-        self.addCleanup(folder.cleanup)
-        path = pathlib.Path(folder.name) / below
+        path = support.temporary_folder(self) / below
         path.mkdir(parents=True)
         bus = private_bus.PrivateBus(path)
         self.addCleanup(bus.stop)

@@ -228,10 +228,13 @@ class OtherMaker(unittest.TestCase):
     """A drone of a maker that is not in the repository: JSON alone, with words, names and ports of its own."""
 
     VENDOR = {"port": 6556, "transport": "udp-at", "monitor": {"protocol": "ar-navdata", "port": 6554},
-              "commands": {"ascend": "REF take_off", "come_down": "REF land", "stop": "REF land", "release": "",
-                           "call_it": 'CONFIG "general:ardrone_name" {data}'},
+              "commands": {"ascend": "REF take_off", "come_down": "REF land", "stop": "REF land", "release": "", "stay": "hover",
+                           "glide": "PCMD {0} {1} {2} {3} for 0.5", "call_it": 'CONFIG "general:ardrone_name" {data}'},
               "values": {"height": "altitude"}, "requests": {"how_high": "height"}}
     SKILL = {"capability": "fly", "command": {"subtype": "ascend"}, "end": {"kind": "state", "state": "airborne", "equals": 1}}
+
+    BY_HAND = [{"part": "base", "capability": "fly", "axes": {"x": {"limit": 1, "factor": -0.3333}},
+                "command": {"subtype": "glide", "data": "[0, {x}, 0, 0]"}, "stand": {"subtype": "stay"}}]
 
     def edit(self, name, change):
         path = self.fleet.dir("drone") / name
@@ -244,7 +247,7 @@ class OtherMaker(unittest.TestCase):
         self.edit("node.json", lambda node: node.update(framework="skyco"))
         self.edit("profile.json", lambda profile: profile.update(skyco="direct"))
         self.edit("commands.json", lambda commands: commands.update(skyco=self.VENDOR))
-        self.edit("robots/drone.json", lambda robot: robot.update(maker="Skyco", skills={"go_up": self.SKILL}))
+        self.edit("robots/drone.json", lambda robot: robot.update(maker="Skyco", skills={"go_up": self.SKILL}, drives=self.BY_HAND))
         drone = self.fleet.start_drone("--port", "6556")
         self.fleet.start()
         self.fleet.wait_robot("ONLINE")

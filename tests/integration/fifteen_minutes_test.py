@@ -3,12 +3,10 @@
 Addresses 127.0.157.x.
 """
 import os
-import pathlib
 import re
 import signal
 import socket
 import subprocess
-import tempfile
 import threading
 import unittest
 
@@ -26,9 +24,7 @@ def commands_of(heading):
 
 class FifteenMinutes(unittest.TestCase):
     def setUp(self):
-        folder = tempfile.TemporaryDirectory(prefix="trb-15-", ignore_cleanup_errors=True)
-        self.addCleanup(folder.cleanup)
-        self.root = pathlib.Path(folder.name)
+        self.root = support.temporary_folder(self)
         self.env = dict(os.environ, TRB=str(support.REPO), TRB_PASSPHRASE="a long passphrase",
                         PATH=f"{support.PROGRAMS}:/usr/bin:/bin")
 

@@ -17,18 +17,22 @@ import gateway_contract  # noqa: E402
 ROBOT = "pioneer1"
 SCENARIO = {"name": "short", "tasks": [{"id": "go", "robot": ROBOT, "skill": "go_to", "data": {"place": "dock"}}]}
 GOOD = "a good long password"
+ADMIN = "another good long password"
 
 
 class GatewayCase(unittest.TestCase):
     block, udp_port = 0, 0  # each test file has its own
     fleet_kind = trb_fleet.Fleet
     robots = (ROBOT,)
+    kinds = trb_fleet.ROBOTS  # what each of them is
+    robot = ROBOT  # that is waited for
+    speed = 20
     contract = gateway_contract.Contract()
 
     @classmethod
     def setUpClass(cls):
         cls.fleet = support.make_fleet(cls, cls.fleet_kind, block=cls.block, udp_port=cls.udp_port,
-                                       robots={name: trb_fleet.ROBOTS[name] for name in cls.robots}, speed=20,
+                                       robots={name: cls.kinds[name] for name in cls.robots}, speed=cls.speed,
                                        gateway_port=trb_fleet.free_port())
         cls.port = cls.fleet.gateway_port
         cls.fleet.start()
@@ -39,6 +43,9 @@ class GatewayCase(unittest.TestCase):
         cls.secrets = [made["password"]]
         cls.admin = cls.client()
         assert cls.admin.sign_in("admin", made["password"]).status == 201
+        changed = cls.admin.ask("PUT", "/api/v1/me/password", {"old": made["password"], "new": ADMIN})
+        assert changed.status == 204, changed.bytes
+        assert cls.admin.sign_in("admin", ADMIN).status == 201
         cls.fleet.wait("the robot is shown online", cls.is_online, 20)
         for name, role in (("vic", "viewer"), ("olga", "operator")):
             answer = cls.admin.ask("POST", "/api/v1/users", {"name": name, "role": role, "password": GOOD})
@@ -53,7 +60,7 @@ class GatewayCase(unittest.TestCase):
 
     @classmethod
     def is_online(cls):
-        answer = cls.admin.ask("GET", f"/api/v1/robots/{ROBOT}")
+        answer = cls.admin.ask("GET", f"/api/v1/robots/{cls.robot}")
         return answer.status == 200 and answer.json["content"]["connection"] == "ONLINE"
 
     @classmethod

@@ -7,11 +7,11 @@ import json
 import os
 import signal
 import socket
-import subprocess
 
 import support
 import sensor_side
 import trb_fleet
+from feeder import Feeder
 from gateway_case import CLOUD, GOOD, ROBOT, SCENARIO, GatewayCase
 
 SENSOR = "humidity"
@@ -26,19 +26,6 @@ class SensorFleet(trb_fleet.Fleet):
         self.side = sensor_side.SensorSide(self, ROBOT)
 
 
-class Feeder:
-    """A line of shell that emits a value five times a second: a ramp, so that every value is another one."""
-
-    def __init__(self, bus, name):
-        emit = f"dbus-send --bus={bus.address} --type=signal /trbots/{name} trbots.{name}.value double:$i string:percent"
-        line = f"i=0; while :; do i=$((i+1)); {emit} 2>/dev/null; sleep 0.2; done"
-        self.child = subprocess.Popen(["sh", "-c", line], preexec_fn=trb_fleet.end_with_parent)
-
-    def stop(self):
-        self.child.terminate()
-        self.child.wait()
-
-
 def rows_of(frame, kind):
     return [row for block in frame.get("blocks", []) for row in block["rows"] if row["kind"] == kind]
 
@@ -50,7 +37,7 @@ class Stream(GatewayCase):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        cls.feeder = Feeder(cls.fleet.side.bus, SENSOR)
+        cls.feeder = Feeder(cls.fleet.side.bus, SENSOR, "double:$i", "string:percent")  # every value is another one
         cls.addClassCleanup(cls.feeder.stop)
         cls.fleet.wait("the sensor is listed", lambda: cls.viewer.ask(
             "GET", f"/api/v1/sensors/{ROBOT}/{SENSOR}").status == 200, 20)

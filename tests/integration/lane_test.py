@@ -331,7 +331,7 @@ class Lane(unittest.TestCase):
             self.watch.wait_counted("refused.lane_topic", count)
             thief.wait_event(zmq.EVENT_DISCONNECTED)
             self.assertTrue(thief.hears_nothing(0))
-        self.watch.wait_logged("lane_topic belt wants to hear")
+        self.watch.wait_logged("lane_topic belt subscribes to what")
         self.hears_own(self.of_belt(b"belt\0"))
 
     def test_who_talks_to_the_lane_is_barred_and_hears_nothing_of_others(self):

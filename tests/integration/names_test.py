@@ -3,7 +3,6 @@ A name that comes from the network is never resolved."""
 import json
 import pathlib
 import socket
-import tempfile
 import threading
 import time
 import unittest
@@ -63,14 +62,13 @@ class NameServer:
 class Names(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        folder = tempfile.TemporaryDirectory(prefix="trb-")
-        cls.addClassCleanup(folder.cleanup)
+        folder = support.temporary_folder(cls)
         texts = {"resolv.conf": f"nameserver {SERVER}\n", "nsswitch.conf": "hosts: files dns\n", "hosts": "127.0.0.1 localhost\n"}
         for name, text in texts.items():
             path = pathlib.Path("/etc") / name
             if not path.exists():
                 continue
-            own_world.put_over(path.resolve(), text, folder.name)
+            own_world.put_over(path.resolve(), text, folder)
 
     def setUp(self):
         self.server = NameServer()

@@ -3,10 +3,8 @@
 Addresses 127.0.240.x.
 """
 import json
-import pathlib
 import socket
 import subprocess
-import tempfile
 import unittest
 
 import support
@@ -28,9 +26,8 @@ class OneNode(trb_fleet.Fleet):
 
 class NodeLife(unittest.TestCase):
     def make(self, below="", services=("router", "scheduler")):
-        folder = tempfile.TemporaryDirectory(prefix="trb-", ignore_cleanup_errors=True)
-        self.addCleanup(folder.cleanup)
-        fleet = OneNode(pathlib.Path(folder.name) / below / "fleet", list(services))
+        folder = support.temporary_folder(self)
+        fleet = OneNode(folder / below / "fleet", list(services))
         fleet.make()
         self.addCleanup(fleet.trb, "down", fleet.dir("cloud"), check=False)
         return fleet

@@ -4,9 +4,7 @@ Addresses 127.0.246.x, 127.0.247.x.
 """
 import json
 import os
-import pathlib
 import signal
-import tempfile
 import unittest
 
 import support
@@ -85,9 +83,7 @@ class OutOfUse(unittest.TestCase):
         self.assertEqual(self.out_of_use(), [])
 
     def test_the_check_of_a_scenario_warns_of_it(self):
-        folder = tempfile.TemporaryDirectory(prefix="trb-")
-        self.addCleanup(folder.cleanup)
-        path = pathlib.Path(folder.name) / "s.json"
+        path = support.temporary_folder(self) / "s.json"
         path.write_text(json.dumps({"name": "s", "tasks": [
             {"id": "load", "robot": ROBOT, "skill": "load_out", "on_failure": "skip"},
             {"id": "go", "robot": ROBOT, "skill": "go_to", "data": {"place": "dock"}, "after": ["load"]}]}))
@@ -99,9 +95,7 @@ class OutOfUse(unittest.TestCase):
         self.assertIn("'ridgeback' cannot use 'carry': gripper jammed", told["faults"][1]["what"])
 
     def test_what_needs_it_waits_and_goes_on_when_it_is_repaired(self):
-        folder = tempfile.TemporaryDirectory(prefix="trb-")
-        self.addCleanup(folder.cleanup)
-        path = pathlib.Path(folder.name) / "s.json"
+        path = support.temporary_folder(self) / "s.json"
         path.write_text(json.dumps({"name": "s", "tasks": [{"id": "load", "robot": ROBOT, "skill": "load_out"}]}))
         self.fault("carry", "--text", "gripper jammed")
         self.wait_out_of_use("carry")

@@ -7,7 +7,6 @@ import os
 import pathlib
 import re
 import subprocess
-import tempfile
 import unittest
 
 import support
@@ -46,9 +45,7 @@ class OwnServiceFleet(trb_fleet.Fleet):
 class Package(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        folder = tempfile.TemporaryDirectory(prefix="trb-package-")
-        cls.addClassCleanup(folder.cleanup)
-        cls.root = pathlib.Path(folder.name)
+        cls.root = support.temporary_folder(cls)
         cls.package = cls.root / "somewhere" / "else"
         cls.install()
         OwnServiceFleet.program = cls.build_example()

@@ -3,8 +3,6 @@
 Addresses 127.0.248.x, 127.0.249.x.
 """
 import json
-import pathlib
-import tempfile
 import unittest
 
 import support
@@ -21,9 +19,7 @@ class Runs(unittest.TestCase):
         cls.fleet = support.make_fleet(cls, block=248, udp_port=50248, robots={ROBOT: trb_fleet.ROBOTS[ROBOT]}, speed=100)
         cls.fleet.start()
         cls.fleet.wait_formed()
-        folder = tempfile.TemporaryDirectory(prefix="trb-")
-        cls.addClassCleanup(folder.cleanup)
-        cls.path = pathlib.Path(folder.name) / "s.json"
+        cls.path = support.temporary_folder(cls) / "s.json"
         cls.path.write_text(json.dumps({"name": "short", "tasks": [
             {"id": "go", "robot": ROBOT, "skill": "go_to", "data": {"place": "dock"}}]}))
         cls.runs = [cls.fleet.json("scenario", "run", cls.path, node=CLOUD)["run"] for _ in range(MANY)]

@@ -4,9 +4,7 @@ Addresses 127.0.168.x and 127.0.169.x.
 """
 import json
 import os
-import pathlib
 import signal
-import tempfile
 import unittest
 
 import support
@@ -19,9 +17,7 @@ MOVE = {"id": "move", "requires": ["mobile"], "skill": "go_to", "data": {"place"
 class ScenarioLanguage(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        folder = tempfile.TemporaryDirectory(prefix="trb-language-")
-        cls.addClassCleanup(folder.cleanup)
-        cls.path = pathlib.Path(folder.name) / "s.json"
+        cls.path = support.temporary_folder(cls) / "s.json"
         cls.fleet = support.make_fleet(cls, block=168, udp_port=50168, robots=ROBOTS, speed=4.0)
         cls.fleet.start()
         cls.fleet.wait_formed()

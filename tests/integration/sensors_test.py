@@ -1,21 +1,20 @@
 """Sensors over D-Bus: two nodes, each with a real router, a real sensor-bus and a real dbus-daemon of its own."""
 import json
 import os
-import pathlib
 import re
 import signal
 import subprocess
-import tempfile
 import time
 import unittest
 import dbus
 import dbus.bus
 import dbus.lowlevel
 
-from support import PROGRAMS, RouterFleet, main, make_fleet
+from support import PROGRAMS, RouterFleet, main, make_fleet, temporary_folder
 import private_bus
 import trb_fleet
 from fake_devices import Devices
+from feeder import Feeder
 
 NODES = ("hall", "office")
 RULE = {"match": {"subsystem": "hwmon", "attributes": {"name": "lm75"}}, "read": "attributes",
@@ -45,19 +44,6 @@ class Bus(private_bus.PrivateBus):
 
     def rules_but_observer(self):
         return [rule for rule in self.rules() if OBSERVER not in rule]
-
-
-class Feeder:
-    """A line of shell that emits a value five times a second."""
-
-    def __init__(self, bus, name, value="double:47", more=""):
-        emit = f"dbus-send --bus={bus.address} --type=signal /trbots/{name} trbots.{name}.value {value} {more}"
-        line = f"while :; do {emit} 2>/dev/null; sleep 0.2; done"
-        self.child = subprocess.Popen(["sh", "-c", line], preexec_fn=trb_fleet.end_with_parent)
-
-    def stop(self):
-        self.child.terminate()
-        self.child.wait()
 
 
 def huge_signal(address, name, size):
@@ -90,12 +76,11 @@ class SensorFleet(RouterFleet):
 
 def start_bus(case, node):
     """A D-Bus of that node's own, until the test class ends; returns its folder."""
-    folder = tempfile.TemporaryDirectory(prefix="trb-bus-")
-    case.addClassCleanup(folder.cleanup)
-    case.buses[node] = Bus(pathlib.Path(folder.name))
+    folder = temporary_folder(case)
+    case.buses[node] = Bus(folder)
     case.buses[node].start()
     case.addClassCleanup(case.buses[node].stop)
-    return pathlib.Path(folder.name)
+    return folder
 
 
 class Sensors(unittest.TestCase):

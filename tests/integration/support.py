@@ -32,14 +32,23 @@ def hold_blocks(*blocks, seconds=300):
                 raise TimeoutError(f"127.0.{block}.x is held by {demo_place.in_words(demo_place.pid_of_holder(block))}")
 
 
+def adder_of(case):
+    """How a test case or class is told what to do at its end."""
+    return case.addClassCleanup if isinstance(case, type) else case.addCleanup
+
+
+def temporary_folder(case):
+    """It goes with the test case or class."""
+    folder = tempfile.TemporaryDirectory(prefix="trb-", ignore_cleanup_errors=True)
+    adder_of(case)(folder.cleanup)
+    return pathlib.Path(folder.name)
+
+
 def make_fleet(case, kind=trb_fleet.Fleet, programs=PROGRAMS, **arguments):
     """A fleet in a temporary folder; it ends, and the folder goes, with the test case or class."""
-    add_cleanup = case.addClassCleanup if isinstance(case, type) else case.addCleanup
-    folder = tempfile.TemporaryDirectory(prefix="trb-", ignore_cleanup_errors=True)
-    add_cleanup(folder.cleanup)
-    fleet = kind(pathlib.Path(folder.name) / "fleet", programs, **arguments)
+    fleet = kind(temporary_folder(case) / "fleet", programs, **arguments)
     hold_blocks(fleet.block, fleet.block + 1)
-    add_cleanup(fleet.stop)
+    adder_of(case)(fleet.stop)
     fleet.make()
     return fleet
 

@@ -113,14 +113,19 @@ def four(report):
             yield lab, fleet
 
 
-def pull(report, rounds, wait):
+def break_for(seconds, report, rounds, cut, mend):
+    """In each round something is cut for so long, at another host each time; then all has to heal."""
+    for number in range(1, rounds + 1):
+        host = NODES[number % len(NODES)]
+        cut(host)
+        time.sleep(seconds)  # nothing is waited for: it lasts so long
+        mend(host)
+        report.healed(number, rounds, time.monotonic())
+
+
+def pull(report, rounds, seconds):
     with four(report) as (lab, _):
-        for number in range(1, rounds + 1):
-            host = NODES[number % len(NODES)]
-            lab.pull_cable(host)
-            time.sleep(wait)
-            lab.plug_cable(host)
-            report.healed(number, rounds, time.monotonic())
+        break_for(seconds, report, rounds, lab.pull_cable, lab.plug_cable)
 
 
 @case("cable-3s", 30, 2)
@@ -142,11 +147,7 @@ def cable_300s(report, rounds):
 def switch_dies(report, rounds):
     """No port forwards anything; the carrier stays. Longer than a lease: every link of every node is lost."""
     with four(report) as (lab, _):
-        for number in range(1, rounds + 1):
-            lab.switch_dies()
-            time.sleep(14)
-            lab.switch_returns()
-            report.healed(number, rounds, time.monotonic())
+        break_for(14, report, rounds, lambda _: lab.switch_dies(), lambda _: lab.switch_returns())
 
 
 @case("one-way", 10, 1)
@@ -172,11 +173,7 @@ def one_way(report, rounds):
 @case("loss-30", 10, 1)
 def loss(report, rounds):
     with four(report) as (lab, _):
-        for number in range(1, rounds + 1):
-            lab.lose(NODES[number % len(NODES)], 30)
-            time.sleep(12)
-            lab.heal_rules()
-            report.healed(number, rounds, time.monotonic())
+        break_for(12, report, rounds, lambda host: lab.lose(host, 30), lambda _: lab.heal_rules())
 
 
 @case("delay-50", 10, 1)
@@ -186,11 +183,7 @@ def delay(report, rounds):
         lab.add_hosts(NODES[:3])
         lab.add_delayed_host(NODES[3], 50)
         with report.standing(NetFleet(lab, addresses_of(NODES))):
-            for number in range(1, rounds + 1):
-                lab.pull_cable(NODES[3])
-                time.sleep(13)
-                lab.plug_cable(NODES[3])
-                report.healed(number, rounds, time.monotonic())
+            break_for(13, report, rounds, lambda _: lab.pull_cable(NODES[3]), lambda _: lab.plug_cable(NODES[3]))
 
 
 @case("address", 10, 2)
@@ -271,23 +264,14 @@ def nat(report, rounds):
         inner = f"192.168.{100 + lab.hosts[gate]}.2"
         fleet = NetFleet(lab, {**addresses_of(NODES[:3]), NODES[3]: inner})
         with fleet_with_seeds(report, fleet, NODES, {NODES[3]: NODES[:3]}):
-            for number in range(1, rounds + 1):
-                lab.pull_cable(gate)
-                time.sleep(13)
-                lab.plug_cable(gate)
-                report.healed(number, rounds, time.monotonic())
+            break_for(13, report, rounds, lambda _: lab.pull_cable(gate), lambda _: lab.plug_cable(gate))
 
 
 def six(report, rounds, hosts):
     with Lab(report.tag) as lab:
         lab.add_hosts(NODES, family=6)
         with report.standing(NetFleet(lab, hosts(lab))):
-            for number in range(1, rounds + 1):
-                host = NODES[number % len(NODES)]
-                lab.pull_cable(host)
-                time.sleep(13)
-                lab.plug_cable(host)
-                report.healed(number, rounds, time.monotonic())
+            break_for(13, report, rounds, lab.pull_cable, lab.plug_cable)
 
 
 @case("ipv6", 3, 1)
@@ -358,7 +342,9 @@ def relay(report, rounds):
                     report.show_logs()
                 else:
                     report.say(f"round {number}: by the relay {took:.2f} s after the cut, of which the lease is {LEASE_S:.0f} s")
-                time.sleep(2)  # for some traffic by the relay
+                relayed = fleet.counters("cat").get("relayed.sent", 0)
+                if wait_until(lambda: fleet.counters("cat").get("relayed.sent", 0) > relayed, 10) is None:
+                    report.fail(f"round {number}: nothing went by the relay for 10 s")
                 report.via = {}
                 lab.heal_rules()
                 report.healed(number, rounds, time.monotonic())

@@ -1,5 +1,6 @@
 """A browser's and a program's side of the gateway: HTTPS with a cookie jar of one, and the live stream."""
 import base64
+import gzip
 import http.client
 import json
 import os
@@ -16,7 +17,8 @@ class Answer:
 
     @property
     def json(self):
-        return json.loads(self.bytes)
+        packed = self.headers["Content-Encoding"] == "gzip"
+        return json.loads(gzip.decompress(self.bytes) if packed else self.bytes)
 
 
 class Client:
@@ -47,8 +49,9 @@ class Client:
                 out["X-CSRF-Token"] = self.csrf
         return out
 
-    def ask(self, method, path, body=None, **more):
-        """`more`: headers with '_' for '-'; None takes one away."""
+    def begin(self, method, path, body=None, **more):
+        """Sends, and returns the connection and the body that were used. `more`: headers with '_' for '-'; None takes one
+        away."""
         headers = self.headers(method not in ("GET", "HEAD"))
         data = body
         if body is not None and not isinstance(body, bytes):
@@ -62,6 +65,15 @@ class Client:
         connection = http.client.HTTPSConnection("localhost", self.port, context=self.tls, timeout=20)
         try:
             connection.request(method, path, data, headers)
+        except OSError:
+            connection.close()
+            raise
+        return connection, data
+
+    def ask(self, method, path, body=None, **more):
+        """As begin(), with the answer."""
+        connection, data = self.begin(method, path, body, **more)
+        try:
             answer = Answer(connection.getresponse())
         finally:
             connection.close()
@@ -149,4 +161,16 @@ class Live:
         raise TimeoutError("not heard")
 
     def close(self):
+        self.socket.close()
+
+    def abort(self, *threads):
+        """As a program that is killed: nothing more is said, and threads that use it are woken and end. Only then it is
+        closed: a thread of it would read what the next connection with the same descriptor is sent."""
+        try:
+            socket.socket.shutdown(self.socket, socket.SHUT_RDWR)
+        except OSError:
+            pass  # the other side was quicker
+        for thread in threads:
+            thread.join(5)
+            assert not thread.is_alive(), thread
         self.socket.close()

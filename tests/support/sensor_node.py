@@ -4,7 +4,6 @@ import os
 import pathlib
 import shutil
 import sys
-import tempfile
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "integration"))
 
@@ -29,10 +28,8 @@ class SensorNode:
     """One node: its router as usual, its sensor-bus in the hall. `case` is the test class or case that it ends with."""
 
     def __init__(self, case, block, udp_port):
-        add_cleanup = case.addClassCleanup if isinstance(case, type) else case.addCleanup
-        folder = tempfile.TemporaryDirectory(prefix="trb-bus-", ignore_cleanup_errors=True)
-        add_cleanup(folder.cleanup)
-        self.dbus = PrivateBus(pathlib.Path(folder.name))
+        add_cleanup = support.adder_of(case)
+        self.dbus = PrivateBus(support.temporary_folder(case))
         self.dbus.start()
         add_cleanup(self.dbus.stop)
         self.fleet = support.make_fleet(case, lambda *where, **more: self.with_bus(HallFleet(*where, **more)),

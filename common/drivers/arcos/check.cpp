@@ -1,7 +1,7 @@
 // Checks that commands.json has what a robot with ARCOS needs.
 #include "common/config/transports.hpp"
 #include "common/drivers/arcos/commands.hpp"
-#include "common/fleet/did_you_mean.hpp"
+#include "common/drivers/check_names.hpp"
 
 namespace trb::drivers {
 namespace {
@@ -12,11 +12,7 @@ class ArcosCheck {
 
   void run() {
     commands_ = read_arcos_commands(vendor(), config_.description, VendorFaults(config_.framework, faults_));
-    for (const auto& [subtype, name] : vendor().requests) {
-      if (vendor().values.contains(name)) continue;
-      faults_.add(key("requests", subtype), in_quotes(name) + " is none of \"values\"",
-                  did_you_mean(name, value_names(), "add it there with what tells it, or use one of"));
-    }
+    check_requests(config_, names_in(vendor().values), faults_);
     for (const Skill& skill : config_.description.skills) this->skill(skill);
   }
 
@@ -24,11 +20,6 @@ class ArcosCheck {
   [[nodiscard]] const VendorCommands& vendor() const { return config_.commands; }
   [[nodiscard]] std::string key(const char* part, const std::string& name) const {
     return config_.framework + "." + part + "." + name;
-  }
-  [[nodiscard]] std::vector<std::string> value_names() const {
-    std::vector<std::string> names;
-    for (const auto& [name, ignored] : vendor().values) names.push_back(name);
-    return names;
   }
 
   void skill(const Skill& skill) {

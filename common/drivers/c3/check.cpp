@@ -3,26 +3,12 @@
 
 #include "common/config/transports.hpp"
 #include "common/drivers/c3/commands.hpp"
-#include "common/fleet/did_you_mean.hpp"
+#include "common/drivers/check_names.hpp"
 
 namespace trb::drivers {
 namespace {
 
 constexpr const char* kExample = "add it, for example \"$POS_ACT X Y Z\"";
-
-std::vector<std::string> names_of(const std::map<std::string, std::string>& words) {
-  std::vector<std::string> names;
-  for (const auto& [name, ignored] : words) names.push_back(name);
-  return names;
-}
-
-void check_requests(const VendorCommands& vendor, const std::string& name, const FileFaults& faults) {
-  for (const auto& [subtype, value] : vendor.requests) {
-    if (vendor.values.contains(value)) continue;
-    faults.add(name + ".requests." + subtype, in_quotes(value) + " is none of the values",
-               did_you_mean(value, names_of(vendor.values), "add it to \"values\", or use one of"));
-  }
-}
 
 void check_end(const NodeConfig& config, const Skill& skill, bool tells_end, const FileFaults& faults) {
   const auto& values = config.commands.values;
@@ -49,18 +35,14 @@ void check_c3(const NodeConfig& config, const FileFaults& faults) {
   require_port(config, faults, "7000");
   check_words(vendor, name, faults);
   read_c3_commands(vendor, config.description, VendorFaults(name, faults));
-  check_requests(vendor, name, faults);
+  check_requests(config, names_in(vendor.values), faults);
   if (fields && config.description.field_channel.encoding == Encoding::numeric) {
     faults.add(name + ".transport", "'c3' writes text into variables, and the description says \"numeric\"",
                "set \"encoding\" to \"text\" in the description");
   }
   const bool tells_end = fields || vendor.values.contains("trb_done");
   for (const Skill& skill : config.description.skills) {
-    if (!fields && !vendor.commands.contains(skill.subtype)) {
-      faults.add(
-          name + ".commands." + skill.subtype, "is missing: skill '" + skill.name + "' sends it",
-          did_you_mean(skill.subtype, names_of(vendor.commands), "add it, or let the skill's command use one of"));
-    }
+    check_command(config, skill, faults);
     check_end(config, skill, tells_end, faults);
   }
 }

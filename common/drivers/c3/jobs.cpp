@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "common/drivers/c3/krl.hpp"
+#include "common/drivers/command_end.hpp"
 
 namespace trb::drivers {
 namespace {
@@ -18,18 +19,9 @@ std::int64_t first_number(std::uint64_t instance) {
 
 /// Reports its end, whether it was answered before or not.
 void tell_end(const C3Job& job, bool well, const std::string& text, const DriverOut& out) {
-  if (job.forgotten) {
-    out.out.log(LogLevel::info, "late_report", job.subtype + ": " + text.substr(0, 200));
-  } else if (job.type == MessageType::request && well) {
-    out.emit(Said{MessageType::information, job.subtype, job.source, text});
-  } else if (!well && (!job.told_started || job.type == MessageType::request)) {
-    out.emit(Refused{job.token, fail(Errc::robot_error, "the robot refuses it: " + text,
-                                     "look at the command, its data and the robot's program")});
-  } else {
-    if (!job.told_started) out.emit(Started{job.token});
-    if (job.tracked) out.emit(Ended{job.token, well, text});
-    if (!well) out.out.log(LogLevel::warning, "command_failed", job.subtype + ": " + text.substr(0, 200));
-  }
+  const bool request = job.type == MessageType::request;
+  if (request && well && !job.forgotten) return out.emit(Said{MessageType::information, job.subtype, job.source, text});
+  report_end({job.token, job.subtype, job.tracked, job.told_started && !request, job.forgotten}, well, text, out);
 }
 
 }  // namespace

@@ -196,6 +196,7 @@ Result<C3Names> read_c3_names(const std::map<std::string, std::string>& values, 
     const auto* const role = std::ranges::find(kRoles, name, &Role::name);
     if (role == kRoles.end()) {
       std::vector<std::string> known;
+      known.reserve(kRoles.size());
       for (const Role& each : kRoles) known.emplace_back(each.name);
       return fail(Errc::unknown_key, in_quotes(name) + " is no part of the hand-shake",
                   did_you_mean(name, known, "use one of"));

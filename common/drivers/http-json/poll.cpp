@@ -29,7 +29,7 @@ Error http_refusal(const std::string& what, const HttpAnswer& answer) {
 
 HttpPoll::HttpPoll(std::map<std::string, HttpQuestion> questions, HttpPath probe, Duration period) : period_(period) {
   for (auto& [name, question] : questions) {
-    const auto same = [&](const Group& group) { return group.path.text() == question.path.text(); };
+    const auto same = [&path = question.path](const Group& group) { return group.path.text() == path.text(); };
     auto at = std::ranges::find_if(groups_, same);
     if (at == groups_.end()) at = groups_.insert(groups_.end(), {question.path, {}});
     at->values[name] = std::move(question.parts);

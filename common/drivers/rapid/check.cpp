@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "common/config/transports.hpp"
+#include "common/drivers/check_names.hpp"
 #include "common/drivers/rapid/commands.hpp"
 #include "common/fleet/did_you_mean.hpp"
 
@@ -23,24 +24,16 @@ void check_service(const VendorCommands& vendor, const std::string& name, const 
   }
 }
 
-void check_requests(const VendorCommands& vendor, const std::string& name, const FileFaults& faults) {
-  std::vector<std::string> known = rapid_state_values();
-  for (const auto& [value, ignored] : vendor.values) known.push_back(value);
-  for (const auto& [subtype, value] : vendor.requests) {
-    if (std::ranges::find(known, value) != known.end()) continue;
-    faults.add(name + ".requests." + subtype, in_quotes(value) + " is none of the values",
-               did_you_mean(value, known, "add it to \"values\", or use one of"));
-  }
+/// What a request may ask for: the robot's state, and commands.json's own values.
+std::vector<std::string> value_names(const VendorCommands& vendor) {
+  std::vector<std::string> names = rapid_state_values();
+  for (const std::string& name : names_in(vendor.values)) names.push_back(name);
+  return names;
 }
 
 void check_skill(const NodeConfig& config, const Skill& skill, const FileFaults& faults) {
   const VendorCommands& vendor = config.commands;
-  if (!config.description.has_field_channel && !vendor.commands.contains(skill.subtype)) {
-    std::vector<std::string> subtypes;
-    for (const auto& [subtype, ignored] : vendor.commands) subtypes.push_back(subtype);
-    faults.add(config.framework + ".commands." + skill.subtype, "is missing: skill '" + skill.name + "' sends it",
-               did_you_mean(skill.subtype, subtypes, "add it, or let the skill's command use one of"));
-  }
+  check_command(config, skill, faults);
   const auto told = [&](const std::string& value) {
     return vendor.values.contains(value) ||
            std::ranges::find(rapid_state_values(), value) != rapid_state_values().end();
@@ -62,7 +55,7 @@ void check_rapid(const NodeConfig& config, const FileFaults& faults) {
   check_words(vendor, config.framework, faults);
   check_service(vendor, config.framework, faults);
   read_rapid_commands(vendor, config.description, VendorFaults(config.framework, faults));
-  check_requests(vendor, config.framework, faults);
+  check_requests(config, value_names(vendor), faults);
   for (const Skill& skill : config.description.skills) check_skill(config, skill, faults);
 }
 

@@ -1,6 +1,7 @@
 // What a RAPID server answers: a move's end, the service task's state, values.
 #include <algorithm>
 
+#include "common/drivers/command_end.hpp"
 #include "common/drivers/rapid/driver.hpp"
 #include "common/drivers/text/fault_text.hpp"
 #include "common/drivers/text/number_text.hpp"
@@ -96,16 +97,7 @@ void RapidDriver::end_job(bool well, const std::string& text, Now now, const Dri
   current_.reset();
   lost_by_.reset();
   out.out.count(well ? "from_robot.done" : "from_robot.failed");
-  if (job.forgotten) {
-    out.out.log(LogLevel::info, "late_report", job.subtype + ": " + text.substr(0, 200));
-  } else if (!well && !job.told_started) {
-    out.emit(Refused{job.token, fail(Errc::robot_error, "the robot refuses it: " + text,
-                                     "look at the command, its data and the robot's program")});
-  } else {
-    if (!job.told_started) out.emit(Started{job.token});
-    if (job.tracked) out.emit(Ended{job.token, well, text});
-    if (!well) out.out.log(LogLevel::warning, "command_failed", job.subtype + ": " + text.substr(0, 200));
-  }
+  report_end({job.token, job.subtype, job.tracked, job.told_started, job.forgotten}, well, text, out);
   begin_next(now, out);
 }
 

@@ -1,6 +1,6 @@
 // What the transport tcp-text requires of commands.json.
 #include "common/config/transports.hpp"
-#include "common/fleet/did_you_mean.hpp"
+#include "common/drivers/check_names.hpp"
 
 namespace trb::drivers {
 
@@ -15,23 +15,19 @@ void check_monitor(const VendorCommands& vendor, const std::string& name, const 
                R"(use "ur-primary", or the transport that the robot speaks)");
   }
   if (vendor.requests.empty() || vendor.monitor) return;
-  faults.add(name + ".requests", "are answered from the monitor, but there is none",
+  faults.add(name + ".requests", "are answered from the monitor, but no monitor is configured",
              R"(add "monitor": {"protocol": "ur-primary", "port": 30001}, or remove the requests)");
 }
 
 /// A skill without a command would wait for the field channel, which this robot does not use.
 void check_skills(const NodeConfig& config, const FileFaults& faults) {
-  std::vector<std::string> subtypes;
-  for (const auto& [subtype, ignored] : config.commands.commands) subtypes.push_back(subtype);
   for (const Skill& skill : config.description.skills) {
     const bool watched = skill.end.kind == EndKind::state || skill.end.kind == EndKind::position;
     if (watched && !config.commands.monitor) {
       faults.add(config.framework + ".monitor", "is missing: the end of skill '" + skill.name + "' is seen by it",
                  R"(add "monitor": {"protocol": "ur-primary", "port": 30001}, or give the skill another end)");
     }
-    if (config.description.has_field_channel || config.commands.commands.contains(skill.subtype)) continue;
-    faults.add(config.framework + ".commands." + skill.subtype, "is missing: skill '" + skill.name + "' sends it",
-               did_you_mean(skill.subtype, subtypes, "add it, or let the skill's command use one of"));
+    check_command(config, skill, faults);
   }
 }
 

@@ -75,9 +75,11 @@ VendorTemplate::VendorTemplate(std::string_view text) {
 }
 
 std::size_t VendorTemplate::items() const {
-  int most = kWhole;
-  for (const Part& part : parts_) most = std::max(most, part.hole);
-  return static_cast<std::size_t>(most + 1);
+  std::size_t items = 0;
+  for (const Part& part : parts_) {
+    if (part.hole >= 0) items = std::max(items, static_cast<std::size_t>(part.hole) + 1);
+  }
+  return items;
 }
 
 Result<std::string> VendorTemplate::fill_plain(BytesView data, bool any_byte) const {

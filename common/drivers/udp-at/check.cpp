@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "common/config/transports.hpp"
+#include "common/drivers/check_names.hpp"
 #include "common/drivers/udp-at/commands.hpp"
 #include "common/fleet/did_you_mean.hpp"
 
@@ -13,7 +14,7 @@ constexpr const char* kMonitor = R"(add "monitor": {"protocol": "ar-navdata", "p
 /// The names that the node may ask for: commands.json's own and navdata's.
 std::vector<std::string> value_names(const VendorCommands& vendor) {
   std::vector<std::string> names = at_value_names();
-  for (const auto& [name, ignored] : vendor.values) names.push_back(name);
+  for (const std::string& name : names_in(vendor.values)) names.push_back(name);
   return names;
 }
 
@@ -46,16 +47,15 @@ void check_udp_at(const NodeConfig& config, const FileFaults& faults) {
   const std::string& name = config.framework;
   require_port(config, faults, "5556 for an AR.Drone 2");
   if (!vendor.monitor || vendor.monitor->protocol != "ar-navdata") {
-    faults.add(name + ".monitor", "is missing: a drone is commanded only while its navdata is heard", kMonitor);
+    faults.add(name + ".monitor", "is missing: a drone is commanded only while its navdata is received", kMonitor);
   }
   check_words(vendor, name, faults);
   const AtCommands commands = read_at_commands(vendor, config.description, VendorFaults(name, faults));
-  for (const auto& [value, word] : vendor.values) {
-    check_name(word, at_value_names(), name + ".values." + value, faults);
-  }
-  for (const auto& [subtype, value] : vendor.requests) {
-    check_name(value, value_names(vendor), name + ".requests." + subtype, faults);
-  }
+  const std::string values = name + ".values.";
+  for (const auto& [value, word] : vendor.values) check_name(word, at_value_names(), values + value, faults);
+  const std::string requests = name + ".requests.";
+  const std::vector<std::string> known = value_names(vendor);
+  for (const auto& [subtype, value] : vendor.requests) check_name(value, known, requests + subtype, faults);
   for (const Skill& skill : config.description.skills) {
     if (!vendor.commands.contains(skill.subtype) && !config.description.has_field_channel) {
       faults.add(name + ".commands." + skill.subtype, "is missing: skill '" + skill.name + "' sends it",

@@ -33,7 +33,7 @@ constexpr Cause kCauses[] = {
      "if it is yours: name fewer skills, places and sensors in its robot's description; if not: trb fleet revoke"},
     {"one_way", "one_way", "what this node sends does not arrive there, what it sends does",
      "look for a firewall rule or a broken fibre in that direction; ping both ways"},
-    {"not_heard", "silent", "nothing was heard of it for a lease of 10 s", "look at its power and cable; ping it"},
+    {"not_heard", "silent", "nothing was received from it for 10 s, its lease", "look at its power and cable; ping it"},
 };
 
 }  // namespace

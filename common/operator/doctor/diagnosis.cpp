@@ -327,7 +327,7 @@ class Doctor {
     if (errors_of(seen_.asked, "", false)) return;  // a revoked node has no row in the table
     const AddressProbe* probe = probe_of(seen_.asked);
     if (probe == nullptr) {
-      return problem("never_heard", seen_.asked, "no node of that id was ever heard of here",
+      return problem("never_heard", seen_.asked, "no node with that id is known here",
                      "ask with its address (trb doctor HOST:PORT); is it up, in this subnet, of this fleet?");
     }
     if (probe->seed) return;  // reported with the seeds

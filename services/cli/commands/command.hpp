@@ -30,6 +30,8 @@ struct Command {
   GROUP(proof)                    \
   GROUP(audit)                    \
   GROUP(rank)                     \
+  GROUP(model)                    \
+  GROUP(simulate)                 \
   GROUP(robot_check)              \
   GROUP(robot_conform)            \
   GROUP(sensor)                   \

@@ -83,7 +83,7 @@ const std::vector<Command> kCommands = {
     {{"doctor"},
      {"doctor [PEER]",
       "Looks at the node's files, services, links and robot, and names what is wrong and the cure. PEER is an id or\n"
-      "HOST:PORT: looks at that one alone, also if it was never heard of. Exit status 0: no problem found.",
+      "HOST:PORT: looks at that one alone, also if it is not known. Exit status 0: no problem found.",
       {"--node DIR|the node to look at (else TRB_NODE, else this folder)", "--json|for programs"},
       {"trb doctor --node nodes/ur3", "trb doctor ridgeback", "trb doctor 10.0.2.7:45000 --json"},
       0,

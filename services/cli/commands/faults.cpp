@@ -43,7 +43,7 @@ int run_fault(const Arguments& arguments) {
   } else if (arguments.has("--clear")) {
     print_line(robot + ": its injected faults are cleared");
   } else {
-    print_line(robot + ": told to fail; `trb tap --subtype robot_fault` shows what the fleet hears of it");
+    print_line(robot + ": ordered to fail; `trb tap --subtype robot_fault` shows what the fleet is notified of");
   }
   return kGood;
 }
@@ -54,7 +54,7 @@ const std::vector<Command> kCommands = {
       "Lets a virtual robot fail as its maker's robot would, or ends that; a real robot refuses it.\n"
       "The virtual robot needs --control, and its node.json \"robot\": {\"fault_injection\": \"HOST:PORT\"}.",
       {"--severity S|WARNING, URGENT, CRITICAL or FATAL (CRITICAL)", "--text T|what the robot says of it",
-       "--clear|the fault is over", "--node DIR|the node to speak from (else TRB_NODE, else this folder)",
+       "--clear|the fault is over", "--node DIR|the node to send from (else TRB_NODE, else this folder)",
        "--json|for programs"},
       {"trb robot fault ridgeback mobile", "trb robot fault ur3 grab --severity FATAL --text 'gripper jammed'",
        "trb robot fault ur3 --clear"},

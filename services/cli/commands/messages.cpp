@@ -1,4 +1,4 @@
-// send, request, tap, stop, release.
+// send, request, tap, drive, stop, release.
 #include <map>
 #include <memory>
 
@@ -6,6 +6,7 @@
 #include "common/operator/order_robots.hpp"
 #include "common/operator/user_message.hpp"
 #include "services/cli/commands/command.hpp"
+#include "services/cli/commands/drive.hpp"
 #include "services/cli/core/table.hpp"
 #include "services/cli/io/print.hpp"
 #include "services/cli/io/probe.hpp"
@@ -157,7 +158,7 @@ int run_release(const Arguments& arguments) {
   return order(arguments, Release{arguments.get("--reason", "trb release")}, "RELEASE");
 }
 
-const std::string kNode = "--node DIR|the node to speak from (else TRB_NODE, else this folder)";
+const std::string kNode = "--node DIR|the node to send from (else TRB_NODE, else this folder)";
 const std::string kJson = "--json|for programs";
 const std::string kTimeout = "--timeout S|how long to wait for an answer (5)";
 
@@ -190,6 +191,20 @@ const std::vector<Command> kCommands = {
       0,
       0},
      run_tap},
+    {{"drive"},
+     {"drive ROBOT --speeds S,S...",
+      "Drives a robot by hand: the same speeds for a while, then it stands. Prints how long messages took.\n"
+      "If this program dies, the robot's own node lets it stand after 250 ms. trb stop ROBOT stops it at once.",
+      {"--speeds S,S...|of the part's axes, in m/s and rad/s; those that are left out are 0",
+       "--part P|base, joints, tool or belt (the first that the robot has)", "--for S|how long, in seconds (2)",
+       "--take|takes control from who has it", "--person NAME|who drives ($USER)",
+       "--node DIR|the node to send from: a cloud's, or the robot's own (else TRB_NODE, else this folder)",
+       "--json|for programs"},
+      {"trb drive pioneer --speeds 0.2,0", "trb drive ur3 --part tool --speeds 0,0,0.05 --for 1",
+       "trb drive conveyor --speeds=-0.1 --take"},
+      1,
+      1},
+     run_drive},
     {{"stop"},
      {"stop [ROBOT ...]",
       "Stops robots and fences them until `trb release`. A software stop is no safety function (ISO 13850).",

@@ -42,7 +42,7 @@ int run_repaired(const Arguments& arguments) {
 
 const std::string kPerson = "--person NAME|who says so ($USER)";
 const std::string kNode =
-    "--node DIR|the node to speak from: the robot's or the cloud's (else TRB_NODE, else this folder)";
+    "--node DIR|the node to send from: the robot's or the cloud's (else TRB_NODE, else this folder)";
 const std::string kJson = "--json|for programs";
 
 const std::vector<Command> kCommands = {

@@ -204,7 +204,7 @@ int run_watch(const Arguments& arguments) {
   return watch(arguments, *probe, sensor, told, *count, seconds(*time));
 }
 
-const std::string kNode = "--node DIR|the node to speak from (else TRB_NODE, else this folder)";
+const std::string kNode = "--node DIR|the node to send from (else TRB_NODE, else this folder)";
 const std::string kJson = "--json|for programs";
 const std::string kOf = "--of NODE|of this node (else of any that has it)";
 const std::string kIdentity = "--identity SERIAL|the device with this serial number, wherever it is plugged in";

@@ -101,7 +101,7 @@ A software stop is not a safety function (ISO 13850, ISO 10218). Use the emergen
      R"(When nodes do not find each other, or a robot does not obey:
 
   trb doctor              looks at this node and all its peers, names what is wrong and the cure
-  trb doctor PEER         the same for one peer, by id or by HOST:PORT; also one that was never heard of
+  trb doctor PEER         the same for one peer, by id or by HOST:PORT; also one that is not known
   trb service counters router   what was refused at the door, each reason under a name of its own
   trb logs NODE_DIR router      the same with times
 )"},

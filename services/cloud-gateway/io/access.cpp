@@ -1,5 +1,8 @@
 #include "services/cloud-gateway/io/access.hpp"
 
+#include <type_traits>
+#include <utility>
+
 #include "common/security/keys.hpp"
 #include "common/security/password_hash.hpp"
 
@@ -9,44 +12,101 @@ namespace {
 /// How much of the steady time a kill may cost; each step is a write.
 constexpr Duration kTimeStep = std::chrono::minutes(1);
 
-AuditChain chain_of(const Bytes& start, const std::optional<AuditRow>& last) {
-  return last ? AuditChain(start, *last) : AuditChain(start);
+/// What the gateway does by itself, in the audit log.
+constexpr const char* kSelf = "gateway";
+constexpr const char* kUnshelve = "unshelve";
+
+/// Records of stops while the database is gone.
+constexpr std::size_t kMostOwed = 1000;
+
+/// So often another gateway may be quicker, before a request is told to come again.
+constexpr int kTries = 5;
+
+AuditChain chain_of(const AuditOrigin& origin, const StoredState& stored) {
+  const Bytes start = audit_start(origin.fleet, stored.chain_node.empty() ? origin.node : stored.chain_node);
+  return stored.last_audit ? AuditChain(start, *stored.last_audit) : AuditChain(start);
+}
+
+/// Not the first row of a session, which a sign-in has made.
+bool is_use(const Change<Session>& change) {
+  return change.row && change.row->used != change.row->made;
+}
+
+Error changed_meanwhile(StoreKind kind) {
+  return fail(Errc::conflict, "another gateway has changed the " + std::string(name_of(kind)) + " at the same time",
+              "look at them, and try again");
 }
 
 }  // namespace
 
-Result<std::unique_ptr<Access>> Access::open(GatewayDb& db, std::vector<std::string> origins, const Bytes& chain) {
-  auto stored = db.load();
-  if (!stored) return stored.error();
-  std::unique_ptr<Access> out(new Access(db, std::move(origins), chain, *stored));
-  out->restore(std::move(*stored));
+Result<std::unique_ptr<Access>> Access::open(GatewayDb& db, std::vector<std::string> origins, AuditOrigin origin) {
+  std::unique_ptr<Access> out(new Access(db, std::move(origins), std::move(origin)));
+  const auto stored = db.load();
+  if (!stored && !db.is_shared()) return stored.error();
+  out->is_stale_ = !stored.ok();
+  if (!stored) return out;
+  if (stored->steady) {
+    out->requests.restore({}, *stored->steady);
+    out->time.restore(*stored->steady);
+  }
+  out->take_over(*stored);
   return out;
 }
 
-Access::Access(GatewayDb& db, std::vector<std::string> origins, const Bytes& chain_start, const StoredState& stored)
+Access::Access(GatewayDb& db, std::vector<std::string> origins, AuditOrigin origin)
     : db_(db),
+      origin_(std::move(origin)),
       users(random_bytes),
       sessions(random_bytes),
       tokens(random_bytes),
       sign_in(users, sessions, guard, hash_password(new_secret(random_bytes))),
       check(std::move(origins), users, sessions, tokens),
-      chain(chain_of(chain_start, stored.last_audit)),
+      chain(chain_of(origin_, {})),
       scenarios(random_bytes) {}
 
-void Access::restore(StoredState stored) {
-  for (User& user : stored.users) users.restore(std::move(user));
-  for (Session& session : stored.sessions) sessions.restore(std::move(session));
-  for (Token& token : stored.tokens) tokens.restore(std::move(token));
-  for (StoredScenario& scenario : stored.scenarios) scenarios.restore(std::move(scenario));
-  if (stored.steady) {
-    requests.restore(stored.requests, *stored.steady);
-    time.restore(*stored.steady);
-  }
+/// Each kind as a whole, in its place: others hold references to these objects, and nobody to their rows.
+void Access::take_over(const StoredState& stored) {
+  const auto replace = [&](StoreKind kind, auto& object, const auto& rows) {
+    if (!stored.kinds.contains(kind)) return;
+    object = std::remove_reference_t<decltype(object)>(random_bytes);
+    for (const auto& row : rows) object.restore(row);
+  };
+  replace(StoreKind::users, users, stored.users);
+  replace(StoreKind::sessions, sessions, stored.sessions);
+  replace(StoreKind::tokens, tokens, stored.tokens);
+  replace(StoreKind::scenarios, scenarios, stored.scenarios);
+  if (stored.kinds.contains(StoreKind::acknowledged)) alarms.replace(stored.acknowledged);
+  if (stored.kinds.contains(StoreKind::shelves)) alarms.replace(stored.shelves);
+  if (stored.kinds.contains(StoreKind::requests)) requests.replace(stored.requests);
+  if (!stored.kinds.contains(StoreKind::audit)) return;
+  chain = chain_of(origin_, stored);
   heads.signed_to(stored.signed_to);
+}
+
+Result<StoreKinds> Access::refresh() {
+  const auto stored = is_stale_ ? db_.load() : db_.refresh();
+  if (!stored) return stored.error();
+  is_stale_ = false;
+  take_over(*stored);
+  return stored->kinds;
 }
 
 void Access::note(AuditRecord record) {
   noted_.push_back(chain.append(std::move(record)));
+}
+
+bool Access::owe(AuditRecord record) {
+  if (owed_.size() == kMostOwed) return false;
+  owed_.push_back(std::move(record));
+  return true;
+}
+
+Status Access::pay_owed() {
+  if (owed_.empty()) return Done{};
+  for (const AuditRecord& record : owed_) note(record);
+  Status written = commit();
+  if (written) owed_.clear();
+  return written;
 }
 
 void Access::keep(SignedHead head) {
@@ -54,23 +114,99 @@ void Access::keep(SignedHead head) {
   signed_.push_back(std::move(head));
 }
 
-Status Access::commit() {
+StoreBatch Access::take_batch() {
   StoreBatch batch;
   batch.users = users.take_changes();
   batch.sessions = sessions.take_changes();
   batch.tokens = tokens.take_changes();
   batch.scenarios = scenarios.take_changes();
+  batch.acknowledged = alarms.take_acknowledged();
+  batch.shelves = alarms.take_shelves();
   batch.audit = std::exchange(noted_, {});
   batch.heads = std::exchange(signed_, {});
   batch.requests = std::exchange(kept_, {});
-  batch.dropped_requests = std::exchange(expired_, {});
+  batch.dropped_requests = std::exchange(dropped_, {});
   batch.steady = std::exchange(steady_, {});
-  return batch.empty() ? Status(Done{}) : db_.save(batch);
+  return batch;
+}
+
+Status Access::commit() {
+  StoreBatch batch = take_batch();
+  if (batch.empty()) return Done{};
+  if (is_stale_) return fail(Errc::peer_unreachable, "the database was not read yet", "try again in a second");
+  Status saved = db_.save(batch);
+  if (!db_.is_shared() || saved) return saved;
+  for (int i = 0; i < kTries && !saved && saved.error().code == Errc::conflict; ++i) {
+    if (Status merged = merge(batch); !merged) {
+      saved = merged;
+      break;
+    }
+    saved = db_.save(batch);
+  }
+  // Memory lacks what was merged, or shows what was not written.
+  is_stale_ = true;
+  if (saved || saved.error().code == Errc::conflict) static_cast<void>(refresh());
+  return saved;
+}
+
+/// Others were quicker. What only adds is added to theirs; what was decided on the old state is refused.
+Status Access::merge(StoreBatch& batch) {
+  const auto theirs = db_.refresh();
+  if (!theirs) return theirs.error();
+  take_over(*theirs);
+  if (Status decided = check_decided(batch, theirs->kinds); !decided) return decided;
+  add_to_theirs(batch, theirs->kinds);
+  return Done{};
+}
+
+Status Access::check_decided(const StoreBatch& batch, const StoreKinds& moved) const {
+  for (const StoreKind kind : {StoreKind::users, StoreKind::tokens, StoreKind::scenarios}) {
+    if (moved.contains(kind) && batch.kinds().contains(kind)) return changed_meanwhile(kind);
+  }
+  for (const StoredRequest& one : batch.requests) {
+    if (moved.contains(StoreKind::requests) && !one.answer && requests.find(one.key) != nullptr)
+      return fail(Errc::conflict, "another gateway has received this Idempotency-Key", "repeat it with the same key");
+  }
+  // Nothing has moved: the tables themselves refuse it.
+  if (moved.empty()) return fail(Errc::conflict, "the database refuses the change", "read again, and try again");
+  return Done{};
+}
+
+void Access::add_to_theirs(StoreBatch& batch, const StoreKinds& moved) {
+  // A session that was ended there is not begun anew by its use here.
+  if (moved.contains(StoreKind::sessions))
+    std::erase_if(batch.sessions, [&](const auto& one) { return is_use(one) && !sessions.has(one.key); });
+  if (moved.contains(StoreKind::requests)) {
+    std::erase_if(batch.requests, [&](const StoredRequest& one) {
+      const StoredRequest* known = requests.find(one.key);
+      return known != nullptr && known->answer;
+    });
+  }
+  if (moved.contains(StoreKind::acknowledged))
+    std::erase_if(batch.acknowledged, [&](const auto& one) { return one.row && alarms.has(*one.row); });
+  if (moved.contains(StoreKind::shelves)) drop_ended(batch);
+  if (!moved.contains(StoreKind::audit)) return;
+  for (AuditRow& row : batch.audit) row = chain.append(std::move(row.record));
+}
+
+/// A shelf whose time is over ends at each gateway; the first of them records it.
+void Access::drop_ended(StoreBatch& batch) {
+  std::erase_if(batch.audit, [&](const AuditRow& row) {
+    return row.record.who == kSelf && row.record.action == kUnshelve && !alarms.has_shelf(row.record.about);
+  });
 }
 
 void Access::tick(Now now, UtcTime steady) {
   sessions.tick(users, steady);
-  for (RequestKey& key : requests.take_expired(now)) expired_.push_back(std::move(key));
+  alarms.tick(steady);
+  for (const Shelf& one : alarms.take_ended())
+    note({.time = now.utc.ns,
+          .who = kSelf,
+          .from = {},
+          .action = kUnshelve,
+          .about = one.source,
+          .outcome = "its time is over"});
+  for (RequestKey& key : requests.take_expired(now)) drop(std::move(key));
   if (timed_ && now.mono - *timed_ < kTimeStep) return;
   timed_ = now.mono;
   steady_ = steady;

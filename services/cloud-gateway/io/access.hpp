@@ -1,4 +1,4 @@
-// Users, sessions, tokens, sign-ins, stored scenarios and the audit log, kept in the database.
+// Users, sessions, tokens, sign-ins, stored scenarios, alarms and the audit log, kept in the database.
 #pragma once
 
 #include <memory>
@@ -8,36 +8,69 @@
 #include "services/cloud-gateway/core/access/audit_heads.hpp"
 #include "services/cloud-gateway/core/access/request_check.hpp"
 #include "services/cloud-gateway/core/access/sign_in.hpp"
+#include "services/cloud-gateway/core/alarms/alarm_desk.hpp"
 #include "services/cloud-gateway/core/live/idempotency.hpp"
 #include "services/cloud-gateway/io/store/gateway_db.hpp"
 
 namespace trb::gateway {
 
+/// Whose audit log it is; of a shared store its first gateway's node.
+struct AuditOrigin {
+  Bytes fleet;
+  std::string node;
+};
+
 /// All of it is in memory; commit() writes what has changed since. Reply to a request only after it.
+///
+/// Of a shared store, which other gateways write too, memory is a copy:
+/// state    | event                                        | then
+/// current  | refresh(): others have changed some kinds    | current, with theirs
+/// current  | commit(), and nobody changed what it changes | current
+/// current  | commit(): the audit log, sessions, alarms or answers of requests have gone on | current: added to theirs
+/// current  | commit(): users, tokens or scenarios were changed, or a key was used | current, with theirs; conflict
+/// any      | the server does not answer                   | stale: what it wanted to write is lost, and it says so
+/// stale    | refresh(), and the server answers            | current: all is read anew
+/// stale    | owe(): a stop was ordered                    | stale; the record waits for pay_owed()
 class Access {
  public:
-  /// `origins`: see RequestCheck. `chain`: audit_start() of this node. Errors: those of GatewayDb::load.
-  static Result<std::unique_ptr<Access>> open(GatewayDb& db, std::vector<std::string> origins, const Bytes& chain);
+  /// `origins`: see RequestCheck. Errors: those of GatewayDb::load; a shared store that cannot be read yet is none.
+  static Result<std::unique_ptr<Access>> open(GatewayDb& db, std::vector<std::string> origins, AuditOrigin origin);
   Access(const Access&) = delete;
   Access& operator=(const Access&) = delete;
 
   /// Adds what somebody did to the audit log.
   void note(AuditRecord record);
+  /// What was done although it could not be written: written as soon as the database answers again. False: there is no
+  /// room for it.
+  bool owe(AuditRecord record);
+  [[nodiscard]] std::size_t owed() const { return owed_.size(); }
+  /// Writes what is owed. Errors: those of commit(); then it is owed further.
+  Status pay_owed();
   /// The node's router has signed a head.
   void keep(SignedHead head);
   /// A request with an Idempotency-Key, before it acts and once it is answered.
   void keep(StoredRequest request) { kept_.push_back(std::move(request)); }
-  /// In one transaction. Errors: those of GatewayDb::save; then what memory holds is not on disk, so the process must
-  /// end.
+  /// A key that is free again.
+  void drop(RequestKey key) { dropped_.push_back(std::move(key)); }
+  /// In one transaction. Errors: those of GatewayDb::save. Then what memory holds is not on disk: the process must end,
+  /// or of a shared store memory is read anew, and the request was not done.
   Status commit();
-  /// Ends what has expired: sessions by steady time, idempotency keys.
+  /// Before each decision: takes over what others have written. The kinds that have changed.
+  Result<StoreKinds> refresh();
+  /// Ends what has expired: sessions and shelves by steady time, idempotency keys.
   void tick(Now now, UtcTime steady);
 
  private:
-  Access(GatewayDb& db, std::vector<std::string> origins, const Bytes& chain, const StoredState& stored);
-  void restore(StoredState stored);
+  Access(GatewayDb& db, std::vector<std::string> origins, AuditOrigin origin);
+  void take_over(const StoredState& stored);
+  StoreBatch take_batch();
+  Status merge(StoreBatch& batch);
+  [[nodiscard]] Status check_decided(const StoreBatch& batch, const StoreKinds& moved) const;
+  void add_to_theirs(StoreBatch& batch, const StoreKinds& moved);
+  void drop_ended(StoreBatch& batch);
 
   GatewayDb& db_;
+  AuditOrigin origin_;
 
  public:
   Users users;
@@ -50,15 +83,18 @@ class Access {
   AuditHeads heads;
   Idempotency requests;
   ScenarioShelf scenarios;
+  AlarmDesk alarms;
   SteadyTime time;  ///< UTC that does not jump: for sessions and tokens
 
  private:
   std::vector<AuditRow> noted_;
+  std::vector<AuditRecord> owed_;
   std::vector<SignedHead> signed_;
   std::vector<StoredRequest> kept_;
-  std::vector<RequestKey> expired_;
+  std::vector<RequestKey> dropped_;
   std::optional<MonotonicTime> timed_;  ///< when the steady time was stored last
   std::optional<UtcTime> steady_;
+  bool is_stale_ = false;  ///< memory shows what is not on disk, or nothing yet
 };
 
 }  // namespace trb::gateway

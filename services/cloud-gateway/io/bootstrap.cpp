@@ -9,8 +9,10 @@ namespace trb::gateway {
 namespace {
 
 Status make_admin(Users& users, const std::string& name, const std::string& hash, UtcTime now) {
-  if (users.find(name) == nullptr) return users.add(name, UserRole::admin, hash, now);
-  if (Status set = users.set_password(name, hash); !set) return set;
+  if (users.find(name) == nullptr) {
+    if (Status added = users.add(name, UserRole::admin, hash, now); !added) return added;
+  }
+  if (Status set = users.set_password(name, hash, true); !set) return set;
   if (Status set = users.set_role(name, UserRole::admin); !set) return set;
   return users.set_disabled(name, false);
 }

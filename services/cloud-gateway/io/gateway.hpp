@@ -27,6 +27,7 @@ struct Counts {
   std::uint64_t frames = 0;              ///< of the live stream
 };
 
+class DriveDesk;
 class LiveSocket;
 class SignIns;
 
@@ -42,18 +43,22 @@ struct Gateway {
   HistoryDesk& history;
   const HistoryRecorder& recorder;
   std::string node_dir;
+  UtcTime certificate_ends;
   const Places& places;                            ///< of the hall, from this node's places.json
   std::function<bool()> is_ready;                  ///< the node's router is there
   std::function<void(const Error&)> on_unwritten;  ///< a commit has failed: the process ends
   SignIns* sign_ins = nullptr;
   op::Doctor* doctor = nullptr;
+  DriveDesk* drives = nullptr;
   Counts counts{};
-  std::map<ClientId, LiveSocket*> sockets{};  ///< each adds and removes itself
+  std::map<ClientId, LiveSocket*> sockets{};     ///< each adds and removes itself
+  std::optional<MonotonicTime> database_gone{};  ///< since when a shared one does not answer
 
-  /// Access::commit(). If it fails the process ends: what memory holds is not on disk.
+  /// Access::commit(). If it fails the process ends, for what memory holds is not on disk; unless the database is
+  /// shared: then memory is read anew.
   Status commit() {
     Status written = access.commit();
-    if (!written) on_unwritten(written.error());
+    if (!written && !db.is_shared()) on_unwritten(written.error());
     return written;
   }
   [[nodiscard]] Now now() const { return session.now(); }

@@ -42,6 +42,8 @@ std::string json_faults(const std::vector<RobotRowFault>& faults) {
 std::string json_robot(const RobotRow& robot) {
   JsonList out_of_use;
   for (const OutOfUse& one : robot.out_of_use) out_of_use.add(json_record(one));
+  JsonList drives;
+  for (const DriveInfo& one : robot.drives) drives.add(json_record(one));
   return JsonObject()
       .text("connection", robot.connection)
       .text("detail", robot.detail)
@@ -51,15 +53,27 @@ std::string json_robot(const RobotRow& robot) {
       .raw("values", json_values(robot.values))
       .raw("faults", json_faults(robot.faults))
       .flag("cut", robot.cut)
+      .raw("drives", drives.done())
       .done();
 }
 
 std::string json_teleop(const TeleopRow& teleop) {
   return JsonObject()
       .text("holder", teleop.holder)
-      .raw("latency_s", dump_json(Value{teleop.latency_s}))
-      .raw("speed_limit", dump_json(Value{teleop.speed_limit}))
+      .text("asked_by", teleop.asked_by)
+      .text("kept_for", teleop.kept_for)
+      .raw("round_trip_s", dump_json(Value{teleop.round_trip_s}))
       .done();
+}
+
+std::string json_deed(std::string_view by, UtcTime at) {
+  return JsonObject().text("by", by).time("at", at).done();
+}
+
+std::string json_shelf(const Alarm& alarm) {
+  JsonObject out;
+  out.text("by", alarm.shelved_by).time("at", alarm.shelved).time("until", alarm.shelved_until);
+  return out.text("reason", alarm.shelved_why).done();
 }
 
 struct ContentWriter {
@@ -67,6 +81,7 @@ struct ContentWriter {
   std::string operator()(const NodeRow& row) const { return json_node(row); }
   std::string operator()(const RobotRow& row) const { return json_robot(row); }
   std::string operator()(const TeleopRow& row) const { return json_teleop(row); }
+  std::string operator()(const AlertRow& row) const { return json_record(row.alert); }
   template <class Record>
   std::string operator()(const Record& row) const {
     return json_record(row);
@@ -80,6 +95,15 @@ std::string json_value(const std::string& sent) {
   return parsed ? dump_json(*parsed) : json_quoted(sent);
 }
 
+std::string json_alarm(const Alarm& alarm) {
+  JsonObject out;
+  out.number("priority", alarm.priority).text("source", alarm.source).text("first", alarm.first);
+  out.flag("chatters", alarm.chatters).number("times", alarm.times);
+  if (!alarm.acknowledged_by.empty()) out.raw("acknowledged", json_deed(alarm.acknowledged_by, alarm.acknowledged));
+  if (!alarm.shelved_by.empty()) out.raw("shelved", json_shelf(alarm));
+  return out.done();
+}
+
 std::string json_content(const RowContent& content) {
   return std::visit(ContentWriter{}, content);
 }
@@ -90,6 +114,7 @@ std::string json_row(const Row& row) {
   out.number("number", row.number);
   if (row.is_removed()) return out.flag("removed", true).done();
   out.number("version", row.version).text("live", name_of(row.live)).time("heard", row.told.utc);
+  if (const auto* alert = std::get_if<AlertRow>(&row.content)) out.raw("alarm", json_alarm(alert->alarm));
   return out.raw("content", json_content(row.content)).done();
 }
 

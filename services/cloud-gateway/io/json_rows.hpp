@@ -5,12 +5,14 @@
 
 namespace trb::gateway {
 
-/// {"kind", "node", "name", "number", "version", "live", "heard", "content"}; a removed row: {"kind", "node", "name",
-/// "number", "removed": true}.
+/// {"kind", "node", "name", "number", "version", "live", "heard", "content"}, of an alert with "alarm"; a removed row:
+/// {"kind", "node", "name", "number", "removed": true}.
 std::string json_row(const Row& row);
 /// A value as a robot has sent it: what is no JSON becomes a text.
 std::string json_value(const std::string& sent);
 std::string json_content(const RowContent& content);
+/// What people have done with an alert.
+std::string json_alarm(const Alarm& alarm);
 
 class JsonRows final : public RowEncoder {
  public:

@@ -1,6 +1,9 @@
 #include "services/cloud-gateway/io/live_socket.hpp"
 
+#include "common/base/ids.hpp"
 #include "services/cloud-gateway/io/api/call.hpp"
+#include "services/cloud-gateway/io/drive_desk.hpp"
+#include "services/cloud-gateway/io/drive_words.hpp"
 #include "services/cloud-gateway/io/json_messages.hpp"
 #include "services/cloud-gateway/io/json_text.hpp"
 
@@ -8,7 +11,9 @@ namespace trb::gateway {
 namespace {
 
 constexpr int kMaxWrong = 20;
+constexpr std::size_t kMaxDriveAnswers = 16;
 constexpr std::uint16_t kPolicy = 1008;       // RFC 6455, 7.4.1
+constexpr std::uint16_t kTryAgain = 1013;     // IANA's registry: Try Again Later
 constexpr std::uint16_t kNotSignedIn = 4401;  // of our own: 4000 to 4999 are for applications
 
 using SharedPart = std::shared_ptr<const Bytes>;
@@ -57,19 +62,6 @@ std::vector<SharedPart> parts_of(const Frame& frame, const Gateway& gateway) {
   return out;
 }
 
-std::optional<Resume> resume_of(const Value& word) {
-  const Value* instance = word.find("instance");
-  const Value* from = word.find("from");
-  if (instance == nullptr || from == nullptr || !instance->is_integer() || !from->is_integer()) return std::nullopt;
-  return Resume{static_cast<std::uint64_t>(instance->integer()), static_cast<std::uint64_t>(from->integer())};
-}
-
-Result<Topic> topic_in(const Value& word, std::string_view key) {
-  const Value* topic = word.find(key);
-  if (topic != nullptr && topic->is_text()) return parse_topic(topic->text());
-  return fail(Errc::bad_value, "no topic", R"(send {"subscribe": "fleet"} or {"unsubscribe": "fleet"})");
-}
-
 }  // namespace
 
 Result<std::shared_ptr<LiveSocket>> LiveSocket::open(Gateway& gateway, HttpRequest request) {
@@ -86,6 +78,7 @@ LiveSocket::LiveSocket(Gateway& gateway, HttpRequest request, ClientId client)
 LiveSocket::~LiveSocket() {
   gateway_.sockets.erase(client_);
   gateway_.clients.close(client_);
+  gateway_.drives->leave(client_);
 }
 
 void LiveSocket::on_open(std::shared_ptr<WebSocketOut> out) {
@@ -94,21 +87,56 @@ void LiveSocket::on_open(std::shared_ptr<WebSocketOut> out) {
 }
 
 void LiveSocket::on_message(BytesView text) {
-  const auto word = parse_json(text);
-  const Status obeyed = word ? obey(*word) : Status(word.error());
+  const auto word = read_live_word(text);
+  const Status obeyed = word ? std::visit([this](const auto& one) { return obey(one); }, *word) : Status(word.error());
   if (!obeyed) refuse(obeyed.error());
 }
 
-Status LiveSocket::obey(const Value& word) {
-  if (word.find("unsubscribe") != nullptr) {
-    const auto topic = topic_in(word, "unsubscribe");
-    if (!topic) return topic.error();
-    gateway_.clients.unsubscribe(client_, *topic);
-    return Done{};
-  }
-  const auto topic = topic_in(word, "subscribe");
-  if (!topic) return topic.error();
-  return gateway_.clients.subscribe(client_, *topic, resume_of(word));
+Status LiveSocket::obey(const Subscribe& word) {
+  return gateway_.clients.subscribe(client_, word.topic, word.resume);
+}
+
+Status LiveSocket::obey(const Unsubscribe& word) {
+  gateway_.clients.unsubscribe(client_, word.topic);
+  return Done{};
+}
+
+Status LiveSocket::obey(const DriveWord& word) {
+  const auto who = driver();
+  return who ? gateway_.drives->drive(*who, word) : Status(who.error());
+}
+
+Status LiveSocket::obey(const AskFor& word) {
+  const auto who = driver();
+  return who ? gateway_.drives->ask(*who, word.robot) : Status(who.error());
+}
+
+Status LiveSocket::obey(const LetGo& word) {
+  const auto who = driver();
+  if (!who) return who.error();
+  gateway_.drives->let_go(client_, word.robot);
+  return Done{};
+}
+
+/// Looked at for each word: who is signed out, or is a viewer from now on, drives no further.
+Result<Driver> LiveSocket::driver() {
+  const RequestDecision decision = gateway_.access.check.check(request_.head(), gateway_.steady());
+  const bool may = decision.verdict == RequestVerdict::allowed && !decision.who.read_only &&
+                   suffices(decision.who.role, Least::operator_);
+  if (may) return Driver{client_, cut_utf8(decision.who.name, kMaxIdSize), request_.source};
+  gateway_.drives->leave(client_);
+  return fail(Errc::not_permitted, "drive: you may not drive a robot",
+              "sign in as an operator, or use a token that may change something");
+}
+
+void LiveSocket::tell_drive(const DriveAnswer& answer) {
+  if (is_ending_) return;
+  // Why a drive is over is told, whatever is refused after it.
+  const auto at = drive_answers_.find(answer.robot);
+  if (at != drive_answers_.end() && at->second.is_over && answer.is_over) return;
+  if (at == drive_answers_.end() && drive_answers_.size() == kMaxDriveAnswers) drive_answers_.clear();
+  drive_answers_[answer.robot] = {answer.is_over, json_drive_answer(answer)};
+  pump();
 }
 
 void LiveSocket::refuse(const Error& error) {
@@ -125,6 +153,7 @@ void LiveSocket::send(Bytes text) {
 void LiveSocket::pump() {
   if (out_ == nullptr || sending_) return;
   if (!problem_.empty()) return send(std::exchange(problem_, {}));
+  if (!drive_answers_.empty()) return send(std::move(drive_answers_.extract(drive_answers_.begin()).mapped().text));
   const auto frame = gateway_.clients.take(client_);
   if (!frame) return;
   sending_ = true;
@@ -140,6 +169,7 @@ void LiveSocket::on_sent() {
 void LiveSocket::on_closed() {
   out_ = nullptr;
   gateway_.clients.close(client_);
+  gateway_.drives->leave(client_);
 }
 
 void LiveSocket::check_rights() {
@@ -147,9 +177,15 @@ void LiveSocket::check_rights() {
   if (decision.verdict != RequestVerdict::allowed && out_ != nullptr) end(kNotSignedIn, "signed out");
 }
 
-/// Its topics end now, also if the client never answers the close.
+void LiveSocket::end_without_database() {
+  if (out_ != nullptr) end(kTryAgain, "no database");
+}
+
+/// Its topics and its drive end now, also if the client never answers the close.
 void LiveSocket::end(std::uint16_t code, const std::string& reason) {
+  is_ending_ = true;
   gateway_.clients.close(client_);
+  gateway_.drives->leave(client_);
   out_->close(code, reason);
 }
 

@@ -3,6 +3,10 @@
 #include <boost/asio/executor_work_guard.hpp>
 
 #include "common/log/log.hpp"
+#include "services/cloud-gateway/io/api/once.hpp"
+#include "services/cloud-gateway/io/drive_desk.hpp"
+#include "services/cloud-gateway/io/fresh.hpp"
+#include "services/cloud-gateway/io/http/tls_files.hpp"
 #include "services/cloud-gateway/io/json_messages.hpp"
 #include "services/cloud-gateway/io/live_socket.hpp"
 #include "services/cloud-gateway/io/loop_bridge.hpp"
@@ -12,8 +16,13 @@ namespace {
 
 /// Expired sessions and keys, commits of what reads have changed, rights of open streams.
 constexpr Duration kHouse = std::chrono::seconds(5);
+/// A session that is ended at another gateway ends here within a second, also if nobody sends a request.
+constexpr Duration kLook = std::chrono::milliseconds(400);
 /// A page's numbers are exact up to 2^53: it sends the instance back to resume.
 constexpr std::uint64_t kExactInJson = (1ULL << 53U) - 1;
+/// Looking at the bus costs as much as a short handler.
+constexpr int kHandlersInTurn = 16;
+constexpr Duration kWarnAgain = std::chrono::hours(24);
 constexpr Duration kLastReplies = std::chrono::seconds(2);
 
 LoopBridge::Driven driven_by(Service& service) {
@@ -34,13 +43,15 @@ std::string all_of(const std::vector<std::string>& texts) {
 }  // namespace
 
 Process::Process(Service& service, GatewayDb& db, std::unique_ptr<HistoryStore> history, Access& access,
-                 std::string node_dir, Places places)
+                 std::string node_dir, Places places, UtcTime certificate_ends)
     : service_(service),
       db_(db),
       access_(access),
       node_dir_(std::move(node_dir)),
       places_(std::move(places)),
+      certificate_ends_(certificate_ends),
       passwords_(loop_, kChecksAtOnce),
+      view_(book_, access.alarms),
       clients_(book_, encoder_, (service.instance() & kExactInJson) | 1U),
       history_(loop_, std::move(history)),
       core_(book_, view_, access) {
@@ -48,8 +59,8 @@ Process::Process(Service& service, GatewayDb& db, std::unique_ptr<HistoryStore> 
 }
 
 Gateway Process::gateway_of(op::Session& session) {
-  return {access_,   db_,      passwords_, session,   book_,   view_, clients_,
-          messages_, history_, recorder_,  node_dir_, places_, {},    {}};
+  return {access_,  db_,       passwords_, session,           book_,   view_, clients_, messages_,
+          history_, recorder_, node_dir_,  certificate_ends_, places_, {},    {}};
 }
 
 Result<int> Process::run(const HttpServerSettings& settings, const std::vector<std::string>& origins) {
@@ -64,6 +75,8 @@ Result<int> Process::run(const HttpServerSettings& settings, const std::vector<s
   gateway.sign_ins = &sign_ins;
   op::Doctor doctor((*person)->loop(), &(*person)->session(), nullptr);
   gateway.doctor = &doctor;
+  DriveDesk drives(gateway);
+  gateway.drives = &drives;
   Api api(gateway);
   const auto server = HttpServer::open(loop_, settings, api);
   if (!server) return server.error();
@@ -82,11 +95,19 @@ void Process::add_timers(Gateway& gateway, SignIns& sign_ins) {
   service_.timer([this] { return clients_.topics_changed() ? std::optional(MonotonicTime{}) : std::nullopt; },
                  [this](Now now) { follow_topics(now); });
   service_.timer([this] { return access_.sign_in.next_deadline(); }, [&sign_ins](Now) { sign_ins.tick(); });
+  service_.timer([&gateway] { return gateway.drives->next_deadline(); },
+                 [&gateway](Now now) { gateway.drives->tick(now); });
   // A batch that is being written wakes the loop when it is done.
   service_.timer([this] { return history_.is_writing() ? std::nullopt : recorder_.next_deadline(); },
                  [this](Now now) { record(now); });
   service_.timer([this] { return std::optional(house_kept_ + kHouse); },
                  [this, &gateway](Now now) { keep_house(gateway, now); });
+  if (!db_.is_shared()) return;
+  service_.timer([this] { return std::optional(looked_ + kLook); },
+                 [this, &gateway](Now now) {
+                   looked_ = now.mono;
+                   static_cast<void>(refresh(gateway));
+                 });
 }
 
 Result<std::unique_ptr<op::Tap>> Process::open_tap(op::BusSession& person) {
@@ -103,7 +124,7 @@ bool Process::on_passed(const op::TapRecord& record) {
   return true;
 }
 
-/// One handler at a time, and between two of them what is ready on the bus: deadlines change by either.
+/// A few handlers, and then what is ready on the bus: deadlines change by either.
 void Process::drive(op::BusSession& person) {
   LoopBridge bus(loop_, driven_by(service_));
   LoopBridge asked(loop_, driven_by(person.loop()));
@@ -116,6 +137,8 @@ void Process::drive(op::BusSession& person) {
       loop_.run_one();
     } else {
       loop_.run_one_for(std::max(Duration::zero(), *due - trb::now().mono));
+    }
+    for (int i = 1; i < kHandlersInTurn && !unwritten_ && loop_.poll_one() > 0; ++i) {
     }
   }
 }
@@ -155,12 +178,24 @@ void Process::write_history(Now now) {
 
 void Process::keep_house(Gateway& gateway, Now now) {
   house_kept_ = now.mono;
-  access_.tick(now, gateway.steady());
+  warn_of_certificate(now);
   follow_topics(now);
-  std::vector<LiveSocket*> open;
-  for (const auto& [client, socket] : gateway.sockets) open.push_back(socket);
-  for (LiveSocket* socket : open) socket->check_rights();
+  if (!refresh(gateway)) return;
+  access_.tick(now, gateway.steady());
+  view_.show_alarms(now);
+  check_rights(gateway);
   static_cast<void>(gateway.commit());
+  if (db_.is_shared()) static_cast<void>(settle_unsure(access_, gateway.steady() - kAbandoned));
+}
+
+/// Once a day, from 30 days before its end on.
+void Process::warn_of_certificate(Now now) {
+  if (certificate_ends_ - kRenewBefore > now.utc || (warned_ && now.mono - *warned_ < kWarnAgain)) return;
+  warned_ = now.mono;
+  log_event(Level::warning, "certificate_ends",
+            "the certificate of people's connections ends at " + to_iso8601(certificate_ends_) +
+                "; one that the gateway made is made anew at its next start (trb reload), another one is put into "
+                "keys/gateway.crt and gateway.key");
 }
 
 void Process::end_unwritten(const Error& error) {

@@ -19,7 +19,7 @@ namespace trb::gateway {
 class Process {
  public:
   Process(Service& service, GatewayDb& db, std::unique_ptr<HistoryStore> history, Access& access, std::string node_dir,
-          Places places);
+          Places places, UtcTime certificate_ends);
   Process(const Process&) = delete;
   Process& operator=(const Process&) = delete;
 
@@ -38,6 +38,7 @@ class Process {
   void record(Now now);
   void write_history(Now now);
   void keep_house(Gateway& gateway, Now now);
+  void warn_of_certificate(Now now);
   void end_unwritten(const Error& error);
 
   Service& service_;
@@ -45,10 +46,11 @@ class Process {
   Access& access_;
   std::string node_dir_;
   Places places_;
+  UtcTime certificate_ends_;
   boost::asio::io_context loop_{1};
   PasswordPool passwords_;
   RowBook book_;
-  FleetView view_{book_};
+  FleetView view_;
   JsonRows encoder_;
   Subscriptions clients_;
   MessageLog messages_;
@@ -57,6 +59,8 @@ class Process {
   bool is_history_lost_ = false;
   GatewayCore core_;
   MonotonicTime house_kept_;
+  MonotonicTime looked_;                 ///< when it looked last at what other gateways have written
+  std::optional<MonotonicTime> warned_;  ///< of the certificate's end
   bool unwritten_ = false;
 };
 

@@ -23,7 +23,9 @@ HttpReply refusal_of(const SignInAnswer& answer) {
 }  // namespace
 
 std::string json_session(const User& user, const std::string& csrf) {
-  return JsonObject().text("user", user.name).text("role", name_of(user.role)).text("csrf", csrf).done();
+  JsonObject out;
+  out.text("user", user.name).text("role", name_of(user.role)).text("csrf", csrf);
+  return out.flag("must_change_password", user.must_change).done();
 }
 
 void SignIns::request(const CallPtr& call, std::string user, std::string password) {

@@ -26,7 +26,7 @@ class SignIns {
   SignInId last_ = 0;
 };
 
-/// {"user", "role", "csrf", "ends"?}: of a signed-in person.
+/// {"user", "role", "csrf", "must_change_password"}: of a signed-in person.
 std::string json_session(const User& user, const std::string& csrf);
 
 }  // namespace trb::gateway

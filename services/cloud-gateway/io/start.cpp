@@ -4,30 +4,35 @@
 #include "common/config/cloud_file.hpp"
 #include "common/log/log.hpp"
 #include "common/security/node_keys.hpp"
+#include "proto/body.hpp"
 #include "services/cloud-gateway/io/api/once.hpp"
 #include "services/cloud-gateway/io/http/tls_files.hpp"
+#include "services/cloud-gateway/io/postgres_server.hpp"
 #include "services/cloud-gateway/io/process.hpp"
+#include "services/cloud-gateway/io/store/shared_db.hpp"
+#include "services/cloud-gateway/io/store/shared_history.hpp"
 
 namespace trb::gateway {
 namespace {
+
+/// A shared database that does not answer by then is waited for with 503.
+constexpr Duration kFirstAnswer = std::chrono::seconds(3);
 
 std::vector<std::string> certificate_names(const CloudSettings& settings) {
   std::vector<std::string> out{"localhost", "127.0.0.1"};
   if (settings.address != "127.0.0.1" && settings.address != "0.0.0.0" && settings.address != "::") {
     out.push_back(settings.address);
   }
-  out.insert(out.end(), settings.names.begin(), settings.names.end());
+  for (const std::string& name : settings.names) out.push_back(name.substr(0, name.find(':')));
   return out;
 }
 
-Result<HttpServerSettings> server_settings(const NodeConfig& config, const CloudSettings& cloud) {
-  const auto files = provide_tls_files(config.dir, certificate_names(cloud), now().utc);
-  if (!files) return files.error();
+HttpServerSettings server_settings(const TlsFiles& files, const CloudSettings& cloud) {
   HttpServerSettings out;
   out.address = cloud.address;
   out.port = cloud.port;
-  out.certificate_file = files->certificate;
-  out.key_file = files->key;
+  out.certificate_file = files.certificate;
+  out.key_file = files.key;
   return out;
 }
 
@@ -35,11 +40,25 @@ HistoryLimits limits_of(const CloudSettings& cloud) {
   return {std::chrono::hours(24) * cloud.history_days, std::uint64_t{cloud.history_mb} << 20U};
 }
 
-Result<std::unique_ptr<Access>> open_access(const NodeConfig& config, const CloudSettings& cloud, GatewayDb& db) {
-  const auto keys = load_node_keys(config.dir);
-  if (!keys) return keys.error();
-  auto access = Access::open(db, cloud.origins(), audit_start(keys->authority.id(), config.id));
-  if (!access) return access.error();
+Result<std::unique_ptr<GatewayDb>> open_db(const NodeConfig& config, const CloudSettings& cloud, const NodeKeys& keys) {
+  if (!cloud.database) return GatewayDb::open(config.dir + "/state/gateway.db");
+  auto server = postgres_server(*cloud.database, config.dir);
+  if (!server) return server.error();
+  return open_shared_db(std::move(*server), {config.id, encode(keys.certificate_record)}, kFirstAnswer);
+}
+
+Result<std::unique_ptr<HistoryStore>> open_history(const NodeConfig& config, const CloudSettings& cloud) {
+  if (!cloud.database) return open_history_file(config.dir + "/state/history.db", limits_of(cloud));
+  auto server = postgres_server(*cloud.database, config.dir);
+  if (!server) return server.error();
+  return open_shared_history(std::move(*server), config.id, limits_of(cloud), kFirstAnswer);
+}
+
+/// What another gateway is at work on is not settled here.
+Result<std::unique_ptr<Access>> open_access(const NodeConfig& config, const CloudSettings& cloud, const NodeKeys& keys,
+                                            GatewayDb& db) {
+  auto access = Access::open(db, cloud.origins(), {keys.authority.id(), config.id});
+  if (!access || db.is_shared()) return access;
   if (Status settled = settle_unsure(**access); !settled) return settled.error();
   return access;
 }
@@ -51,18 +70,20 @@ Result<int> start(NodeConfig config) {
   ConfigFaults faults;  // reported by the check
   const CloudSettings cloud = read_cloud_file(config.dir, faults);
   if (auto made = make_private_dir(config.dir + "/state"); !made) return made.error();
-  const auto db = GatewayDb::open(config.dir + "/state/gateway.db");
+  const auto keys = load_node_keys(config.dir);
+  if (!keys) return keys.error();
+  const auto db = open_db(config, cloud, *keys);
   if (!db) return db.error();
-  auto history = open_history_file(config.dir + "/state/history.db", limits_of(cloud));
+  auto history = open_history(config, cloud);
   if (!history) return history.error();
-  const auto access = open_access(config, cloud, **db);
+  const auto access = open_access(config, cloud, *keys, **db);
   if (!access) return access.error();
-  const auto server = server_settings(config, cloud);
-  if (!server) return server.error();
+  const auto files = provide_tls_files(config.dir, certificate_names(cloud), now().utc);
+  if (!files) return files.error();
   const auto service = Service::open({config.dir, "cloud-gateway", {}, FleetView::hears()});
   if (!service) return service.error();
-  Process process(**service, **db, std::move(*history), **access, config.dir, std::move(config.places));
-  return process.run(*server, cloud.origins());
+  Process process(**service, **db, std::move(*history), **access, config.dir, std::move(config.places), files->ends);
+  return process.run(server_settings(*files, cloud), cloud.origins());
 }
 
 }  // namespace trb::gateway

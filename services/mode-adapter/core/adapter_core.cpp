@@ -11,6 +11,7 @@ ModeAdapterCore::ModeAdapterCore(Settings settings, PersistFence persist, Persis
       watch_(robot_.settings, faults_),
       injection_(robot_.settings, std::move(inject)),
       control_(stops_, robot_.settings.id),
+      hand_(robot_, control_, faults_, desk_),
       messages_(robot_, control_) {}
 
 void ModeAdapterCore::on_welcome(const NodeIdentity&, Now, Outbox& out) {
@@ -26,13 +27,16 @@ void ModeAdapterCore::on(const Inbound& message, Now now, Outbox& out) {
                         [&](const OutcomeJournaled& outcome) { desk_.journaled(outcome); },
                         [&](const AdapterStateRequest&) { out.reply(message, status_.state(condition())); },
                         [&](const Stop& stop) {
-                          desk_.interrupt("stopped by " + message.source + ": " + stop.reason, now, out);
+                          const std::string by = "stopped by " + message.source + ": " + stop.reason;
+                          desk_.interrupt(by, now, out);
+                          hand_.on_stop(by, out);
                           stops_.on_stop(message, now, out);
                         },
                         [&](const Release&) { stops_.on_release(message, now, out); },
                         [&](const TakeOutOfUse& order) { faults_.on_take_out(message, order, now, out); },
                         [&](const TakeIntoUse& order) { faults_.on_take_in(message, order, out); },
                         [&](const InjectFault& order) { injection_.on_inject(message, order, out); },
+                        [&](const Velocity& velocity) { hand_.on_velocity(message, velocity, now, out); },
                         [&](const BridgeEvent& event) { on_bridge(message, event, now, out); },
                         [&](const BridgeState& state) {
                           on_bridge(message, state, now, out);
@@ -45,7 +49,13 @@ void ModeAdapterCore::on(const Inbound& message, Now now, Outbox& out) {
 
 /// A user's own message, or an answer.
 void ModeAdapterCore::on_other(const Inbound& message, Now now, Outbox& out) {
-  visit(Overloaded{[&](const Opaque& body) { messages_.on_message(message, body, now, out); },
+  visit(Overloaded{[&](const Opaque& body) {
+                     if (const auto driven = hand_.on_command(message, now, out)) {
+                       out.count("refused." + std::string(errc_name(driven->code)));
+                       return out.nack(message, *driven);
+                     }
+                     messages_.on_message(message, body, now, out);
+                   },
                    [&](const Nack& nack) { messages_.on_nack(message, nack, now, out); }, [&](const Ack&) {},
                    [&](const auto&) {
                      out.count("refused.unexpected");
@@ -64,6 +74,7 @@ void ModeAdapterCore::tick(Now now, Outbox& out) {
   // Before the modes: a stop's answer shows what was known at its deadline.
   stops_.tick(now, out);
   faults_.save(now, out);
+  hand_.tick(now, out);
   robot_.for_each([&](Driver& mode) { mode.tick(now, robot_.to(mode, out)); });
   settle(now, out);
   desk_.tick(now, out);
@@ -73,7 +84,7 @@ void ModeAdapterCore::tick(Now now, Outbox& out) {
 }
 
 std::optional<MonotonicTime> ModeAdapterCore::next_deadline() const {
-  const auto commanded = earlier(control_.next_deadline(), messages_.next_deadline());
+  const auto commanded = earlier(earlier(control_.next_deadline(), hand_.next_deadline()), messages_.next_deadline());
   const auto robot = earlier(robot_.next_deadline(), watch_.next_deadline());
   return earlier(earlier(stops_.next_deadline(), desk_.next_deadline()), earlier(commanded, robot));
 }
@@ -92,6 +103,7 @@ void ModeAdapterCore::on_channel_down(Channel channel, const std::string& reason
 }
 
 void ModeAdapterCore::leave(Now now, Outbox& out) {
+  hand_.give_way("the robot's node ends", now, out);
   robot_.for_each([&](Driver& mode) { mode.leave(now, robot_.to(mode, out)); });
 }
 
@@ -118,8 +130,13 @@ Condition ModeAdapterCore::condition() const {
 
 void ModeAdapterCore::settle(Now now, Outbox& out) {
   // An event may cause further events.
-  while (const auto from = robot_.next_event()) on_event(*from->mode, from->event, now, out);
-  control_.refresh(desk_.busy(), now);
+  const auto handle_events = [&] {
+    while (const auto from = robot_.next_event()) on_event(*from->mode, from->event, now, out);
+  };
+  handle_events();
+  hand_.look_at_faults(now, out);
+  handle_events();
+  control_.refresh(desk_.busy(), hand_.driving(), now);
   status_.publish(condition(), out);
 }
 
@@ -132,6 +149,7 @@ void ModeAdapterCore::on_event(Driver& mode, const DriverEvent& event, Now now, 
                  },
                  [&](const Refused& refused) {
                    if (desk_.owns(refused.token)) return desk_.on_refused(refused.error, now, out);
+                   if (hand_.owns(refused.token)) return hand_.on_refused(refused, now, out);
                    messages_.on_refused(refused, out);
                  },
                  [&](const Said& said) { on_said(mode, said, now, out); },
@@ -148,6 +166,7 @@ void ModeAdapterCore::on_event(Driver& mode, const DriverEvent& event, Now now, 
 
 void ModeAdapterCore::on_progress(Token token, const char* state, Now now, Outbox& out) {
   if (desk_.owns(token)) return desk_.on_under_way(now);
+  if (hand_.owns(token)) return hand_.on_under_way(token, now, out);
   messages_.on_progress(token, state, out);
 }
 
@@ -170,12 +189,14 @@ void ModeAdapterCore::on_link_up(Driver& mode, Now now, Outbox& out) {
   out.count("from_robot.ready");
   if (&mode == &robot_.primary()) status_.on_up();
   stops_.on_link_up(mode, now, out);
+  hand_.on_link_up(mode, now, out);
 }
 
 void ModeAdapterCore::on_link_down(Driver& mode, const std::string& reason, Now now, Outbox& out) {
   if (&mode == &robot_.primary()) status_.on_down(reason);
   faults_.on_link_down();
   desk_.on_link_down(&mode, reason, now, out);
+  hand_.on_link_down(mode, reason, out);
   messages_.on_link_down(mode, reason, out);
 }
 

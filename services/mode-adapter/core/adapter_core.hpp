@@ -4,6 +4,7 @@
 #include "common/actor/core.hpp"
 #include "common/actor/takes.hpp"
 #include "services/mode-adapter/core/fault_injection.hpp"
+#include "services/mode-adapter/core/hand_drive.hpp"
 #include "services/mode-adapter/core/robot_control.hpp"
 #include "services/mode-adapter/core/robot_side.hpp"
 #include "services/mode-adapter/core/robot_status.hpp"
@@ -17,7 +18,7 @@ namespace trb::adapter {
 class ModeAdapterCore : public Core {
  public:
   using Taken = Takes<Execute, CancelExecution, ExecutionQuery, OutcomeJournaled, AdapterStateRequest, Stop, Release,
-                      TakeOutOfUse, TakeIntoUse, InjectFault, BridgeEvent, BridgeState>;
+                      TakeOutOfUse, TakeIntoUse, InjectFault, Velocity, BridgeEvent, BridgeState>;
 
   ModeAdapterCore(Settings settings, PersistFence persist, PersistOutOfUse keep, InjectLine inject = {});
 
@@ -36,8 +37,8 @@ class ModeAdapterCore : public Core {
   /// The process is about to end.
   void leave(Now now, Outbox& out);
 
-  /// True while no skill runs: the process may be replaced then.
-  [[nodiscard]] bool idle() const { return !desk_.busy(); }
+  /// True while no skill runs and nobody drives: the process may be replaced then.
+  [[nodiscard]] bool idle() const { return !desk_.busy() && !hand_.driving(); }
 
  private:
   void on_other(const Inbound& message, Now now, Outbox& out);
@@ -63,6 +64,7 @@ class ModeAdapterCore : public Core {
   RobotWatch watch_;
   FaultInjection injection_;
   RobotControl control_;
+  HandDrive hand_;
   UserMessages messages_;
 };
 

@@ -27,7 +27,8 @@ struct Holder {
 /// ---------------------|-------------|-----------------------|---------------------------------------------
 /// command              | held        | held, 10 s from now   | refused: control_held
 /// command with `take`  | held        | held, 10 s from now   | held by the new one; what runs goes on
-/// 10 s without command | -           | free, unless a command of it still runs
+/// 10 s without command | -           | free, unless a command of it still runs, or a drive
+/// the end of a drive   | -           | free                  | -
 /// stop, release, requests, information: allowed whoever holds the lease; they do not change it
 class ControlLease {
  public:
@@ -37,6 +38,10 @@ class ControlLease {
   [[nodiscard]] std::optional<Error> refusal(const Holder& by, const std::string& robot, Now now) const;
   /// A command of `by` is accepted. Returns the previous holder if the lease was taken over.
   std::optional<Holder> take(Holder by, Now now);
+  /// Its holder needs it no more.
+  void free(const Holder& by) {
+    if (holder_ && holder_->same(by)) holder_.reset();
+  }
   /// `running`: does a command of the holder still run? Frees the lease when its time is over.
   void refresh(bool running, Now now);
 

@@ -15,11 +15,11 @@ void RobotControl::take(const Holder& by, Now now, Outbox& out) {
   out.log(LogLevel::warning, "control_taken_over", "by '" + by.text() + "' from '" + former->text() + "'");
 }
 
-void RobotControl::refresh(bool skill_runs, Now now) {
+void RobotControl::refresh(bool skill_runs, bool driven, Now now) {
   const auto& holder = lease_.holder();
   if (!holder) return;
   const bool commanded_runs = commanded_.mode != nullptr && commanded_.mode->runs(commanded_.token);
-  lease_.refresh(holder->kind == Holder::Kind::run ? skill_runs : commanded_runs, now);
+  lease_.refresh(holder->kind == Holder::Kind::run ? skill_runs : commanded_runs || driven, now);
 }
 
 }  // namespace trb::adapter

@@ -19,9 +19,13 @@ class RobotControl {
   void take(const Holder& by, Now now, Outbox& out);
   /// The last command of a person has started something: its lease lasts while that runs.
   void began(const Driver& mode, Token token) { commanded_ = {&mode, token}; }
-  /// Frees the lease when its holder's command is over. `skill_runs`: a task of a run is under way.
-  void refresh(bool skill_runs, Now now);
+  /// Frees the lease when its holder's command is over. `skill_runs`: a task of a run is under way; `driven`: its
+  /// holder drives the robot by hand.
+  void refresh(bool skill_runs, bool driven, Now now);
+  /// The holder lets go of the robot.
+  void give_up(const Holder& by) { lease_.free(by); }
 
+  [[nodiscard]] bool fenced() const { return stops_.fenced(); }
   [[nodiscard]] const std::optional<Holder>& holder() const { return lease_.holder(); }
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const { return lease_.next_deadline(); }
 

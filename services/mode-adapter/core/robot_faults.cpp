@@ -164,14 +164,20 @@ Status RobotFaults::repaired(const TakeIntoUse& order, Outbox& out) {
 
 std::optional<Error> RobotFaults::refusal(const Execute& order) const {
   const Skill* skill = robot_.settings.description.find_skill(order.skill);
-  const std::string capability = skill == nullptr ? std::string() : skill->capability;
+  return skill == nullptr ? refusal({}, nullptr) : refusal(skill->capability);
+}
+
+std::optional<Error> RobotFaults::refusal(const std::string& capability) const {
+  // A fault that is not reported yet, because it began again soon after its end, counts as well.
+  return refusal(capability, rules_.standing(capability));
+}
+
+std::optional<Error> RobotFaults::refusal(const std::string& capability, const FaultSaid* standing) const {
   const OutOfUse* kept = book_.keeps_out(capability);
   if (kept != nullptr && kept->retired) {
     return fail(Errc::out_of_use, "the robot is retired by " + kept->by + ": " + kept->text,
                 "trb robot return " + robot_.settings.id);
   }
-  // A fault that is not reported yet, because it began again soon after its end, counts as well.
-  const FaultSaid* standing = skill == nullptr ? nullptr : rules_.standing(capability);
   if (kept == nullptr && standing == nullptr) return std::nullopt;
   return fail(Errc::out_of_use,
               name_of_whole(capability) + " is out of use: " + (kept != nullptr ? kept->text : standing->text),

@@ -31,6 +31,8 @@ class RobotFaults {
 
   /// Why the skill cannot begin; nothing: its capability is in use.
   [[nodiscard]] std::optional<Error> refusal(const Execute& order) const;
+  /// Why what needs the capability is refused; nothing: it is in use.
+  [[nodiscard]] std::optional<Error> refusal(const std::string& capability) const;
   /// As in the profile.
   [[nodiscard]] const std::vector<OutOfUse>& shown() const { return book_.shown(); }
 
@@ -41,6 +43,7 @@ class RobotFaults {
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const;
 
  private:
+  [[nodiscard]] std::optional<Error> refusal(const std::string& capability, const FaultSaid* standing) const;
   void keep(const FaultSaid& fault, Now now, Outbox& out);
   void tell(const FaultChanges& changes, Now now, Outbox& out);
   void tell_end(const OutOfUse& ended, const std::string& text, Outbox& out);

@@ -7,6 +7,7 @@
 #include "common/drivers/lines/driver.hpp"
 #include "common/drivers/registry.hpp"
 #include "services/mode-adapter/core/settings.hpp"
+#include "services/mode-adapter/core/skill_call.hpp"
 
 namespace trb::adapter {
 
@@ -28,6 +29,12 @@ class RobotSide {
   }
   /// Is it direct or ros, and not by fields?
   [[nodiscard]] bool is_native(const Driver& mode) const { return &mode == native_.get(); }
+
+  /// How values are written for it.
+  [[nodiscard]] CallStyle style_for(const Driver& mode) const {
+    if (is_native(mode)) return CallStyle::json;
+    return settings.description.field_channel.encoding == Encoding::numeric ? CallStyle::numbers : CallStyle::words;
+  }
 
   [[nodiscard]] DriverOut to(Driver& mode, Outbox& out) { return {&mode, out, output_, events_}; }
   /// What the drivers want done at the robot since the last call.

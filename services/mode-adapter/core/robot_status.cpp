@@ -18,6 +18,7 @@ RobotStatus::RobotStatus(const Settings& settings) : settings_(settings) {
   profile_.sensors = description.sensors;
   profile_.skills = skill_infos(description);
   profile_.numbers = description.numbers;
+  for (const Drive& drive : description.drives) profile_.drives.push_back(drive.info());
   for (const Skill& skill : description.skills) skills_.push_back({skill.name, skill.capability, skill.repeatable});
   profile_.places = place_names(description, settings.places);
   const RobotFrame& frame = description.frame;

@@ -104,9 +104,7 @@ bool SkillDesk::begin(const Inbound& message, const Execute& order, Now now, Out
 Status SkillDesk::hand_over(const Execute& order, const Skill& skill, Now now, Outbox& out) {
   const Settings& settings = robot_.settings;
   Driver& mode = robot_.mode_for(MessageType::command, skill.subtype);
-  const bool numeric = settings.description.field_channel.encoding == Encoding::numeric;
-  const CallStyle style = robot_.is_native(mode) ? CallStyle::json : numeric ? CallStyle::numbers : CallStyle::words;
-  auto call = render_call(skill, order.data, settings.description, settings.places, style);
+  auto call = render_call(skill, order.data, settings.description, settings.places, robot_.style_for(mode));
   if (!call) return call.error();
   if (skill.end.kind == EndKind::acknowledgement && !mode.tells_end(skill.subtype)) {
     return fail(Errc::bad_value,

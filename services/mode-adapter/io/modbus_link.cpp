@@ -115,7 +115,7 @@ Error ModbusLink::lost() const {
     case EMBMDATA:
     case EMBBADSLAVE:
     case EMBBADCRC:
-      return fail(Errc::io_error, std::string("an answer that is none of Modbus': ") + modbus_strerror(errno));
+      return fail(Errc::io_error, std::string("not a Modbus answer: ") + modbus_strerror(errno));
     default:
       return fail(Errc::io_error, modbus_strerror(errno));
   }

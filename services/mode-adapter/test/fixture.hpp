@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -289,7 +290,7 @@ class UrFixture : public Fixture {
   void state(const UrPicture& picture = {}) { monitor(ur_state(picture)); }
   /// A state every 0.1 s.
   void live(double time_s, const UrPicture& picture = {}) {
-    for (double t = 0; t < time_s - 1e-9; t += 0.1) {
+    for (long states = std::lround(time_s * 10); states > 0; --states) {
       wait(0.1);
       state(picture);
     }

@@ -54,12 +54,12 @@ TEST_CASE("a run holds the robot while its skill runs, and ten seconds longer") 
   RobotControlBench bench;
   bench.control.take(kRun, bench.now, bench.out);
   bench.later(60);
-  bench.control.refresh(true, bench.now);
+  bench.control.refresh(true, false, bench.now);
   CHECK(bench.control.holder());
-  bench.control.refresh(false, bench.now);
+  bench.control.refresh(false, false, bench.now);
   CHECK(bench.control.holder());
   bench.later(10);
-  bench.control.refresh(false, bench.now);
+  bench.control.refresh(false, false, bench.now);
   CHECK_FALSE(bench.control.holder());
 }
 
@@ -68,6 +68,6 @@ TEST_CASE("a person's lease does not live on a run's skill") {
   bench.control.take(kOperator, bench.now, bench.out);
   bench.control.began(bench.robot.field(), 1);
   bench.later(10);
-  bench.control.refresh(true, bench.now);
+  bench.control.refresh(true, false, bench.now);
   CHECK_FALSE(bench.control.holder());
 }

@@ -47,7 +47,7 @@ Result<Criteria> weighed(Criteria criteria, const std::vector<WeighedCriterion>&
 [[nodiscard]] bool is_sensor_of(const ReplacementCriterion& criterion, const RobotRecord& robot,
                                 std::string_view sensor);
 
-/// What a robot is asked before it is proposed: subtypes of its requests, and sensors of its node.
+/// What a robot is requested to send before it is proposed: subtypes of its requests, and sensors of its node.
 struct Question {
   std::string value;    ///< its name among the robot's values
   std::string subtype;  ///< of the request; empty: a sensor's reading

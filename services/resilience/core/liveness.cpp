@@ -14,7 +14,7 @@ void Liveness::look(const std::string& id, const RobotRecord* robot, Now now, bo
   if (is_new) gone.since = now.mono;
   if (expired) gone.since = now.mono - kGrace;
   gone.cause = reached ? "robot_connection" : "peer_expired";
-  gone.text = robot == nullptr ? "its node was never heard" : why_unfit(*robot);
+  gone.text = robot == nullptr ? "its node is not known" : why_unfit(*robot);
 }
 
 const Liveness::Gone* Liveness::find(std::string_view id, Now now) const {

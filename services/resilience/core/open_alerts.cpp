@@ -47,7 +47,8 @@ std::string OpenAlerts::waits_for(const Alert& alert, const WatchedRun& run) con
     return "a robot that can do task '" + alert.tasks.front() + "', or " + out + " --skip or --abort";
   }
   if (alert.proposals.empty()) out += " (no robot can take over: --retry, --skip or --abort)";
-  if (alert.needs_word) out += "; nobody hears what " + alert.robot + " does: --stands if you have seen that it stands";
+  if (alert.needs_word)
+    out += "; nothing is received from " + alert.robot + ": --stands if you have seen that it stands";
   return out;
 }
 

@@ -97,7 +97,7 @@ std::vector<WeightFlip> Proposer::flips_of(Alert alert, const WatchedRun& run, c
 
 void Proposer::refresh(Alert& alert, const WatchedRun& run, Now now, Outbox& out) {
   const Inquiry& inquiry = alerts_.work(alert.id).inquiry;
-  // The criteria may have changed since the last start: all robots are asked and proposed anew.
+  // The criteria may have changed since the last start: all robots are requested and proposed anew.
   const bool wanted = !inquiry.has_begun() || (inquiry.may_rank(now) && (alert.proposals.empty() || is_stale(alert)));
   if (wanted) {
     const std::vector<Proposal> proposals = alert.proposals;

@@ -68,6 +68,9 @@ void ResilienceCore::handle(const AlertListRequest& body, const Inbound& from, N
 }
 
 void ResilienceCore::handle(const AlertDecide& body, const Inbound& from, Now now, Outbox& out) {
+  if (from.source == situation_.node()) {
+    if (auto other = verdicts_.elsewhere(body)) return out.reply(from, std::move(*other));
+  }
   const auto taken = verdicts_.receive(body, from.source, now, out);
   if (taken) return out.reply(from, Ack{"accepted", cut_utf8(*taken, 1024)});
   out.count("refused.alert_decide." + std::string(errc_name(taken.error().code)));
@@ -90,7 +93,7 @@ void ResilienceCore::handle(const HistoryListRequest& body, const Inbound& from,
   const auto entries = history_->history(body.robot, body.most);
   if (!entries) return out.nack(from, entries.error());
   if (entries->empty() && !body.robot.empty() && situation_.fleet().find(body.robot) == nullptr) {
-    return out.nack(from, fail(Errc::unknown_target, "'" + body.robot + "' was never heard", "trb robot list"));
+    return out.nack(from, fail(Errc::unknown_target, "'" + body.robot + "' is not known", "trb robot list"));
   }
   HistoryTable table;
   for (const HistoryEntry& one : *entries) table.events.push_back({one.time.ns, one.robot, one.kind, one.text});

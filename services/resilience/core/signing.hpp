@@ -1,5 +1,5 @@
-// Carries an alert's verdict out: the robot is asked to give tasks back, the record is signed, the scheduler accepts
-// it.
+// Carries an alert's verdict out: the robot is requested to give tasks back, the record is signed, the scheduler
+// accepts it.
 #pragma once
 
 #include <optional>
@@ -18,7 +18,7 @@ class Signing {
   void begin(Now now);
   [[nodiscard]] bool has_waited(Duration time, Now now) const { return since_ && now.mono - *since_ >= time; }
 
-  /// Asks the robot to give its tasks back. False: it was asked a moment ago.
+  /// Requests the robot to give its tasks back. False: it was a moment ago.
   bool try_release(Now now) { return take(release_, now); }
 
   /// What the router has to sign: an order to abort, or the decision of that epoch.

@@ -67,7 +67,7 @@ Status VerdictChecks::check_override(const Alert& alert, const AlertDecide& body
     return fail(Errc::missing, "an override needs a robot and a reason", "--override ROBOT --reason TEXT");
   }
   const RobotRecord* robot = situation_.fleet().find(body.robot);
-  if (robot == nullptr) return fail(Errc::unknown_target, "'" + body.robot + "' was never heard", "trb robot list");
+  if (robot == nullptr) return fail(Errc::unknown_target, "'" + body.robot + "' is not known", "trb robot list");
   if (body.robot == alert.robot) return fail(Errc::bad_value, "it is the robot that failed", "use --retry");
   if (!robot->reached || robot->profile.is.robot != "ONLINE" || retirement_of(*robot) != nullptr) {
     return fail(Errc::conflict, "'" + body.robot + "' is not there: " + why_unfit(*robot),

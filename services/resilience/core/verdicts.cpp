@@ -1,6 +1,7 @@
 #include "services/resilience/core/verdicts.hpp"
 
 #include <algorithm>
+#include <cstddef>
 
 #include "common/base/words.hpp"
 #include "proto/value.hpp"
@@ -22,6 +23,8 @@ std::string decided_text(const Alert& alert) {
   for (const TaskForRobot& one : alert.proposals.front().tasks) out += ", " + one.task + " to " + one.robot;
   return cut_utf8(out, 512);
 }
+
+constexpr std::size_t kMaxPerson = 64;  ///< of AlertDecide
 
 constexpr const char* kTrbRun = "trb scenario list names the runs, trb scenario watch a run's tasks";
 
@@ -49,10 +52,56 @@ Result<std::string> robot_of(const WatchedRun& run, const std::vector<std::strin
 
 }  // namespace
 
-Result<std::string> Verdicts::receive(const AlertDecide& body, const std::string& source, Now now, Outbox& out) {
-  if (source != situation_.node()) {
-    return fail(Errc::not_permitted, "an alert is decided on the node whose alert it is", "use --node");
+std::optional<DecidedElsewhere> Verdicts::elsewhere(const AlertDecide& body) const {
+  const bool names_both = !body.alert.empty() && !body.run.empty();  // refused, here as there
+  if (situation_.settings().role != Role::cloud || names_both) return std::nullopt;
+  DecidedElsewhere out{{}, body.run, body.tasks};
+  if (!body.alert.empty()) {
+    const auto alert = alerts_.book().choose(body.alert);
+    if (!alert || !is_open(**alert)) return std::nullopt;
+    out.run = (*alert)->run;
+    if (out.tasks.empty()) out.tasks = (*alert)->tasks;
   }
+  if (out.run.empty() || out.tasks.empty()) return std::nullopt;
+  const auto run = choose_run(out.run);
+  if (!run || (*run)->decider().empty() || situation_.decides_on(*run)) return std::nullopt;
+  out.run = (*run)->summary.run;
+  out.node = (*run)->decider();
+  return out;
+}
+
+Result<AlertDecide> Verdicts::of_other_cloud(AlertDecide body, const std::string& source) {
+  if (body.run.empty() || body.tasks.empty()) {
+    return fail(Errc::not_permitted, "run: an alert is decided on the node whose alert it is",
+                "give the run and its tasks, or use --node");
+  }
+  const auto run = choose_run(body.run);
+  if (!run) return run.error();
+  if (!(*run)->is_member(source)) {
+    return fail(Errc::not_permitted, "run: '" + source + "' is no member of it", "say it on one of its cloud nodes");
+  }
+  if (!body.alert.empty()) {
+    const auto alert = alert_of_tasks(**run, body.tasks);
+    if (!alert) return alert.error();
+    if (*alert == nullptr) {
+      return fail(Errc::conflict,
+                  "alert " + body.alert + ": no alert of its tasks is open on '" + situation_.node() + "'",
+                  "it was decided or is over: look at the run");
+    }
+    body.alert.clear();
+  }
+  const std::string from = "@" + source;
+  body.person = cut_utf8(body.person, kMaxPerson - std::min(kMaxPerson, from.size())) + from;
+  return body;
+}
+
+Result<std::string> Verdicts::receive(const AlertDecide& body, const std::string& source, Now now, Outbox& out) {
+  if (source == situation_.node()) return receive_own(body, now, out);
+  const auto theirs = of_other_cloud(body, source);
+  return theirs ? receive_own(*theirs, now, out) : theirs.error();
+}
+
+Result<std::string> Verdicts::receive_own(const AlertDecide& body, Now now, Outbox& out) {
   if (!body.alert.empty() && !body.run.empty()) {
     return fail(Errc::bad_value, "run: an alert names its run itself", "give the alert, or run and tasks");
   }

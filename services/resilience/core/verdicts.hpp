@@ -1,6 +1,7 @@
 // What people, or the policy, decide on an alert, or on tasks without an alert.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -31,7 +32,11 @@ class Verdicts {
         standing_(parts.standing),
         checks_(parts.situation, parts.alerts, parts.proposer) {}
 
-  /// A person's verdict, on an alert or on a run's tasks.
+  /// Where a person's verdict of this node belongs, if another cloud node decides on its run. A robot's node may send
+  /// it nowhere.
+  [[nodiscard]] std::optional<DecidedElsewhere> elsewhere(const AlertDecide& body) const;
+  /// A person's verdict, on an alert or on a run's tasks; of another cloud node only on tasks of a run of which that is
+  /// a member: no other has to do with it. The person is then "ann@cloud2".
   Result<std::string> receive(const AlertDecide& body, const std::string& source, Now now, Outbox& out);
   /// A verdict on an open alert of a run.
   Result<std::string> decide(Alert& alert, const AlertDecide& body, Now now, Outbox& out);
@@ -39,6 +44,9 @@ class Verdicts {
   Result<std::string> decide_anew(Alert fresh, const AlertDecide& body, Now now, Outbox& out);
 
  private:
+  /// In this node's terms: alerts have other ids at its sender.
+  Result<AlertDecide> of_other_cloud(AlertDecide body, const std::string& source);
+  Result<std::string> receive_own(const AlertDecide& body, Now now, Outbox& out);
   Result<std::string> decide_alert(Alert& alert, const AlertDecide& body, Now now, Outbox& out);
   Result<std::string> decide_again(Alert& alert, const AlertDecide& body, Now now, Outbox& out);
   Result<std::string> mend_again(Alert& alert, const AlertDecide& body, Now now, Outbox& out);

@@ -4,7 +4,7 @@
 
 namespace trb::resilience {
 
-/// Runs the resilience service of a node until it is asked to end. Returns the process's exit status.
+/// Runs the resilience service of a node until it has to end. Returns the process's exit status.
 Result<int> start(NodeConfig node);
 
 }  // namespace trb::resilience

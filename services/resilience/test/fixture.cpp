@@ -223,11 +223,11 @@ Alert Fixture::any(const std::string& id) {
   return {};
 }
 
-std::string Fixture::decide(AlertDecide verdict) {
+std::string Fixture::decide(AlertDecide verdict, const std::string& from) {
   asked_ = 1'000'000 + ++count_;
   told_.reset();
   verdict.person = "ann";
-  inbox_.push_back({MessageType::command, "cloud", "cloud", asked_, 0, 0, 1000, verdict});
+  inbox_.push_back({MessageType::command, from, "cloud", asked_, 0, 0, 1000, verdict});
   settle();
   if (!told_) return "lost";
   if (const auto* ack = get_if<Ack>(&*told_)) {

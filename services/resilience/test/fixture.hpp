@@ -74,7 +74,7 @@ class Fixture {
   Alert run_alert();                ///< the only one of a run that is open
   Alert any(const std::string& id);
   /// "accepted", or the Nack's code, or "lost" in a crash.
-  std::string decide(AlertDecide verdict);
+  std::string decide(AlertDecide verdict, const std::string& from = "cloud");
   std::string decide(Verdict verdict, const std::string& robot = "", bool stands = false,
                      const std::string& reason = "");
 

@@ -63,7 +63,7 @@ void BridgeCore::on(const Inbound& message, Now now, Outbox& out) {
   if (command != nullptr && message.source == settings_.id) return on_command(*command, now, out);
   if (holds_alternative<Nack>(message.body) || holds_alternative<Ack>(message.body)) return;
   out.count("refused.unexpected");
-  out.nack(message, fail(Errc::not_permitted, "only the node's own mode-adapter speaks to the ROS bridge"));
+  out.nack(message, fail(Errc::not_permitted, "only the node's own mode-adapter may use the ROS bridge"));
 }
 
 void BridgeCore::on_command(const BridgeCommand& command, Now now, Outbox& out) {

@@ -1,4 +1,4 @@
-// The bridge's core: BridgeCommands in, words to the worker out; what the worker hears, as BridgeEvents. It owns the
+// The bridge's core: BridgeCommands in, words to the worker out; what the worker gets, as BridgeEvents. It owns the
 // types, the codec and the watch over the worker.
 #pragma once
 

@@ -23,7 +23,8 @@ class Writer {
   Status message(const RosType& type, const Value& json) {
     if (!json.is_object()) return wrong(json, "an object of " + type.name);
     for (const auto& [key, member] : json.object()) {
-      const bool known = std::ranges::any_of(type.fields, [&](const Field& field) { return field.name == key; });
+      const bool known =
+          std::ranges::any_of(type.fields, [&name = key](const Field& field) { return field.name == name; });
       if (!known) return refuse(Errc::unknown_key, key.substr(0, 60) + ": no field of " + type.name, has(type));
     }
     for (const Field& field : type.fields) {

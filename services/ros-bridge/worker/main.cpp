@@ -88,7 +88,7 @@ class Worker {
   }
 
   void on(const WorkerMessage& message) {
-    // The bridge asks for nothing before it has heard that the master is there.
+    // The bridge requests nothing before it knows that the master is there.
     if (!node_) return;
     const auto& parts = message.parts;
     if (message.word == Word::look_up) return look_up(parts[0]);

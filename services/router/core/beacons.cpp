@@ -61,7 +61,7 @@ void Beacons::on_beacon(BytesView plain, Now now, Effects& out) {
     return refuse("too_many_peers", "the routing table has no row for '" + certificate->id + "'", now, out);
   const Peer* known = table_.find(certificate->id);
   if (known != nullptr && is_replayed(*known, *certificate, *beacon))
-    return refuse("replayed", "of '" + known->id + "', not newer than one that was heard", now, out);
+    return refuse("replayed", "of '" + known->id + "', not newer than one that was received", now, out);
   const bool linked =
       known != nullptr && known->link != 0 && known->boot == beacon->boot && known->address == beacon->address;
   Peer& peer = linked ? *table_.find(certificate->id) : table_.learn(*certificate, beacon->certificate);

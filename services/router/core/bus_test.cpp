@@ -13,6 +13,12 @@ struct Bus {
   TestFleet fleet;
   TestNode& ant = fleet.start("ant", {.beacon = false});
 
+  /// The node becomes the cloud's, whose services sign what no robot's may.
+  void become_cloud() {
+    RouterConfig config = ant.core->config();
+    config.role = Role::cloud;
+    ant.core = std::make_unique<RouterCore>(std::move(config));
+  }
   std::string hello(ConnectionId from, const std::string& service, std::vector<std::string> subtypes = {},
                     bool probe = false) {
     return come_as(probe ? kProbe : std::string_view(service), from, service, std::move(subtypes));
@@ -251,9 +257,7 @@ TEST_CASE("of counters with made-up names there are a thousand, and those that a
 
 TEST_CASE("a decision is signed on a cloud node for its resilience, and names that node") {
   Bus bus;
-  RouterConfig config = bus.ant.core->config();
-  config.role = Role::cloud;
-  bus.ant.core = std::make_unique<RouterCore>(std::move(config));
+  bus.become_cloud();
   REQUIRE(bus.hello(1, "resilience") == "service_welcome");
   const auto asks = [&](const std::string& by) {
     return bus.ask(1, SignRequest{std::string(kSignedDecision), {payload_of(kSignedDecision, by)}});
@@ -264,9 +268,7 @@ TEST_CASE("a decision is signed on a cloud node for its resilience, and names th
 
 TEST_CASE("the head of an audit log is signed on a cloud node, for its gateway alone") {
   Bus bus;
-  RouterConfig config = bus.ant.core->config();
-  config.role = Role::cloud;
-  bus.ant.core = std::make_unique<RouterCore>(std::move(config));
+  bus.become_cloud();
   REQUIRE(bus.hello(1, "cloud-gateway") == "service_welcome");
   REQUIRE(bus.hello(2, "resilience") == "service_welcome");
   REQUIRE(bus.hello(3, "cloud-gateway", {}, true) == "service_welcome");  // a probe of that name

@@ -1,4 +1,4 @@
-// What a router is told at its start.
+// What a router gets at its start.
 #pragma once
 
 #include <functional>

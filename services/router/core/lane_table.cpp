@@ -104,7 +104,7 @@ std::optional<LinkId> LaneTable::on_listen(BytesView key, BytesView topic, Effec
   }
   if (topic != topic_of(link->peer)) {
     out.count("refused.lane_topic");
-    out.log(LogLevel::warning, "lane_topic", link->peer + " wants to hear what is not meant for it");
+    out.log(LogLevel::warning, "lane_topic", link->peer + " subscribes to what is not meant for it");
     return std::nullopt;
   }
   rows_[link->id].listens = true;

@@ -29,6 +29,14 @@ bool has_error(const LinkErrorTable& table, const std::string& peer, const std::
                      [&](const LinkErrorRow& row) { return row.peer == peer && row.code == code; });
 }
 
+/// Two nodes with a link.
+struct Linked {
+  TestFleet fleet;
+  TestNode& ant = fleet.start_two(Seconds(5));
+  TestNode& bee = fleet.at("bee");
+  Linked() { REQUIRE(ant.link_to("bee") != 0); }
+};
+
 }  // namespace
 
 TEST_CASE("a peer that cannot be dialled is told of until a link to it is up") {
@@ -49,10 +57,8 @@ TEST_CASE("a peer that cannot be dialled is told of until a link to it is up") {
 }
 
 TEST_CASE("a one-way cut is told apart from silence") {
-  TestFleet fleet;
-  TestNode& ant = fleet.start_two(Seconds(5));
-  TestNode& bee = fleet.at("bee");
-  REQUIRE(ant.link_to("bee") != 0);
+  Linked linked;
+  auto& [fleet, ant, bee] = linked;
   fleet.cut("ant", "bee");
   fleet.run(Seconds(14));
   CHECK(has_error(ask(fleet, bee), "ant", "not_heard"));
@@ -60,10 +66,8 @@ TEST_CASE("a one-way cut is told apart from silence") {
 }
 
 TEST_CASE("a cut both ways is silence on both sides") {
-  TestFleet fleet;
-  TestNode& ant = fleet.start_two(Seconds(5));
-  TestNode& bee = fleet.at("bee");
-  REQUIRE(ant.link_to("bee") != 0);
+  Linked linked;
+  auto& [fleet, ant, bee] = linked;
   fleet.cut("ant", "bee");
   fleet.cut("bee", "ant");
   fleet.run(Seconds(14));

@@ -89,7 +89,7 @@ void LinkInbox::on_body(Link& link, const Message& message, const Body& body, No
 
 void LinkInbox::on_goodbye(const Link& link, const Goodbye& goodbye, Now now, Effects& out) {
   if (goodbye.reason == kUnheard)
-    at_.errors.note_link(link.id, "one_way", "it does not hear this node, which hears it", now);
+    at_.errors.note_link(link.id, "one_way", "this node receives from it, but it does not receive from this node", now);
   at_.links.drop(link.id, "the other side said goodbye: " + goodbye.reason, false, now, out);
 }
 

@@ -1,4 +1,4 @@
-// What the fleet is told about this node: the robot's profile, as its mode-adapter sent it, and the sensors that are
+// What the fleet gets to know of this node: the robot's profile, as its mode-adapter sent it, and the sensors that are
 // plugged into this PC, as its sensor-bus sent them.
 #pragma once
 
@@ -16,11 +16,11 @@ constexpr std::string_view kSensorBus = "sensor-bus";
 
 /// sensors | event                                                  | next
 /// --------|--------------------------------------------------------|---------------------------------------------
-/// any     | received from the sensor-bus                           | plugged; every peer is told what has changed
+/// any     | received from the sensor-bus                           | plugged; every peer gets what has changed
 /// plugged | the sensor-bus's connection ends                       | lost: it has 3 s to come back
-/// plugged | the sensor-bus is silent for a lease (expired)         | none; every peer is told
+/// plugged | the sensor-bus is silent for a lease (expired)         | none; every peer gets that
 /// lost    | received anew                                          | plugged
-/// lost    | 3 s are over (expired)                                 | none; every peer is told
+/// lost    | 3 s are over (expired)                                 | none; every peer gets that
 /// any     | a robot's profile that no peer would take (invalid)    | as before; counted, logged, a link error
 class LocalProfile {
  public:
@@ -52,7 +52,7 @@ class LocalProfile {
   PeerTable& table_;
   OwnMessages& messages_;
   LinkErrors& errors_;
-  NodeProfile whole_;                  ///< what the fleet is told
+  NodeProfile whole_;                  ///< what the fleet gets
   NodeProfile robot_;                  ///< of it, what the mode-adapter sent
   std::vector<SensorInfo> plugged_;    ///< of it, what the sensor-bus sent
   std::optional<MonotonicTime> lost_;  ///< until when a sensor-bus that is gone may come back

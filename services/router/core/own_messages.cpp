@@ -10,7 +10,7 @@ namespace {
 std::string_view hint_for(Errc reason) {
   switch (reason) {
     case Errc::unknown_target:
-      return "see trb route list for the nodes that were heard";
+      return "see trb route list for the nodes that are known";
     case Errc::peer_expired:
     case Errc::peer_unreachable:
       return "see trb route list; check the node's power and cable";

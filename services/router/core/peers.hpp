@@ -32,7 +32,7 @@ struct Link {
   std::string own_address;                  ///< where this node could be dialled when it said Hello here
   bool relay = false;                       ///< the other side relays, and its certificate allows it
   std::optional<std::int64_t> utc_at_zero;  ///< by the other side's clock, if it is verified: UTC at monotonic 0
-  std::string peer_address;                 ///< where the other side said that it could be dialled
+  std::string peer_address;                 ///< where the other side announced that it could be dialled
   bool up = false;                          ///< Hello received and accepted
   /// Its Hello came while another link was up or being dialled, and nothing since: the dialler may have given it up
   /// before this node read it. It carries nothing until one more message comes by it.
@@ -43,7 +43,7 @@ struct Link {
   std::uint64_t heard = 0;    ///< last sequence number received
   MonotonicTime opened;
   MonotonicTime last_heard;
-  MonotonicTime confirmed;  ///< when the peer was last known to hear us
+  MonotonicTime confirmed;  ///< when the peer was last known to receive from us
   MonotonicTime next_keep_alive;
   std::deque<std::uint64_t> unconfirmed;  ///< sequences of our keep-alives not yet echoed
 };
@@ -60,7 +60,7 @@ struct Peer {
   std::uint64_t number = 0;  ///< unique, never reused: answers are checked by it, not by name
   SignedRecord certificate_record;
   Certificate certificate;
-  std::string address;       ///< where it says that it can be dialled
+  std::string address;       ///< where it announces that it can be dialled
   std::string good_address;  ///< where it was reached, if elsewhere: a seed's address, behind NAT
   bool try_good = false;     ///< the next dial goes there
   std::uint64_t boot = 0;

@@ -247,6 +247,6 @@ TEST_CASE("a profile fits to the byte") {
   REQUIRE(size() >= kMaxProfileSize);
   CHECK(fits(profile) == (size() == kMaxProfileSize));
   NodeProfile more = profile;
-  more.maker += "xx";
+  more.model += "xx";  // not the maker: a text over its own bound is cut
   CHECK_FALSE(fits(more));
 }

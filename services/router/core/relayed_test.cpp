@@ -205,12 +205,12 @@ TEST_CASE(
   TestNode& ant = fleet.start("ant", {.beacon = false, .seeds = {"cloud"}});
   fleet.start("bee", {.beacon = false, .seeds = {"cloud"}});
   fleet.run(Seconds(3));
-  Message message;
-  message.type = MessageType::information;
-  message.subtype = "numbered";
-  message.source = "ant";
-  message.target = "bee";
-  message.remaining_ms = 700;
+  const Message message{.type = MessageType::information,
+                        .remaining_ms = 700,
+                        .subtype = "numbered",
+                        .source = "ant",
+                        .target = "bee",
+                        .data = {}};
   const auto out = ant.core->relays().wrap(1, "bee", header_of(message), encode_frame(message), fleet.now);
   REQUIRE(out.ok());
   const auto inner = decode<RelayedFrame>(decode<Relayed>(out->message.data)->record.payload.bytes);

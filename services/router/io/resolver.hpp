@@ -22,8 +22,8 @@ constexpr std::size_t kMaxNames = 256;                       ///< hosts, and so 
 constexpr Duration kNameKept = std::chrono::minutes(1);      ///< then it is resolved again
 constexpr Duration kNamePatience = std::chrono::seconds(1);  ///< before a missing answer is reported
 
-/// The host's numeric addresses, the best first; reads /etc/hosts, asks the name server, and blocks meanwhile. Errors:
-/// missing: there is no such host; timeout: no server answered.
+/// The host's numeric addresses, the best first; reads /etc/hosts, queries the name server, and blocks meanwhile.
+/// Errors: missing: there is no such host; timeout: no server answered.
 Result<std::vector<std::string>> look_up_host(const std::string& host);
 
 class Resolver {

@@ -146,12 +146,8 @@ struct TwoRelays {
   }
   /// A command that ant gave its relay and that the relay did not pass on; returns its count.
   std::uint64_t lost() {
-    Message message;
-    message.type = MessageType::command;
-    message.subtype = "numbered";
-    message.source = "ant";
-    message.target = "bee";
-    message.id = 5;
+    const Message message{
+        .type = MessageType::command, .subtype = "numbered", .source = "ant", .target = "bee", .id = 5, .data = {}};
     const auto out = ant->core->relays().wrap(1, "bee", header_of(message), encode_frame(message), fleet.now);
     REQUIRE(out.ok());
     return decode<RelayedFrame>(decode<Relayed>(out->message.data)->record.payload.bytes)->count;

@@ -18,7 +18,7 @@ class DeferredMessages {
   /// Keeps a message for `run`; one of the same sender, run and subtype takes the older one's place, because its owner
   /// resends. False if there is no place left.
   bool add(const std::string& run, const Inbound& message, MonotonicTime now);
-  /// True if `source` has a message waiting for that run: only then was it asked for the definition.
+  /// True if `source` has a message waiting for that run: only then was the definition requested from it.
   [[nodiscard]] bool waits(const std::string& run, const std::string& source) const;
   /// Takes out all messages of a run, in order of arrival.
   std::vector<Inbound> take(const std::string& run);

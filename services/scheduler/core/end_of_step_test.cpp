@@ -80,11 +80,11 @@ TEST_CASE("a run that is over goes to the archive after a minute, with all that 
   known.finish("task-0");
   REQUIRE(known.run().apply(JournalEnd{known.end()}).ok());
   Outbox first;
-  archiver.archive(known.step(first));
+  archiver.archive_if_over(known.run(), known.step(first));
   CHECK(first.journal.empty());
   known.pass(60);
   Outbox out;
-  archiver.archive(known.step(out));
+  archiver.archive_if_over(known.run(), known.step(out));
   REQUIRE(out.journal.size() == 1);
   const auto record = std::any_cast<JournalArchive>(out.journal[0].record);
   CHECK(record.results.size() == 1);
@@ -99,14 +99,14 @@ TEST_CASE("what is owed keeps an aborted run; an expired one gives its batons up
   REQUIRE(known.run().apply(JournalAbort{known.abort(), false}).ok());
   for (int i = 0; i < 2; ++i) {
     Outbox out;
-    archiver.archive(known.step(out));
+    archiver.archive_if_over(known.run(), known.step(out));
     known.pass(100);
   }
   CHECK(known.runs.runs().size() == 1);
   known.run().deliveries().pending().drop(DeliveryKind::abort);
   for (int i = 0; i < 2; ++i) {
     Outbox out;
-    archiver.archive(known.step(out));
+    archiver.archive_if_over(known.run(), known.step(out));
     known.pass(100);
   }
   CHECK(known.runs.runs().empty());

@@ -28,7 +28,7 @@ bool passes(const std::string& code) {
 }  // namespace
 
 std::string Executor::obstacle(const std::string& skill) const {
-  if (!adapter_) return "its mode-adapter has not been heard";
+  if (!adapter_) return "its mode-adapter has not reported yet";
   if (adapter_->robot != "ONLINE") return "the robot is " + (adapter_->robot.empty() ? "not there" : adapter_->robot);
   if (adapter_->fenced) return "the robot is stopped until 'release'";
   if (!adapter_->control.empty()) {

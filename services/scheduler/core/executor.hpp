@@ -10,7 +10,7 @@
 namespace trb::scheduler {
 
 /// `commanded`: Execute is out and unanswered. `refused`: the mode-adapter would not begin, for now. `signing`: it has
-/// ended, the router is asked to sign the result.
+/// ended, the router is requested to sign the result.
 enum class Phase : std::uint8_t { commanded = 0, running, refused, signing };
 
 /// What the run allows the attempt. `hold` (a person holds the run): what runs goes on, what has not begun waits.
@@ -29,7 +29,7 @@ struct Attempt {
   Permit permit{};
   MonotonicTime next{};  ///< of the question or resend that the phase asks for
   MonotonicTime next_cancel{};
-  Bytes payload;    ///< signing: what the router was asked to sign
+  Bytes payload;    ///< signing: what the router is to sign
   std::string why;  ///< of the permit
 };
 

@@ -59,4 +59,27 @@ Result<JournalRecord> to_journal_record(const std::any& recorded) {
   return fail(Errc::bad_value, "what was recorded is no journal record");
 }
 
+Result<std::string> run_of(const JournalRecord& record) {
+  using Id = Result<std::string>;
+  return std::visit(
+      Overloaded{
+          [](const JournalRun& is) { return run_inside<RunStart>(is.start); },
+          [](const JournalStart& is) { return Id(is.key.run); },
+          [](const JournalResult& is) { return run_inside<TaskResult>(is.result); },
+          [](const JournalChoice& is) { return run_inside<Choice>(is.choice); },
+          [](const JournalDelivered& is) { return Id(is.run); },
+          [](const JournalAbort& is) { return run_inside<AbortOrder>(is.order); },
+          [](const JournalDecision& is) { return run_inside<Decision>(is.decision); },
+          [](const JournalPause& is) { return run_inside<PauseOrder>(is.order); },
+          [](const JournalEnd& is) { return run_inside<RunEnd>(is.end); },
+          [](const JournalArchive& is) { return Id(is.view.run); },
+          [](const JournalTime&) { return Id(std::string()); },
+          [](const JournalLost&) { return Id(std::string()); },
+          [](const JournalTombstone& is) {
+            return Id(fail(Errc::bad_value, "'" + std::string(is.kKind) + "' is no journal record any more"));
+          },
+      },
+      record);
+}
+
 }  // namespace trb::scheduler

@@ -186,4 +186,20 @@ Result<JournalRecord> decode_record(std::string_view kind, BytesView bytes);
 /// What a core has recorded (Journal::record). Error: bad_value, it is another service's.
 Result<JournalRecord> to_journal_record(const std::any& recorded);
 
+/// The run that a journal record is about; empty: the whole journal. Errors: bad_value (one that no journal has any
+/// more), malformed.
+Result<std::string> run_of(const JournalRecord& record);
+
+/// The run that a signed record's content names. Error: malformed.
+template <class Content>
+Result<std::string> run_inside(const SignedRecord& record) {
+  const auto content = decode<Content>(record.payload.bytes);
+  if (!content) return content.error();
+  if constexpr (requires { content->key.run; }) {
+    return content->key.run;
+  } else {
+    return content->run;
+  }
+}
+
 }  // namespace trb::scheduler

@@ -9,7 +9,7 @@ namespace trb::scheduler {
 
 /// The negative answer, counted; information is only counted.
 void refuse(const Inbound& from, const Error& error, Step step);
-/// Logs that the own router has signed something else than was asked for, which is asked for again.
+/// Logs that the own router has signed something else than was requested, which is requested again.
 void log_wrong_signature(const Error& error, Step step);
 /// For what only the own node may send.
 Error not_own(const Inbound& from);

@@ -1,18 +1,104 @@
 #include "services/scheduler/core/robot_schedule.hpp"
 
 #include <algorithm>
+#include <cstdio>
 #include <limits>
 
-#include "services/scheduler/core/handlers/robot_handler.hpp"
-#include "services/scheduler/core/run/drafts.hpp"
+#include "common/scenario/values.hpp"
 
 namespace trb::scheduler {
+namespace {
+
+/// Who has ended a task passes it on within seconds; the decider waits longer for it than a restart takes.
+constexpr Duration kPassPatience = std::chrono::seconds(30);
+
+/// The task's data, with the values that earlier results give. Errors: those of fill_values.
+Result<std::string> data_for(const Run& run, TaskIndex task) {
+  return fill_values(run.tasks()[task], [&](const std::string& name) -> const TaskResult* {
+    const auto before = run.index_of(name);
+    return before && run.results().has_final(*before) ? &run.results().of(*before)->result : nullptr;
+  });
+}
+
+/// The attempt that a start record is for.
+Attempt attempt_for(const Run& run, const JournalStart& fact) {
+  const TaskIndex index = *run.index_of(fact.key.task);
+  const Task& task = run.tasks()[index];
+  const auto data = data_for(run, index);
+  const std::uint32_t first = std::min(run.epochs().first_attempt(index), fact.key.attempt);
+  Attempt attempt;
+  attempt.execute = {fact.key, fact.epoch, fact.instance, task.skill, data ? *data : task.data, task.timeout_s};
+  attempt.may_retry = fact.key.attempt - first < task.retries && fact.key.attempt < kMaxAttempts;
+  attempt.on_failure = task.on_failure;
+  attempt.result.key = fact.key;
+  attempt.result.digest = run.definition().start().digest;
+  attempt.result.epoch = fact.epoch;
+  attempt.result.robot = run.epochs().self();
+  attempt.result.started = fact.time;
+  return attempt;
+}
+
+}  // namespace
+
+void notify_progress(const Run& run, const AttemptKey& key, TaskState state, Step step) {
+  const std::string& self = run.epochs().self();
+  for (const std::string& cloud : run.members().clouds_without(self)) {
+    step.out.information(cloud, TaskProgress{key, self, state, {}});
+  }
+}
 
 void RobotSchedule::resume_attempt() {
   if (executor_.attempt()) return;
   for (const Run* run : runs_.runs()) {
     if (const JournalStart* open = run->facts().open_start()) return executor_.resume(attempt_for(*run, *open));
   }
+}
+
+bool RobotSchedule::is_doing(const Run& run, TaskIndex task) const {
+  if (!executor_.runs(run.id()) || executor_.attempt()->execute.key.task != run.tasks()[task].id) return false;
+  const Phase phase = executor_.attempt()->phase;
+  return phase == Phase::running || phase == Phase::signing;
+}
+
+void RobotSchedule::update_due(Run& run, Step step) const {
+  TaskTimers& timers = run.work().timers();
+  timers.drop_past_retries(step.now.mono);
+  const bool goes_on = run.orders().goes_on();
+  if (!goes_on) timers.drop_all_due();
+  // No fact of the run says that a task has begun.
+  timers.drop_due_if([&](TaskIndex task) { return run.reports().is_under_way(task) || is_doing(run, task); });
+  if (!timers.take_version(run.version() + run.deliveries().pending().changes())) return;
+  std::vector<TaskIndex> unpassed;
+  if (goes_on) unpassed = run.deliveries().unpassed();
+  timers.set_passes(std::move(unpassed), step.now.mono + kPassPatience);
+  if (!goes_on) return;
+  std::vector<TaskIndex> due = run.open_tasks().due();
+  if (executor_.runs(run.id())) {
+    const TaskIndex task = *run.index_of(executor_.attempt()->execute.key.task);
+    if (!is_doing(run, task)) due.push_back(task);
+  }
+  timers.set_due(std::move(due), step.now.mono);
+}
+
+bool RobotSchedule::is_late(const Run& run, TaskIndex task, Step step) {
+  return run.work().timers().is_late(task, run.tasks()[task].start_within_s, step.now.mono);
+}
+
+std::string RobotSchedule::late_text(const Run& run, TaskIndex task) const {
+  const std::string why = executor_.obstacle(run.tasks()[task].skill);
+  char within[32];
+  std::snprintf(within, sizeof within, "%g s", run.tasks()[task].start_within_s);
+  return "it did not begin within " + std::string(within) + (why.empty() ? "" : ": " + why);
+}
+
+std::optional<MonotonicTime> RobotSchedule::next_late(const Run& run, MonotonicTime now) {
+  std::optional<MonotonicTime> out;
+  for (const auto& [task, since] : run.work().timers().due_since()) {
+    const double within_s = run.tasks()[task].start_within_s;
+    const MonotonicTime late = since + seconds(within_s);
+    if (within_s > 0 && run.epochs().is_own(task) && late > now) out = earlier(out, late);
+  }
+  return out;
 }
 
 void RobotSchedule::permit_attempt(Step step) {
@@ -43,8 +129,8 @@ RobotSchedule::Allowed RobotSchedule::allowed(const Run& run, const AttemptKey& 
     return {Permit::give_back, "given back to '" + decider + "', never begun"};
   }
   if (run.orders().is_held()) return {Permit::hold, "the run is held"};
-  if (executor_.is_refused() && DueTasks::is_late(run, task, step)) {
-    return {Permit::too_late, due_.late_text(run, task)};
+  if (executor_.is_refused() && is_late(run, task, step)) {
+    return {Permit::too_late, late_text(run, task)};
   }
   return {Permit::go, {}};
 }
@@ -79,7 +165,7 @@ bool RobotSchedule::start_of(Run& run, Step step) {
     }
     executor_.want_adapter(true);
     // It fails with that at the step's end.
-    if (DueTasks::is_late(run, task, step)) run.work().withheld().fail(task, due_.late_text(run, task));
+    if (is_late(run, task, step)) run.work().withheld().fail(task, late_text(run, task));
   }
   return false;
 }

@@ -1,10 +1,10 @@
-// What this node's robot does next: which run's turn it is, which task begins, what its attempt is allowed.
+// What this node's robot does next: which tasks are due or late, which run's turn it is, which task begins, what its
+// attempt is allowed.
 #pragma once
 
 #include <string>
 #include <vector>
 
-#include "services/scheduler/core/due_tasks.hpp"
 #include "services/scheduler/core/executor.hpp"
 #include "services/scheduler/core/lost_journal.hpp"
 #include "services/scheduler/core/run_store.hpp"
@@ -12,15 +12,22 @@
 
 namespace trb::scheduler {
 
+/// Notifies the cloud nodes of an attempt's progress.
+void notify_progress(const Run& run, const AttemptKey& key, TaskState state, Step step);
+
 class RobotSchedule {
  public:
   /// All must outlive it.
-  RobotSchedule(const RunStore& runs, Executor& executor, const DueTasks& due, const LostJournal& lost)
-      : runs_(runs), executor_(executor), due_(due), lost_(lost) {}
+  RobotSchedule(const RunStore& runs, Executor& executor, const LostJournal& lost)
+      : runs_(runs), executor_(executor), lost_(lost) {}
 
   /// Takes up the attempt whose start record was found without a result, if there is one.
   void resume_attempt();
-  /// At a step's end: says what the run allows the attempt by now.
+  /// At a step's end, for each run: sets its timers by its facts.
+  void update_due(Run& run, Step step) const;
+  /// When the next task of this node becomes late, after `now`.
+  [[nodiscard]] static std::optional<MonotonicTime> next_late(const Run& run, MonotonicTime now);
+  /// At a step's end: sets what the run allows the attempt by now.
   void permit_attempt(Step step);
   /// At a step's end: begins the next attempt, if the robot is free for one.
   void start_next(Step step);
@@ -30,6 +37,12 @@ class RobotSchedule {
     Permit permit{};
     std::string why;
   };
+  /// This node's robot does it, or has done it.
+  [[nodiscard]] bool is_doing(const Run& run, TaskIndex task) const;
+  /// The task was due for longer than its scenario lets it wait.
+  [[nodiscard]] static bool is_late(const Run& run, TaskIndex task, Step step);
+  /// Why it did not begin, for a person.
+  [[nodiscard]] std::string late_text(const Run& run, TaskIndex task) const;
   [[nodiscard]] Allowed allowed(const Run& run, const AttemptKey& key, Step step) const;
   [[nodiscard]] std::vector<Run*> by_turn() const;
   /// True if the robot has got its next task.
@@ -38,7 +51,6 @@ class RobotSchedule {
 
   const RunStore& runs_;
   Executor& executor_;
-  const DueTasks& due_;
   const LostJournal& lost_;
 };
 

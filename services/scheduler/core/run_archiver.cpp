@@ -20,19 +20,16 @@ JournalArchive record_of(const Run& run, const Executor& executor, Step step) {
 
 }  // namespace
 
-void RunArchiver::archive(Step step) {
-  const std::vector<Run*> runs = runs_.runs();  // a copy: what is over leaves the store
-  for (Run* run : runs) {
-    const bool expired = run->definition().expired(step.steady);
-    if (expired) {
-      run->deliveries().pending().drop(DeliveryKind::baton);
-      run->work().requests().drop_results();
-    }
-    if (!is_over(*run, step)) {
-      run->work().stay();
-    } else if (run->work().may_leave(step.now.mono, expired ? Duration{0} : kGrace)) {
-      archive(*run, step);
-    }
+void RunArchiver::archive_if_over(Run& run, Step step) {
+  const bool expired = run.definition().expired(step.steady);
+  if (expired) {
+    run.deliveries().pending().drop(DeliveryKind::baton);
+    run.work().requests().drop_results();
+  }
+  if (!is_over(run, step)) {
+    run.work().stay();
+  } else if (run.work().may_leave(step.now.mono, expired ? Duration{0} : kGrace)) {
+    archive(run, step);
   }
 }
 

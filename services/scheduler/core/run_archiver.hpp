@@ -16,8 +16,8 @@ class RunArchiver {
   RunArchiver(bool has_robot, RunStore& runs, const Executor& executor, Watchers& watchers)
       : has_robot_(has_robot), runs_(runs), executor_(executor), watchers_(watchers) {}
 
-  /// At a step's end: archives the runs that are over, after a while of grace.
-  void archive(Step step);
+  /// At a step's end, of a run that is not open any more: archives it once it is over, after a while of grace.
+  void archive_if_over(Run& run, Step step);
 
  private:
   [[nodiscard]] bool is_over(const Run& run, Step step) const;

@@ -25,9 +25,9 @@ class RunLookup {
 
   /// The run that a member's message is about, or nullptr after a refusal.
   Run* find(const std::string& run, const Inbound& from, Step step) const;
-  /// The same; but what a peer says of an unknown run is deferred, and the peer is asked for the definition.
+  /// The same; but a peer's message of an unknown run is deferred, and its definition is requested.
   Run* find_or_defer(const std::string& run, const Blob& digest, const Inbound& from, Step step);
-  /// Defers a message that is of a later epoch than is known, and asks its sender for the decisions; false if it is
+  /// Defers a message that is of a later epoch than is known, and requests the decisions of its sender; false if it is
   /// not. If it cannot be deferred it is refused.
   bool defer_for_decisions(Run& run, std::uint32_t epoch, const Inbound& from, Step step);
   /// The run's fate if it is in the archive, and not open.
@@ -35,7 +35,7 @@ class RunLookup {
   /// Refuses what is about a run that is over; a peer that may not know yet gets the record that it has FINISHED.
   void refuse_over(const std::string& run, const Over& over, const Inbound& from, Step step) const;
 
-  /// That node was asked for the run's definition.
+  /// The run's definition was requested from that node.
   [[nodiscard]] bool awaits_definition(const std::string& run, const std::string& from) const;
   /// Hands out what waited for a definition or for decisions.
   void hand_out(const std::string& run, const Dispatch& dispatch, Step step);

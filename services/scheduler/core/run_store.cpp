@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <tuple>
 
-#include "services/scheduler/core/named_run.hpp"
-
 namespace trb::scheduler {
 
 template <class Fact>

@@ -42,8 +42,7 @@ SchedulerCore::SchedulerCore(SchedulerSettings settings, const Archive& archive)
       robot_(settings_.node, runs_, executor_, lost_, journal_),
       conditions_(settings_.node, runs_, journal_),
       refusals_(settings_.node, runs_, executor_, conditions_, batons_),
-      due_(executor_),
-      schedule_(runs_, executor_, due_, lost_),
+      schedule_(runs_, executor_, lost_),
       unattempted_(settings_.node, journal_),
       archiver_(settings_.has_robot, runs_, executor_, watchers_) {}
 
@@ -102,7 +101,7 @@ void SchedulerCore::dispatch(const Inbound& message, Step step) {
          step);
 }
 
-/// The own router has signed what one of the handlers has asked it for.
+/// The own router has signed what one of the handlers has requested.
 void SchedulerCore::handle_signed(const SignedRecord& record, const Inbound& from, Step step) {
   if (from.source != settings_.node) return refuse(from, not_own(from), step);
   if (robot_.keep_signed(record, from, step)) return;
@@ -123,28 +122,41 @@ void SchedulerCore::advance(Step step) {
   last_ = step.now;
   last_steady_ = step.steady;
   keep_time(step);
-  report_lost_journal(step);
-  archiver_.archive(step);
-  for (Run* run : runs_.runs()) {
-    run->work().timers().drop_past_retries(step.now.mono);
-    due_.update(*run, step);
-  }
+  if (lost_.open()) report_lost_journal(step);
+  archive_runs(step);
+  for (Run* run : runs_.runs()) schedule_.update_due(*run, step);
   schedule_.permit_attempt(step);
   executor_.tick(step.now, step.out);
   if (settings_.has_robot) schedule_.start_next(step);
   for (Run* run : runs_.runs()) advance(*run, step);
   lookup_.refuse_late(step);
-  queries_.notify_watchers(step);
+  if (!watchers_.empty()) queries_.notify_watchers(step);
 }
 
+/// A handler is asked only in a run in which it may have something to do.
 void SchedulerCore::advance(Run& run, Step step) {
-  aborts_.confirm(run, step);
-  conditions_.inquire(run, step);
+  if (run.orders().is_aborted()) aborts_.confirm(run, step);
+  if (run.definition().has_conditions()) conditions_.inquire(run, step);
   unattempted_.request(run, step);
-  aborts_.order_on_failure(run, step);
-  pauses_.hold_for_doubles(run, step);
-  ends_.seek_end(run, step);
+  if (run.definition().aborts_on_failure()) aborts_.order_on_failure(run, step);
+  if (run.epochs().judges_here()) {
+    pauses_.hold_for_doubles(run, step);
+    ends_.sign_end(run, step);
+  } else {
+    ends_.request_end(run, step);
+  }
   send_due(run, step);
+}
+
+void SchedulerCore::archive_runs(Step step) {
+  const std::vector<Run*> runs = runs_.runs();  // a copy: what is over leaves the store
+  for (Run* run : runs) {
+    if (run->is_open(step.steady)) {
+      run->work().stay();
+    } else {
+      archiver_.archive_if_over(*run, step);
+    }
+  }
 }
 
 /// After a loss of power the time goes on from here.
@@ -172,7 +184,7 @@ std::optional<MonotonicTime> SchedulerCore::next_deadline() const {
 
 std::optional<MonotonicTime> SchedulerCore::next_deadline_of(const Run& run) const {
   std::optional<MonotonicTime> out = earlier(run.deliveries().pending().next(), run.work().next());
-  out = earlier(out, DueTasks::next_late(run, last_->mono));
+  out = earlier(out, RobotSchedule::next_late(run, last_->mono));
   if (const auto end = run.definition().next_end(last_steady_)) {
     out = earlier(out, last_->mono + Duration{end->ns - last_steady_.ns});
   }

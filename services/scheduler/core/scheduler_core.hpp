@@ -50,7 +50,7 @@ class SchedulerCore : public Core {
   /// The archive must outlive it.
   SchedulerCore(SchedulerSettings settings, const scheduler::Archive& archive);
 
-  /// What the handlers take, but for the answers to what this node has asked itself.
+  /// What the handlers take, but for the answers to what this node has requested itself.
   using Taken = scheduler::TakenBy<scheduler::DefinitionHandler, scheduler::BatonHandler, scheduler::ResultHandler,
                                    scheduler::DecisionHandler, scheduler::AbortHandler, scheduler::PauseHandler,
                                    scheduler::EndHandler, scheduler::QueryHandler, scheduler::RobotHandler>;
@@ -80,6 +80,7 @@ class SchedulerCore : public Core {
   void advance(Run& run, Step step);
   void keep_time(Step step);
   void report_lost_journal(Step step);
+  void archive_runs(Step step);
   [[nodiscard]] std::optional<MonotonicTime> next_deadline_of(const Run& run) const;
 
   SchedulerSettings settings_;
@@ -103,7 +104,6 @@ class SchedulerCore : public Core {
   scheduler::ConditionHandler conditions_;
   scheduler::RefusalHandler refusals_;
 
-  scheduler::DueTasks due_;
   scheduler::RobotSchedule schedule_;
   scheduler::UnattemptedResults unattempted_;
   scheduler::RunArchiver archiver_;

@@ -15,7 +15,7 @@ class UnattemptedResults {
 
   /// At a step's end: has signed what follows from the facts by now, and gives up what does not any more.
   void request(Run& run, Step step) const;
-  /// Keeps such a result once it is signed; false if the record is none.
+  /// Keeps such a result once it is signed; false if it is another record.
   bool keep_signed(Run& run, const SignedRecord& record, Step step);
 
  private:

@@ -21,7 +21,7 @@ class Watchers {
   Status add(const Inbound& from, double lease_s, Now now);
   void forget(MonotonicTime now);
   [[nodiscard]] bool empty() const { return watchers_.empty(); }
-  /// Tells those that have not been told of this version of the run. `summary` is made only if somebody has to be.
+  /// Notifies those that have not got this version of the run. `summary` is made only if somebody has to be.
   template <class Summary>
   void notify(const std::string& run, std::uint64_t version, const Summary& summary, Outbox& out) {
     for (Watcher& watcher : watchers_) {
@@ -33,7 +33,7 @@ class Watchers {
   }
   /// The run leaves: its watchers are notified a last time.
   void leave(const RunSummary& last, Outbox& out);
-  /// What the answer to a watch has said.
+  /// What the answer to a watch contained.
   void note_told(const Inbound& from, const std::string& run, std::uint64_t version);
 
  private:

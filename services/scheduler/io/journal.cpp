@@ -4,7 +4,6 @@
 
 #include "common/base/bytes.hpp"
 #include "common/base/files.hpp"
-#include "services/scheduler/core/named_run.hpp"
 #include "services/scheduler/core/view.hpp"
 
 namespace trb::scheduler {

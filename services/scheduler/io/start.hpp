@@ -5,7 +5,7 @@
 
 namespace trb::scheduler {
 
-/// Runs the scheduler of a node until it is told to end. Returns the process's exit status.
+/// Runs the scheduler of a node until it has to end. Returns the process's exit status.
 Result<int> start(NodeConfig node);
 
 }  // namespace trb::scheduler

@@ -1,4 +1,4 @@
-// What the D-Bus tells: it is there or not, a signal was heard.
+// What the D-Bus reports: that it is there or not, and signals.
 #include "services/sensor-bus/core/sensor_bus_core.hpp"
 
 namespace trb::sensor {

@@ -25,7 +25,7 @@ struct BusValue {
 /// An argument of any basic type; a variant counts as what is in it. `std::monostate`: of a type that is not basic.
 using BusArgument = std::variant<std::monostate, bool, std::int64_t, std::uint64_t, double, std::string>;
 
-/// Largest text that a sensor tells, in bytes.
+/// Largest text that a sensor sends, in bytes.
 constexpr std::size_t kMaxValueText = 1024;
 
 /// (value, unit: s, time: x UTC ns, quality: s); what follows is ignored. Errors: missing, bad_value, too_large.

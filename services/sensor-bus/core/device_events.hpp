@@ -1,4 +1,4 @@
-// The seam between the core and the devices: what udev and the readers tell, and what they are told to do.
+// The seam between the core and the devices: what udev and the readers report, and what they are to do.
 #pragma once
 
 #include <optional>
@@ -16,7 +16,7 @@ namespace trb::sensor {
 struct PluggedSensor {
   std::string key;     ///< "SYSPATH#CHANNEL", unique while it is plugged in
   SensorInfo info;     ///< its name as the rule wishes it: the core makes it unique
-  double every_s = 1;  ///< its period; 0: it has none, and tells when it has something to tell
+  double every_s = 1;  ///< its period; 0: it has none, and sends when it has something to send
 };
 
 /// What a reader has read, or that it could not.

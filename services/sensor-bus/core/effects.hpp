@@ -1,4 +1,4 @@
-// What the core wants of the D-Bus and of the devices, as values; and what the bus tells it.
+// What the core wants of the D-Bus and of the devices, as values; and what the bus reports.
 #pragma once
 
 #include <string>
@@ -10,7 +10,7 @@
 
 namespace trb::sensor {
 
-// ---- to the bus. While it is down the core orders nothing: on BusUp it says everything again.
+// ---- to the bus. While it is down the core orders nothing: on BusUp it orders everything again.
 
 /// The object /trbots/NAME with interface trbots.NAME is there, for introspection; again: it has changed.
 struct Announce {

@@ -1,4 +1,4 @@
-// What is asked of the sensors: one value, values now and then, a picture.
+// What is requested of the sensors: one value, values now and then, a picture.
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -46,7 +46,7 @@ void SensorBusCore::begin_read(const Inbound& asked, const SensorRead& body, Now
     return out.nack(asked, fail(Errc::bad_value, *name + " tells pictures", "ask for a sensor_snapshot"));
   if (reads_.size() >= kMaxReads)
     return out.nack(asked, fail(Errc::queue_full, "64 wait for a value already", "wait, or watch the sensor"));
-  // Whoever has given up by then hears nothing.
+  // Whoever has given up by then gets no answer.
   const Duration patience = std::min<Duration>(patience_of(*name, body.timeout_s), milliseconds(asked.remaining_ms));
   reads_.push_back({asked, *name, patience, now.mono + patience});
   asked_changed_ = true;
@@ -139,7 +139,7 @@ void SensorBusCore::on_sample(const Sample& sample, Now now, Outbox& out) {
   settle(now, out);
 }
 
-/// Those who wait are told in the reader's own words.
+/// Those who wait get the error in the reader's own words.
 void SensorBusCore::read_failed(const Sensor& sensor, const Error& error, Now now, Outbox& out) {
   const std::string name = sensor.info.name;
   const SensorState state = error.code == Errc::missing ? SensorState::silent : SensorState::failed;
@@ -157,7 +157,7 @@ void SensorBusCore::read_failed(const Sensor& sensor, const Error& error, Now no
   settle(now, out);
 }
 
-/// Who watches a sensor that tells nothing any more gets what it told last, and how old that is.
+/// Who watches a sensor that sends nothing any more gets what it sent last, and how old that is.
 void SensorBusCore::send_last_value(const std::string& name, Now now, Outbox& out) {
   const Sensor* sensor = sensors_.find(name);
   if (sensor == nullptr || !sensor->value || !watches_.any_of(name)) return;

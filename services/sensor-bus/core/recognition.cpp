@@ -95,7 +95,7 @@ void find_iio_channel(FoundDevice& found, const SensorChannel& how, const std::s
   found.channels.push_back(std::move(channel));
 }
 
-/// A device's sensors are told apart in their identity too.
+/// A device's sensors differ in their identity, too.
 void tell_apart(FoundDevice& found) {
   if (found.channels.size() < 2) return;
   for (FoundChannel& channel : found.channels) {
@@ -244,8 +244,9 @@ Recognition::Change Recognition::on_moved(const std::string& old_syspath, Device
 std::vector<UnknownDevice> Recognition::unknown() const {
   std::vector<UnknownDevice> out;
   for (const auto& [syspath, device] : unknown_) {
-    const bool is_part = std::any_of(known_.begin(), known_.end(),
-                                     [&](const auto& known) { return syspath.starts_with(known.first + "/"); });
+    const bool is_part = std::any_of(known_.begin(), known_.end(), [&path = syspath](const auto& known) {
+      return path.starts_with(known.first + "/");
+    });
     if (!is_part && out.size() < kMaxUnknown) out.push_back(describe_unknown(device));
   }
   return out;

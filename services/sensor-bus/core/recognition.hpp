@@ -46,7 +46,7 @@ class Recognition {
     std::vector<FoundDevice> plugged;
     bool unknown_changed = false;
   };
-  /// It is there: added, changed, bound again; told any number of times.
+  /// It is there: added, changed, bound again; called any number of times.
   Change on_present(Device device);
   Change on_gone(const std::string& syspath);
   /// It has got another path, as when a parent is renamed.

@@ -9,7 +9,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-/// Changes told together: a hub with many devices is plugged in all at once.
+/// Changes sent together: a hub with many devices is plugged in all at once.
 constexpr Duration kGather = milliseconds(50);
 /// A sensor whose state flaps does not keep the fleet busy.
 constexpr Duration kGatherStates = std::chrono::seconds(1);

@@ -1,5 +1,5 @@
-// The sensor-bus: what is plugged in and what programs feed, told to the fleet, asked for, streamed. Values go over
-// D-Bus: whoever asks here hears the signal that any D-Bus program hears.
+// The sensor-bus: what is plugged in and what programs feed: sent to the fleet, requested, streamed. Values go over
+// D-Bus: a request here is answered with the signal that any D-Bus program receives.
 #pragma once
 
 #include <map>
@@ -76,7 +76,7 @@ class SensorBusCore : public Core {
   void time_out(const Requester& requester, Outbox& out) const;
 
   void order(Effect effect);
-  /// The end of every step: rules as they are needed, the fleet told of what has changed.
+  /// The end of every step: rules as they are needed, the fleet notified of what has changed.
   void settle(Now now, Outbox& out);
   void settle_rules();
   void announce(const Sensor& sensor);

@@ -137,7 +137,7 @@ Result<const Sensor*> Sensors::fed(const std::string& name, MonotonicTime now) {
   if (!sensor.fed())
     return fail(Errc::not_permitted, "a program emits trbots." + name + ", which is the name of a device",
                 "give it another name");
-  // Each signal may be told twice, by the rule that discovers and by the one that reads.
+  // Each signal may come twice, by the rule that discovers and by the one that reads.
   constexpr Duration kOneSignal = std::chrono::milliseconds(5);
   if (const Duration gap = now - *sensor.heard; gap > kOneSignal) {
     sensor.period = std::max<Duration>(gap, (7 * sensor.period + 3 * gap) / 10);

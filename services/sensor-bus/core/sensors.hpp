@@ -19,7 +19,7 @@ struct Sensor {
   Duration period{};         ///< zero: not known (yet)
   std::uint64_t number = 0;  ///< rises with each sensor that came
   MonotonicTime since;
-  std::optional<MonotonicTime> heard;     ///< when it last told a value
+  std::optional<MonotonicTime> heard;     ///< when it last sent a value
   std::optional<BusValue> value;          ///< the last one
   std::optional<MonotonicTime> measured;  ///< the moment of value.time
   std::string why;                        ///< part of info.detail: of its state
@@ -32,7 +32,7 @@ struct Sensor {
 
 class Sensors {
  public:
-  /// `robots`: what the robot itself is asked for, by commands.json: no sensor takes such a request from it.
+  /// `robots`: what the robot itself answers, by commands.json: no sensor takes such a request from it.
   explicit Sensors(std::set<std::string> robots = {}) : robots_(std::move(robots)) {}
 
   /// Errors: queue_full; conflict (the key is there already).
@@ -40,7 +40,7 @@ class Sensors {
   /// The name that has become free, if the key was known.
   std::optional<std::string> unplug(const std::string& key);
 
-  /// A program has told a value of that name. Errors: not_permitted (a device's, or a word of the middleware's or the
+  /// A program has sent a value of that name. Errors: not_permitted (a device's, or a word of the middleware's or the
   /// robot's), queue_full.
   Result<const Sensor*> fed(const std::string& name, MonotonicTime now);
 
@@ -65,7 +65,7 @@ class Sensors {
   [[nodiscard]] std::string names() const;
   [[nodiscard]] const std::map<std::string, Sensor>& all() const { return sensors_; }
 
-  /// True if what the fleet is told has changed since the last call.
+  /// True if what the fleet gets has changed since the last call.
   struct Change {
     bool list = false;   ///< a sensor came, left or is called otherwise
     bool state = false;  ///< of one of them

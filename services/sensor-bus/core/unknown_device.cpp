@@ -44,7 +44,7 @@ std::string lasting_path(const std::string& path) {
 
 using Conditions = std::vector<std::pair<std::string, std::string>>;
 
-/// What tells it from every other device: its serial number, else where it is plugged in.
+/// What distinguishes it from every other device: its serial number, else where it is plugged in.
 Conditions conditions_of(const Device& device) {
   Conditions out;
   const auto add = [&](const char* name) {

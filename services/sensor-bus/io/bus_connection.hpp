@@ -19,7 +19,7 @@ class BusConnection {
  public:
   using Tell = std::function<void(BusEvent)>;
 
-  /// `where`: "system", "session" or an address. Owns the name trbots.sensors from now on, and hears what other
+  /// `where`: "system", "session" or an address. Owns the name trbots.sensors from now on, and receives what other
   /// programs feed.
   BusConnection(const std::string& where, Tell tell);
   BusConnection(const BusConnection&) = delete;
@@ -51,8 +51,8 @@ class BusConnection {
 
   Tell tell_;
   std::string note_;
-  std::unique_ptr<sdbus::IConnection> work_;   ///< emits, and hears what is subscribed to
-  std::unique_ptr<sdbus::IConnection> watch_;  ///< hears who feeds: one rule for ever, headers only
+  std::unique_ptr<sdbus::IConnection> work_;   ///< emits, and receives what is subscribed to
+  std::unique_ptr<sdbus::IConnection> watch_;  ///< notices who feeds: one rule for ever, headers only
   std::string own_;                            ///< the unique name of work_
   std::unique_ptr<sdbus::IProxy> bus_;
   std::map<std::string, std::unique_ptr<sdbus::IObject>> objects_;

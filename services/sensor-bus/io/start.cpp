@@ -30,7 +30,7 @@ Result<int> start(NodeConfig config) {
   if (!bus) return bus.error();
   shell.to_bus([&](std::vector<Effect> effects) { (*bus)->carry_out(std::move(effects)); });
   const auto devices = Devices::open(**service, shell, read_sensor_files(config.dir, faults));
-  // Without them it still hears the sensors that programs feed.
+  // Without them it still receives the sensors that programs feed.
   if (!devices) log_event(Level::error, "no_devices", devices.error().text());
   if (devices) shell.to_devices(**devices);
   return (*service)->run(shell);

@@ -85,6 +85,10 @@ void VirtualDrone::take_line(const std::string& line) {
     take_fault(*fault);
   } else if (percent && *percent >= 0 && *percent <= 100) {
     controller_.set_battery(*percent);
+  } else if (line == "where") {
+    controller_.advance(wall_seconds());
+    const Aircraft& at = controller_.aircraft();
+    print_line(where_line({at.x(), at.y(), at.altitude(), at.heading()}));
   } else if (line == "clear") {
     controller_.clear_faults();
     print_line("cleared");

@@ -9,14 +9,9 @@
 #include <vector>
 
 #include "services/virtual-robots/lines/message.hpp"
+#include "services/virtual-robots/support/pose.hpp"
 
 namespace trb::virtual_robots::lines {
-
-struct Pose {
-  double x = 0;
-  double y = 0;
-  double yaw = 0;
-};
 
 std::optional<Pose> parse_pose(std::string_view text, char separator);
 std::string format_pose(const Pose& pose);

@@ -187,8 +187,12 @@ void Controller::advance(double robot_seconds, double wall) {
   moving_ = moving;
 }
 
+Position Controller::place() const {
+  return composed(turned_, drive_.position());
+}
+
 void Controller::tell_place() {
-  const Position at = composed(turned_, drive_.position());
+  const Position at = place();
   tell("at " + format_fixed(at.x, 3) + " " + format_fixed(at.y, 3) + " " + format_fixed(at.heading, 3));
 }
 

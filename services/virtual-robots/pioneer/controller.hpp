@@ -43,6 +43,8 @@ class Controller {
   void set_charge(double percent) { charge_ = percent; }
 
   bool open() const { return open_; }
+  /** In the hall: metres, radians. */
+  Position place() const;
   std::vector<std::string> take_lines();
 
  private:

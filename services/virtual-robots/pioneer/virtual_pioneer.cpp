@@ -90,6 +90,8 @@ void VirtualPioneer::take_line(const std::string& line) {
   std::string_view rest = line;
   const std::string_view word = take_word(rest);
   if (word == "fault") return fault(rest);
+  if (line == "where")
+    return print_line(where_line({controller_.place().x, controller_.place().y, controller_.place().heading}));
   if (line == "clear") return controller_.set_fault(Fault::None, "");
   const auto percent = word == "battery" ? parse_number(rest) : std::nullopt;
   if (!percent) return print_line("unknown_line");

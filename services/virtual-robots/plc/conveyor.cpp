@@ -37,6 +37,7 @@ void Conveyor::settle(double now) {
 void Conveyor::run(bool on, double now) {
   if (!on) return halt("command", now);
   if (running_ || !may_run()) return;
+  end_jog("run", now);
   if (settings_.brings_boxes && box_at_exit()) take_box(now);
   if (settings_.brings_boxes && !box_) place_box(now);
   settle(now);
@@ -45,7 +46,26 @@ void Conveyor::run(bool on, double now) {
   advance(now);
 }
 
+void Conveyor::jog(std::int16_t mm_per_s, double now) {
+  advance(now);
+  if (mm_per_s == 0 || !may_jog()) return end_jog("command", now);
+  settle(now);
+  if (mm_per_s > 0 && box_at_exit()) return end_jog("exit", now);
+  if (jog_ != mm_per_s) events_.push_back("jog " + std::to_string(mm_per_s));
+  jog_ = mm_per_s;
+  jog_until_ = now + settings_.jog_holds_s;
+  advance(now);
+}
+
+void Conveyor::end_jog(const std::string& why, double now) {
+  if (jog_ == 0) return;
+  settle(now);
+  jog_ = 0;
+  events_.push_back("jog off " + why);
+}
+
 void Conveyor::halt(const std::string& why, double now) {
+  end_jog(why, now);
   if (!running_) return;
   settle(now);
   running_ = false;
@@ -91,23 +111,32 @@ void Conveyor::clear(double now) {
   if (std::exchange(fault_, FaultCode::None) != FaultCode::None) events_.emplace_back("clear");
 }
 
+bool Conveyor::reaches_exit(double now) const {
+  return speed() > 0 && box_ && position_mm(now) >= settings_.length_mm;
+}
+
 void Conveyor::advance(double now) {
-  if (!running_ || !box_ || position_mm(now) < settings_.length_mm) return;
-  ++boxes_;
-  events_.emplace_back("box exit");
-  halt("exit", now);
+  const bool held_long_enough = jog_ != 0 && now >= jog_until_;
+  if (reaches_exit(held_long_enough ? jog_until_ : now)) {
+    ++boxes_;
+    events_.emplace_back("box exit");
+    halt("exit", now);
+  }
+  if (held_long_enough) end_jog("hold", jog_until_);
 }
 
 std::optional<double> Conveyor::next_deadline() const {
-  if (!running_ || !box_) return std::nullopt;
-  return since_ + (settings_.length_mm - start_mm_) / speed_;
+  std::optional<double> next;
+  if (jog_ != 0) next = jog_until_;
+  if (speed() <= 0 || !box_) return next;
+  const double exit = since_ + (settings_.length_mm - start_mm_) / speed();
+  return next ? std::min(*next, exit) : exit;
 }
 
 double Conveyor::position_mm(double now) const {
   if (!box_) return 0;
-  const double way = running_ ? speed_ * (now - since_) : 0;
+  const double position = std::max(start_mm_ + speed() * std::max(now - since_, 0.0), 0.0);
   // A microsecond before the end counts as the end: a rounded deadline must not be due again.
-  const double position = start_mm_ + std::max(way, 0.0);
   return position >= settings_.length_mm - 1e-3 ? settings_.length_mm : position;
 }
 
@@ -117,17 +146,17 @@ bool Conveyor::box_at_entry(double now) const {
 
 BeltState Conveyor::state() const {
   if (stops_belt(fault_)) return BeltState::Fault;
-  if (running_) return BeltState::Running;
+  if (moving()) return BeltState::Running;
   return box_at_exit() ? BeltState::BoxAtExit : BeltState::Ready;
 }
 
 double Conveyor::temperature() const {
   if (fault_ == FaultCode::MotorHot || fault_ == FaultCode::MotorOverload) return 95.5;
-  return running_ ? 41.5 : 24.5;
+  return moving() ? 41.5 : 24.5;
 }
 
 double Conveyor::current_a() const {
-  if (!running_) return 0;
+  if (!moving()) return 0;
   return fault_ == FaultCode::BeltSlips ? 0.4 : 1.2;
 }
 

@@ -19,11 +19,14 @@ struct ConveyorSettings {
   double length_mm = 2000;
   /** A belt that starts without a box gets one at its entry; a box that waits at the exit is taken away. */
   bool brings_boxes = false;
+  /** For so long, in robot time, a jog goes on after its last word. */
+  double jog_holds_s = 0.4;
 };
 
 /**
  * A belt, its motor, the box on it, and its controller's program: the belt stops when the box is at the exit, and for a
- * fault or an emergency stop, after which it has to be reset. `now` is robot time in seconds.
+ * fault or an emergency stop, after which it has to be reset. A jog is the motion by hand, either way: the belt stands
+ * by itself once no word of it has come for a while. `now` is robot time in seconds.
  */
 class Conveyor {
  public:
@@ -36,6 +39,10 @@ class Conveyor {
   bool may_run() const { return !stops_belt(fault_); }
   void run(bool on, double now);
   void set_speed(std::uint16_t mm_per_s, double now);
+  /** Moves the belt by hand; 0 ends that. */
+  void jog(std::int16_t mm_per_s, double now);
+  /** The program's own run goes before. */
+  bool may_jog() const { return may_run() && !running_; }
   /** Acknowledges a motor overload, but no fault that still lasts. */
   void reset(double now);
 
@@ -50,6 +57,10 @@ class Conveyor {
   std::optional<double> next_deadline() const;
 
   bool running() const { return running_; }
+  bool moving() const { return running_ || jog_ != 0; }
+  /** mm/s; below 0 towards the entry. */
+  std::int16_t speed() const { return running_ ? static_cast<std::int16_t>(speed_) : jog_; }
+  std::int16_t jog_setting() const { return jog_; }
   std::uint16_t speed_setting() const { return speed_; }
   double position_mm(double now) const;
   bool box_on_belt() const { return box_; }
@@ -68,11 +79,15 @@ class Conveyor {
   /** Continues from the box's present position. */
   void settle(double now);
   void halt(const std::string& why, double now);
+  void end_jog(const std::string& why, double now);
+  bool reaches_exit(double now) const;
 
   ConveyorSettings settings_;
   bool running_ = false;
   bool box_ = false;
   std::uint16_t speed_ = 500;
+  std::int16_t jog_ = 0;
+  double jog_until_ = 0;
   FaultCode fault_ = FaultCode::None;
   double start_mm_ = 0;  ///< where the box was at since_
   double since_ = 0;

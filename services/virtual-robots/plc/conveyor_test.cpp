@@ -112,3 +112,46 @@ TEST_CASE("boxes are brought where that is asked for") {
   CHECK(conveyor.position_mm(22) == 500);
   CHECK(conveyor.boxes() == 2);
 }
+
+TEST_CASE("a jog moves the belt either way, and stands by itself when its words cease") {
+  Conveyor conveyor(ConveyorSettings{});
+  conveyor.place_box(0);
+  conveyor.jog(200, 1);
+  CHECK(conveyor.moving());
+  CHECK(conveyor.next_deadline() == 1.4);
+  conveyor.jog(200, 1.25);
+  CHECK(conveyor.next_deadline() == 1.65);
+  CHECK(conveyor.position_mm(1.65) == doctest::Approx(130));
+  conveyor.advance(3);  // a late scan ends it where it had to end
+  CHECK_FALSE(conveyor.moving());
+  CHECK(conveyor.position_mm(9) == doctest::Approx(130));
+  conveyor.jog(-100, 10);
+  CHECK(conveyor.speed() == -100);
+  CHECK(conveyor.position_mm(10.3) == doctest::Approx(100));
+  conveyor.jog(0, 10.3);
+  CHECK(conveyor.position_mm(11) == doctest::Approx(100));
+  CHECK(events(conveyor) == "box entry; jog 200; jog off hold; jog -100; jog off command");
+}
+
+TEST_CASE("a jog ends at the exit, at a fault, and when the program runs the belt; and it disturbs no run") {
+  Conveyor conveyor(ConveyorSettings{.length_mm = 100});
+  conveyor.place_box(0);
+  conveyor.jog(1000, 0);
+  CHECK(conveyor.next_deadline() == 0.1);
+  conveyor.advance(0.1);
+  CHECK(conveyor.box_at_exit());
+  CHECK_FALSE(conveyor.moving());
+  conveyor.take_box(1);
+  conveyor.jog(50, 1);
+  conveyor.fault(FaultCode::MotorOverload, 1.1);
+  CHECK_FALSE(conveyor.moving());
+  CHECK_FALSE(conveyor.may_jog());
+  conveyor.reset(1.2);
+  conveyor.jog(50, 1.2);
+  conveyor.run(true, 1.3);
+  CHECK(conveyor.speed() == 500);
+  CHECK_FALSE(conveyor.may_jog());
+  conveyor.jog(50, 1.4);
+  CHECK(conveyor.speed() == 500);
+  conveyor.take_events();
+}

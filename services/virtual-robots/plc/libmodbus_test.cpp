@@ -112,7 +112,7 @@ TEST_CASE("libmodbus understands each refusal") {
   modbus_t* const modbus = client.modbus.get();
   std::array<std::uint16_t, 10> registers{};
   const auto refused = [](int result, int error) { return result == -1 && errno == error; };
-  CHECK(refused(modbus_read_registers(modbus, 1, 1, registers.data()), EMBXILADD));
+  CHECK(refused(modbus_read_registers(modbus, 2, 1, registers.data()), EMBXILADD));
   CHECK(refused(modbus_write_bit(modbus, 2, 1), EMBXILADD));
   CHECK(refused(modbus_write_register(modbus, 0, 0), EMBXILVAL));
   CHECK(refused(modbus_mask_write_register(modbus, 0, 1, 1), EMBXILFUN));

@@ -73,8 +73,8 @@ TEST_CASE("modbus: what cannot be done is refused with its exception, and nothin
   CHECK(bench.pdu("05 00 00 00 01") == "85 03");
   CHECK(bench.pdu("05 00 09 ff 00") == "85 02");
   CHECK(bench.pdu("06 00 00 00 00") == "86 03");
-  CHECK(bench.pdu("06 00 01 00 01") == "86 02");
-  CHECK(bench.pdu("10 00 00 00 02 04 00 fa 00 fa") == "90 02");
+  CHECK(bench.pdu("06 00 02 00 01") == "86 02");
+  CHECK(bench.pdu("10 00 01 00 02 04 00 fa 00 fa") == "90 02");
   CHECK(bench.pdu("10 00 00 00 01 04 00 fa 00 fa") == "90 03");
   CHECK(bench.pdu("0f ff ff 00 02 01 03") == "8f 02");
   CHECK(bench.pdu("07") == "87 01");

@@ -9,6 +9,8 @@ namespace {
 constexpr std::uint16_t kCoils = 2;
 constexpr std::uint16_t kRunning = 0;
 constexpr std::uint16_t kReset = 1;
+constexpr std::uint16_t kSpeed = 0;
+constexpr std::uint16_t kJog = 1;
 
 std::uint16_t tenths(double value) {
   return static_cast<std::uint16_t>(static_cast<std::int16_t>(std::lround(value * 10)));
@@ -35,7 +37,8 @@ std::optional<std::uint16_t> Registers::read(Table table, std::uint16_t address)
     case Table::HoldingRegisters:
       break;
   }
-  return address == 0 ? std::optional(conveyor_.speed_setting()) : std::nullopt;
+  if (address == kSpeed) return conveyor_.speed_setting();
+  return address == kJog ? std::optional(static_cast<std::uint16_t>(conveyor_.jog_setting())) : std::nullopt;
 }
 
 std::optional<std::uint16_t> Registers::coil(std::uint16_t address) const {
@@ -67,7 +70,7 @@ std::optional<std::uint16_t> Registers::input_register(std::uint16_t address) co
     case 1:
       return static_cast<std::uint16_t>(conveyor_.position_mm(now_));
     case 2:
-      return conveyor_.running() ? conveyor_.speed_setting() : 0;
+      return static_cast<std::uint16_t>(conveyor_.speed());
     case 3:
       return static_cast<std::uint16_t>(conveyor_.fault_code());
     case 4:
@@ -92,12 +95,20 @@ Exception Registers::check(Table table, std::uint16_t address, std::uint16_t val
     if (address >= kCoils) return Exception::IllegalAddress;
     return address == kRunning && value == 1 && !conveyor_.may_run() ? Exception::DeviceFailure : Exception::None;
   }
-  if (table != Table::HoldingRegisters || address != 0) return Exception::IllegalAddress;
+  if (table != Table::HoldingRegisters || address > kJog) return Exception::IllegalAddress;
+  if (address == kJog) {
+    const auto speed = static_cast<std::int16_t>(value);
+    if (speed > Conveyor::kFastest || speed < -Conveyor::kFastest) return Exception::IllegalValue;
+    return speed == 0 || conveyor_.may_jog() ? Exception::None : Exception::DeviceFailure;
+  }
   const bool good = value >= Conveyor::kSlowest && value <= Conveyor::kFastest;
   return good ? Exception::None : Exception::IllegalValue;
 }
 
 void Registers::write(Table table, std::uint16_t address, std::uint16_t value) {
+  if (table == Table::HoldingRegisters && address == kJog) {
+    return conveyor_.jog(static_cast<std::int16_t>(value), now_);
+  }
   if (table == Table::HoldingRegisters) return conveyor_.set_speed(value, now_);
   if (address == kRunning) return conveyor_.run(value == 1, now_);
   if (address == kReset && value == 1) conveyor_.reset(now_);

@@ -12,10 +12,19 @@ FaultCode code_of(const std::string& severity) {
   return severity == "FATAL" ? FaultCode::EmergencyStop : FaultCode::MotorOverload;
 }
 
+/** How long a jog holds is a time-out of the wire: it keeps real time. */
+ConveyorSettings in_robot_time(ConveyorSettings settings, double speed) {
+  settings.jog_holds_s *= speed;
+  return settings;
+}
+
 }  // namespace
 
 VirtualPlc::VirtualPlc(const Settings& settings)
-    : clock_(settings.speed), conveyor_(settings.conveyor), server_(settings.where), console_(settings.control) {}
+    : clock_(settings.speed),
+      conveyor_(in_robot_time(settings.conveyor, settings.speed)),
+      server_(settings.where),
+      console_(settings.control) {}
 
 void VirtualPlc::run(const Fd& end) {
   console_.announce(std::to_string(server_.port()));
@@ -45,6 +54,8 @@ void VirtualPlc::take_line(const std::string& line) {
     conveyor_.fault(FaultCode::EmergencyStop, clock_.now());
   } else if (line == "clear") {
     conveyor_.clear(clock_.now());
+  } else if (line == "where") {
+    print_line(where_line({conveyor_.position_mm(clock_.now()) / 1000}));
   } else if (line == "box") {
     conveyor_.place_box(clock_.now());
   } else if (line == "take") {

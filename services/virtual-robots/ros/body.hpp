@@ -6,14 +6,9 @@
 #include <string>
 #include <vector>
 
-namespace trb::virtual_robots::ros {
+#include "services/virtual-robots/support/pose.hpp"
 
-/** Metres and radians, in the frame of the map. */
-struct Pose {
-  double x = 0;
-  double y = 0;
-  double yaw = 0;
-};
+namespace trb::virtual_robots::ros {
 
 /** Metres and radians a second, in the robot's own frame. */
 struct Velocity {

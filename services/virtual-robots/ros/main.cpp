@@ -7,7 +7,7 @@ namespace {
 
 using namespace trb::virtual_robots;
 
-ros::Pose pose_of(std::string_view text) {
+Pose pose_of(std::string_view text) {
   const auto parts = split(text, ',');
   if (parts.size() != 3) throw OptionError("--pose: write it as X,Y,YAW");
   return {number_option(parts[0], -1e6, 1e6), number_option(parts[1], -1e6, 1e6), number_option(parts[2], -100, 100)};

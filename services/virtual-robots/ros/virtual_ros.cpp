@@ -122,6 +122,9 @@ class VirtualRos {
     const std::string_view order = take_word(words);
     if (order == "quit") {
       quit_ = true;
+    } else if (order == "where") {
+      body_.advance(now());
+      print_line(where_line({body_.pose().x, body_.pose().y, body_.pose().yaw}));
     } else if (order == "clear") {
       body_.clear();
       warning_.clear();

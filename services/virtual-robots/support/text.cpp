@@ -115,4 +115,10 @@ std::string_view trim(std::string_view text) {
   return text.substr(begin, text.find_last_not_of(kBlank) - begin + 1);
 }
 
+std::string where_line(std::initializer_list<double> numbers) {
+  std::string out = "where";
+  for (const double number : numbers) out += " " + format_fixed(number, 5);
+  return out;
+}
+
 }  // namespace trb::virtual_robots

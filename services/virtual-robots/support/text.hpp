@@ -1,5 +1,6 @@
 #pragma once
 
+#include <initializer_list>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -28,5 +29,8 @@ std::vector<std::string> split(std::string_view text, char separator);
 std::string_view take_word(std::string_view& text);
 
 std::string_view trim(std::string_view text);
+
+/** The answer to the line `where`: where the robot is now. */
+std::string where_line(std::initializer_list<double> numbers);
 
 }  // namespace trb::virtual_robots

@@ -11,7 +11,8 @@ namespace {
 constexpr std::size_t kLongestName = 31;
 
 bool takes_time(const Step& step) {
-  return std::holds_alternative<MoveStep>(step) || std::holds_alternative<SleepStep>(step);
+  return std::holds_alternative<MoveStep>(step) || std::holds_alternative<SpeedStep>(step) ||
+         std::holds_alternative<SleepStep>(step);
 }
 
 /** `def NAME():` or `sec NAME():`. */

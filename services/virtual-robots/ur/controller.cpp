@@ -95,6 +95,7 @@ void Controller::advance(double now) {
       run_step(program_->steps[next_step_++]);
     }
   }
+  arm_.settle(now);
 }
 
 /** Begins a step where the last one ended, so that delays do not add up over a program. */
@@ -102,13 +103,17 @@ void Controller::run_step(const Step& step) {
   if (const auto* move = std::get_if<MoveStep>(&step)) {
     emit(MoveStarted{*move});
     step_end_ = arm_.start(*move, step_end_);
+  } else if (const auto* speed = std::get_if<SpeedStep>(&step)) {
+    emit(SpeedStarted{*speed});
+    step_end_ = arm_.run(*speed, step_end_);
   } else if (const auto* sleep = std::get_if<SleepStep>(&step)) {
     step_end_ += std::max(0.0, sleep->seconds);
   } else if (const auto* out = std::get_if<DigitalOutStep>(&step)) {
     emit(DigitalOutSet{*out});
   } else if (const auto* text = std::get_if<TextStep>(&step)) {
     emit(TextSaid{text->text});
-  } else if (std::holds_alternative<HaltStep>(step)) {
+  } else if (const auto* halt = std::get_if<HaltStep>(&step)) {
+    step_end_ = arm_.brake(halt->acceleration, step_end_);
     emit(Stopped{});
   }
 }

@@ -29,6 +29,7 @@ struct ToPacket {
   Result operator()(const SafetyChanged& event) const { return safety_packet(event.mode, time_us); }
   Result operator()(const SecondaryRun&) const { return std::nullopt; }
   Result operator()(const MoveStarted&) const { return std::nullopt; }
+  Result operator()(const SpeedStarted&) const { return std::nullopt; }
   Result operator()(const DigitalOutSet&) const { return std::nullopt; }
   Result operator()(const Stopped&) const { return std::nullopt; }
 };
@@ -46,6 +47,9 @@ struct ToLine {
     const std::string start = "move " + event.step.function;
     if (const auto* joints = std::get_if<Joints>(&event.step.target)) return start + numbers_of(*joints);
     return start + " p" + numbers_of(std::get<Pose>(event.step.target).values);
+  }
+  std::string operator()(const SpeedStarted& event) const {
+    return "speed " + event.step.function + numbers_of(event.step.speeds);
   }
   std::string operator()(const DigitalOutSet& event) const {
     return "digital_out " + std::to_string(event.step.index) + (event.step.on ? " on" : " off");

@@ -20,6 +20,9 @@ struct SecondaryRun {
 struct MoveStarted {
   MoveStep step;
 };
+struct SpeedStarted {
+  SpeedStep step;
+};
 struct DigitalOutSet {
   DigitalOutStep step;
 };
@@ -41,8 +44,8 @@ struct SafetyChanged {
 struct Stopped {};
 
 /** What the controller did; each has a line on stdout, and most have a packet for the primary clients. */
-using Event = std::variant<ProgramStarted, ProgramStopped, SecondaryRun, MoveStarted, DigitalOutSet, TextSaid,
-                           ScriptRefused, ErrorRaised, SafetyChanged, Stopped>;
+using Event = std::variant<ProgramStarted, ProgramStopped, SecondaryRun, MoveStarted, SpeedStarted, DigitalOutSet,
+                           TextSaid, ScriptRefused, ErrorRaised, SafetyChanged, Stopped>;
 
 std::optional<std::string> packet_of(const Event& event, std::uint64_t time_us);
 std::string line_of(const Event& event);

@@ -9,7 +9,7 @@
 namespace trb::virtual_robots::ur {
 namespace {
 
-enum class Kind { Number, Boolean, Text, Target, Pose, Any };
+enum class Kind { Number, Positive, Boolean, Text, Target, Six, Pose, Any };
 
 struct Parameter {
   std::string_view name;
@@ -54,6 +54,16 @@ Step make_move(const std::string& function, const Bound& bound) {
   return MoveStep{function, target_of(*bound[0]), number_or(bound, 2, 0), number_or(bound, 3, 0)};
 }
 
+/** stopj and stopl brake with this if no acceleration is given. */
+constexpr double kStopAcceleration = 2;
+constexpr double kSpeedAcceleration = 1.4;
+
+Step make_speed(const std::string& function, const Bound& bound) {
+  SpeedStep step{function, {}, number_or(bound, 1, kSpeedAcceleration), number_or(bound, 2, 0)};
+  std::copy_n(std::get<std::vector<double>>(*bound[0]).begin(), kJointCount, step.speeds.begin());
+  return step;
+}
+
 Step make_sleep(const std::string&, const Bound& bound) {
   return SleepStep{number_or(bound, 0, 0)};
 }
@@ -71,8 +81,8 @@ Step make_popup(const std::string&, const Bound& bound) {
   return TextStep{show(*bound[0])};
 }
 
-Step make_halt(const std::string&, const Bound&) {
-  return HaltStep{};
+Step make_halt(const std::string&, const Bound& bound) {
+  return HaltStep{number_or(bound, 0, kStopAcceleration)};
 }
 
 Step make_setting(const std::string& function, const Bound&) {
@@ -101,8 +111,12 @@ const std::vector<Function>& functions() {
        make_popup},
       {"set_tcp", {{"pose", Kind::Pose, true}, {"tcp_name", Kind::Text}}, make_setting},
       {"set_payload", {{"m", Kind::Number, true}, {"cog", Kind::Any}}, make_setting},
-      {"stopj", {{"a", Kind::Number}}, make_halt},
-      {"stopl", {{"a", Kind::Number}}, make_halt},
+      {"speedj", {{"qd", Kind::Six, true}, {"a", Kind::Positive}, {"t", Kind::Number}}, make_speed},
+      {"speedl",
+       {{"xd", Kind::Six, true}, {"a", Kind::Positive}, {"t", Kind::Number}, {"aRot", Kind::Text}},
+       make_speed},
+      {"stopj", {{"a", Kind::Positive}}, make_halt},
+      {"stopl", {{"a", Kind::Positive}}, make_halt},
   };
   return kFunctions;
 }
@@ -111,6 +125,12 @@ bool fits(Kind kind, const Value& value) {
   switch (kind) {
     case Kind::Number:
       return std::holds_alternative<double>(value);
+    case Kind::Positive: {
+      const auto* number = std::get_if<double>(&value);
+      return number != nullptr && *number > 0;
+    }
+    case Kind::Six:
+      return std::holds_alternative<std::vector<double>>(value);
     case Kind::Boolean:
       return std::holds_alternative<bool>(value);
     case Kind::Text:
@@ -146,7 +166,8 @@ class Binder {
     const Parameter& parameter = parameters_[index];
     if (!fits(parameter.kind, argument.value)) fail("wrong_type", parameter.name, argument.column);
     const auto* list = std::get_if<std::vector<double>>(&argument.value);
-    const bool miscounted = parameter.kind == Kind::Target && list != nullptr && list->size() != kJointCount;
+    const bool six = parameter.kind == Kind::Target || parameter.kind == Kind::Six;
+    const bool miscounted = six && list != nullptr && list->size() != kJointCount;
     if (miscounted) fail("wrong_joint_count", "", argument.column);
     bound_[index] = argument.value;
   }

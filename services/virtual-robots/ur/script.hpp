@@ -27,6 +27,14 @@ struct MoveStep {
   double time = 0;
 };
 
+/** speedj or speedl: joint speeds, or the tool's twist in the base's frame; a time of 0: until the speed is reached. */
+struct SpeedStep {
+  std::string function;
+  std::array<double, 6> speeds{};
+  double acceleration = 0;
+  double time = 0;
+};
+
 struct SleepStep {
   double seconds = 0;
 };
@@ -40,15 +48,17 @@ struct TextStep {
   std::string text;
 };
 
-/** stopj, stopl: a straight-line program has come to rest before this step, so only the event is left. */
-struct HaltStep {};
+/** stopj, stopl: brakes, and is over when the arm stands. */
+struct HaltStep {
+  double acceleration = 0;
+};
 
 /** set_tcp, set_payload: checked and accepted, without a visible effect. */
 struct SettingStep {
   std::string function;
 };
 
-using Step = std::variant<MoveStep, SleepStep, DigitalOutStep, TextStep, HaltStep, SettingStep>;
+using Step = std::variant<MoveStep, SpeedStep, SleepStep, DigitalOutStep, TextStep, HaltStep, SettingStep>;
 
 struct Program {
   std::string name;

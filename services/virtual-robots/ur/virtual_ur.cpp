@@ -50,6 +50,11 @@ void VirtualUr::take_console_line(const std::string& line) {
   const auto fault = order == "fault" ? parse_fault_order(words) : std::nullopt;
   if (fault) {
     take_fault(*fault);
+  } else if (line == "where") {
+    const Joints joints = controller_.state(clock_.now()).joints.position;
+    const auto flange = flange_of(joints);
+    print_line(where_line(
+        {joints[0], joints[1], joints[2], joints[3], joints[4], joints[5], flange[0], flange[1], flange[2]}));
   } else if (line == "protective_stop") {
     controller_.set_safety(SafetyMode::ProtectiveStop, clock_.now());
   } else if (line == "estop") {

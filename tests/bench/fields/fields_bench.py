@@ -1,5 +1,4 @@
 """scripts/bench fields, after everything is built: acknowledged fields beside the 2 ms gap of the paper (goal P4)."""
-import argparse
 import json
 import os
 import pathlib
@@ -135,18 +134,16 @@ def goals(result):
 
 
 def parse():
-    parser = argparse.ArgumentParser(
-        prog="scripts/bench fields",
-        description="Measures the interpreter mode with acknowledged fields beside fields told apart by a gap of 2 ms: "
-                    "two real nodes and a robot that reads slowly, in turns.",
-        epilog="examples:  scripts/bench fields      scripts/bench fields --quick      scripts/bench fields --json f.json")
-    parser.add_argument("--rounds", type=int, help="how often each is measured (5; quick: 1); 20,000 messages a round")
+    parser = roads.parser_of(
+        "scripts/bench fields",
+        "Measures the interpreter mode with acknowledged fields beside fields told apart by a gap of 2 ms: two real nodes "
+        "and a robot that reads slowly, in turns.",
+        "scripts/bench fields      scripts/bench fields --quick      scripts/bench fields --json f.json",
+        rounds="how often each is measured (5; quick: 1); 20,000 messages a round",
+        quick="few messages: only that nothing is lost or concatenated")
     parser.add_argument("--free", dest="pin", action="store_false", help="unpinned; else everything is on one core")
     parser.add_argument("--realtime", action="store_true",
                         help="ahead of every other program (SCHED_RR, as root): for a machine that others use, too")
-    parser.add_argument("--quick", action="store_true", help="few messages: only that nothing is lost or concatenated")
-    parser.add_argument("--json", metavar="FILE", help="write every figure of every round as JSON")
-    parser.add_argument("--programs", type=pathlib.Path, required=True, help=argparse.SUPPRESS)
     return roads.with_rounds(parser)
 
 

@@ -1,5 +1,4 @@
 """scripts/bench, after everything is built: measures the roads in turns and prints what they cost."""
-import argparse
 import json
 import os
 import pathlib
@@ -161,16 +160,13 @@ def print_goals(report):
 
 
 def parse():
-    parser = argparse.ArgumentParser(
-        prog="scripts/bench",
-        description="Measures the road from robot to robot in direct mode (robot, mode-adapter, router, CURVE, router, "
-                    "mode-adapter, robot: real processes on 127.x) beside bare chains of the same sockets, in turns.",
-        epilog="examples:  scripts/bench      scripts/bench --quick      scripts/bench --rounds 9 --json road.json")
-    parser.add_argument("--rounds", type=int, help="how often each road is measured in each regime (5; quick: 1)")
-    parser.add_argument("--quick", action="store_true", help="few messages, only to see that it works")
-    parser.add_argument("--json", metavar="FILE", help="write every figure of every round as JSON")
-    parser.add_argument("--programs", required=True, help=argparse.SUPPRESS)
-    return roads.with_rounds(parser)
+    return roads.with_rounds(roads.parser_of(
+        "scripts/bench",
+        "Measures the road from robot to robot in direct mode (robot, mode-adapter, router, CURVE, router, mode-adapter, "
+        "robot: real processes on 127.x) beside bare chains of the same sockets, in turns.",
+        "scripts/bench      scripts/bench --quick      scripts/bench --rounds 9 --json road.json",
+        rounds="how often each road is measured in each regime (5; quick: 1)",
+        quick="few messages, only to see that it works"))
 
 
 def main():

@@ -1,4 +1,5 @@
 """The roads that scripts/bench measures: real nodes of TalkRoBots, and bare chains of the same sockets."""
+import argparse
 import json
 import os
 import pathlib
@@ -12,6 +13,16 @@ import trb_fleet  # noqa: E402  (found only with the line above)
 VENDOR_PORT = 30100
 ORDER_PATIENCE_S = 60
 TICKS = os.sysconf("SC_CLK_TCK")
+
+
+def parser_of(prog, description, epilog, rounds, quick):
+    """Of the words that every benchmark in turns has; `rounds` and `quick` are the help for two of them."""
+    parser = argparse.ArgumentParser(prog=prog, description=description, epilog=f"examples:  {epilog}")
+    parser.add_argument("--rounds", type=int, help=rounds)
+    parser.add_argument("--quick", action="store_true", help=quick)
+    parser.add_argument("--json", metavar="FILE", help="write every figure of every round as JSON")
+    parser.add_argument("--programs", type=pathlib.Path, required=True, help=argparse.SUPPRESS)
+    return parser
 
 
 def with_rounds(parser):

@@ -110,8 +110,8 @@ TEST_CASE("trb check tells what is wrong with a Pioneer's words") {
     })") == "pioneer.values.motors: 'engine' is not told by the robot");
   CHECK(fault_of(commands, R"("battery": "battery",
       "state_of_charge": "state_of_charge",
-      "velocity": "velocity",)",
-                 R"("battery": "volts",)") == "pioneer.requests.battery: 'volts' is none of \"values\"");
+      "speeds": "speeds",)",
+                 R"("battery": "volts",)") == "pioneer.requests.battery: 'volts' is not one of the values");
   CHECK(fault_of(commands, R"("go_to": "goto {0} {1} {2} tolerance=50 angle=3",)", "") ==
         "pioneer.commands.go_to: is missing: skill 'go_to' sends it");
   CHECK(fault_of(commands, "goto {0} {1} {2} tolerance=50 angle=3", "MOVE {0}") ==

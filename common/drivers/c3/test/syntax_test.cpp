@@ -73,7 +73,7 @@ TEST_CASE("a KUKA's files: each mistake is told with its key") {
                            {"commands.json", "\"stop\"", "\"halt\"", "kuka.commands.stop", "is missing"},
                            {"commands.json", "$POS_ACT X Y", "$POS ACT.", "kuka.values.position", "no component"},
                            {"commands.json", "\"where\": \"position\"", "\"where\": \"positon\"", "kuka.requests.where",
-                            "none of the values"},
+                            "not one of the values"},
                            {"commands.json", "trb_done", "trb_dome", "kuka.values", "no part of the hand-shake"},
                            {"commands.json", ", \"trb_done\": \"READY\"", "", "kuka.values.trb_done", "is missing"},
                            {"commands.json", "\"go\":", "\"goo\":", "kuka.commands.go", "is missing"}}) {

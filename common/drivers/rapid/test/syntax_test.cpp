@@ -49,7 +49,7 @@ TEST_CASE("an ABB's files: each mistake is told with its key") {
       {"service 91", "91", "abb.commands.stop", "wait for the end of a move"},
       {"2 {0} 5", "service 2", "abb.commands.go", "moves nothing"},
       {"service 3 0 1", "service 3 x", "abb.values.position", "no index"},
-      {"\"where\": \"position\"", "\"where\": \"positon\"", "abb.requests.where", "none of the values"},
+      {"\"where\": \"position\"", "\"where\": \"positon\"", "abb.requests.where", "not one of the values"},
       {"\"go\":", "\"goo\":", "abb.commands.go", "is missing"}};
   for (const Change& change : changes) {
     const NodeFolder folder("abb");

@@ -20,6 +20,7 @@ class ChangeList {
  public:
   void put(std::string key, Row row) { changes_.push_back({std::move(key), std::move(row)}); }
   void drop(std::string key) { changes_.push_back({std::move(key), std::nullopt}); }
+  [[nodiscard]] const std::vector<Change<Row>>& pending() const { return changes_; }
   std::vector<Change<Row>> take() { return std::exchange(changes_, {}); }
 
  private:

@@ -23,6 +23,7 @@ constexpr VerdictRow kVerdicts[] = {
     {403, "open the gateway by one of the addresses of its configuration"},
     {403, "send it from the gateway's own page; a program takes a bearer token"},
     {403, "send the csrf value of GET /api/v1/session as X-CSRF-Token"},
+    {403, "take a password of your own: PUT /api/v1/me/password"},
     {403, "ask an admin for the role that this needs"},
     {403, "sign in: a token may not do that"},
     {403, "make a token that is not read-only"},
@@ -39,6 +40,13 @@ std::string_view authority_of(std::string_view origin) {
 bool is_same_name(std::string_view a, std::string_view b) {
   const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; };
   return std::ranges::equal(a, b, {}, lower, lower);
+}
+
+/// What somebody may do whose password is another's: see who he is, take a password of his own, sign out; and stop
+/// robots, which waits for nothing.
+bool is_for_all_passwords(const Route& route) {
+  return is_stop(route) || route.path == "/api/v1/session" || route.path == "/api/v1/me" ||
+         route.path == "/api/v1/me/password" || route.path == "/api/v1/me/sessions";
 }
 
 RequestVerdict check_rights(const Route& route, const Principal& who, bool by_token) {
@@ -75,6 +83,10 @@ RequestVerdict RequestCheck::decide(const RequestHead& head, UtcTime now, Reques
   if (!is_own_host(head)) return RequestVerdict::wrong_host;
   if (const auto verdict = identify(head, now, out); verdict != RequestVerdict::allowed) return verdict;
   if (const auto verdict = check_forgery(head, out); verdict != RequestVerdict::allowed) return verdict;
+  const User* user = out.who.session.empty() ? nullptr : users_.find(out.who.name);
+  if (user != nullptr && user->must_change && !is_for_all_passwords(*out.route)) {
+    return RequestVerdict::password_must_change;
+  }
   return check_rights(*out.route, out.who, head.bearer.has_value());
 }
 

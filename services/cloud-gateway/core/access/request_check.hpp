@@ -35,12 +35,13 @@ struct Principal {
 
 enum class RequestVerdict : std::uint8_t {
   allowed,
-  bad_path,        ///< 400
-  two_identities,  ///< 400: a cookie and a token
-  not_signed_in,   ///< 401
-  wrong_host,      ///< 403, as all below
-  wrong_origin,    ///< not from this gateway's own page
-  wrong_csrf,      ///< no CSRF value, or not the session's
+  bad_path,              ///< 400
+  two_identities,        ///< 400: a cookie and a token
+  not_signed_in,         ///< 401
+  wrong_host,            ///< 403, as all below
+  wrong_origin,          ///< not from this gateway's own page
+  wrong_csrf,            ///< no CSRF value, or not the session's
+  password_must_change,  ///< somebody else made the user's password
   role_too_low,
   people_only,  ///< a token; only a user who has signed in may do this
   read_only_token,
@@ -49,9 +50,10 @@ enum class RequestVerdict : std::uint8_t {
 };
 /// Stable problem codes.
 constexpr auto enum_names(RequestVerdict) {
-  return std::array<std::string_view, 12>{"allowed",     "bad_path",        "two_identities", "not_signed_in",
-                                          "wrong_host",  "wrong_origin",    "wrong_csrf",     "role_too_low",
-                                          "people_only", "read_only_token", "not_found",      "method_not_allowed"};
+  return std::array<std::string_view, 13>{
+      "allowed",         "bad_path",   "two_identities",       "not_signed_in", "wrong_host",
+      "wrong_origin",    "wrong_csrf", "password_must_change", "role_too_low",  "people_only",
+      "read_only_token", "not_found",  "method_not_allowed"};
 }
 /// 200 for `allowed`.
 int status_of(RequestVerdict verdict);
@@ -65,8 +67,9 @@ struct RequestDecision {
   std::vector<Method> allow;  ///< for method_not_allowed
 };
 
-/// Checks in this order; the first failure is the answer: path, route, host, identity, Origin, CSRF, role, token
-/// limits. Routes are not secret, so a stranger gets 404 and 405 too; he never learns whether an item exists.
+/// Checks in this order; the first failure is the answer: path, route, host, identity, Origin, CSRF, a password that
+/// must change, role, token limits. Routes are not secret, so a stranger gets 404 and 405 too; he never learns whether
+/// an item exists.
 class RequestCheck {
  public:
   /// `origins`: the addresses by which people reach this gateway, "https://hall.example:8443".

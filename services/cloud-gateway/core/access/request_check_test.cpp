@@ -1,6 +1,8 @@
 // Requests by sender, origin and route, and the answer to each.
 #include "services/cloud-gateway/core/access/request_check.hpp"
 
+#include <set>
+
 #include "proto/field.hpp"
 #include "services/cloud-gateway/core/access/test/gateway_parts.hpp"
 
@@ -53,6 +55,42 @@ TEST_CASE("every row with nobody and with each role, by cookie and by token") {
       CHECK(door.verdict(door.page(std::string(name_of(role)), method, path)) == expected);
     }
   }
+}
+
+TEST_CASE("a session that nobody has used for half an hour opens no route, and a token none after its end") {
+  for (const Route& route : routes()) {
+    Door door;
+    const std::string secret = door.token(UserRole::admin, false);
+    const std::string path = filled(route.path);
+    CAPTURE(path);
+    const bool free = route.least == Least::anyone;
+    const RequestHead by_page = door.page("admin", name_of(route.method), path);
+    const RequestHead by_token{name_of(route.method), path, kHost, {}, secret, {}, {}};
+    const UtcTime session_over = door.now.utc + std::chrono::minutes(30);
+    const UtcTime token_over = door.now.utc + std::chrono::hours(1);
+    CHECK(door.check.check(by_page, session_over).verdict ==
+          (free ? RequestVerdict::allowed : RequestVerdict::not_signed_in));
+    if (!free) CHECK(door.check.check(by_token, token_over).verdict == RequestVerdict::not_signed_in);
+  }
+}
+
+TEST_CASE("who has a password that somebody else made may take another one and stop robots, and nothing else") {
+  Door door;
+  REQUIRE(door.users.set_password("admin", "hash", true));
+  door.ids["admin"] = door.sessions.open(*door.users.find("admin"), door.now.utc);
+  const std::string secret = door.token(UserRole::admin, false);
+  const std::set<std::string_view> free{"/api/v1/session", "/api/v1/me", "/api/v1/me/password", "/api/v1/me/sessions"};
+  for (const Route& route : routes()) {
+    const std::string path = filled(route.path);
+    CAPTURE(path);
+    const bool may = route.least == Least::anyone || free.contains(route.path) || is_stop(route);
+    CHECK(door.verdict(door.page("admin", name_of(route.method), path)) ==
+          (may ? RequestVerdict::allowed : RequestVerdict::password_must_change));
+  }
+  CHECK(door.verdict({"GET", "/api/v1/users", kHost, {}, secret, {}, {}}) == RequestVerdict::allowed);
+  REQUIRE(door.users.set_password("admin", "own"));
+  door.ids["admin"] = door.sessions.open(*door.users.find("admin"), door.now.utc);
+  CHECK(door.verdict(door.page("admin", "GET", "/api/v1/users")) == RequestVerdict::allowed);
 }
 
 TEST_CASE(

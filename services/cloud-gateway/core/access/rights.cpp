@@ -90,6 +90,9 @@ constexpr Route kRoutes[] = {
     {get, "/api/v1/alerts/{alert}", viewer, reads},
     {post, "/api/v1/alerts/{alert}/ranking", operator_, changes},
     {post, "/api/v1/alerts/{alert}/decision", operator_, changes},
+    {post, "/api/v1/alerts/{alert}/acknowledge", operator_, changes},
+    {post, "/api/v1/alerts/{alert}/shelve", operator_, changes},
+    {post, "/api/v1/alerts/{alert}/unshelve", operator_, changes},
     {get, "/api/v1/policy", viewer, reads},
     {put, "/api/v1/policy", admin, changes},
     {get, "/api/v1/criteria", viewer, reads},
@@ -129,24 +132,32 @@ std::string_view take_segment(std::string_view& rest) {
   return out;
 }
 
-/// The parameters, if the pattern matches.
-std::optional<PathParameters> fit(std::string_view pattern, std::span<const std::string> segments) {
-  PathParameters out;
+/// Most patterns do not match: nothing is copied for them.
+bool fits(std::string_view pattern, std::span<const std::string> segments) {
   if (pattern == "/") pattern = {};  // no segment at all
   for (const std::string& segment : segments) {
-    if (pattern.empty()) return std::nullopt;
+    if (pattern.empty()) return false;
     const std::string_view expected = take_segment(pattern);
-    if (is_parameter(expected)) {
-      out.emplace(expected.substr(1, expected.size() - 2), segment);
-    } else if (expected != segment) {
-      return std::nullopt;
-    }
+    if (!is_parameter(expected) && expected != segment) return false;
   }
-  if (!pattern.empty()) return std::nullopt;
+  return pattern.empty();
+}
+
+/// Of a pattern that fits.
+PathParameters parameters_of(std::string_view pattern, std::span<const std::string> segments) {
+  PathParameters out;
+  for (const std::string& segment : segments) {
+    const std::string_view expected = take_segment(pattern);
+    if (is_parameter(expected)) out.emplace(expected.substr(1, expected.size() - 2), segment);
+  }
   return out;
 }
 
 }  // namespace
+
+bool is_stop(const Route& route) {
+  return route.method == post && (route.path == "/api/v1/stop" || route.path == "/api/v1/robots/{robot}/stop");
+}
 
 std::span<const Route> routes() {
   return kRoutes;
@@ -156,14 +167,10 @@ Match match_route(std::string_view method, std::span<const std::string> segments
   if (method == "HEAD") method = name_of(get);
   Match out;
   for (const Route& route : kRoutes) {
-    auto parameters = fit(route.path, segments);
-    if (!parameters) continue;
+    if (!fits(route.path, segments)) continue;
+    if (name_of(route.method) == method) return {&route, parameters_of(route.path, segments), {}};
     if (std::ranges::find(out.others, route.method) == out.others.end()) out.others.push_back(route.method);
-    if (name_of(route.method) != method) continue;
-    out.route = &route;
-    out.parameters = std::move(*parameters);
   }
-  if (out.route != nullptr) out.others.clear();
   return out;
 }
 

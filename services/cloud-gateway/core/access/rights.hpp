@@ -40,6 +40,8 @@ struct Route {
 };
 
 std::span<const Route> routes();
+/// A stop waits for nothing: not for the database either.
+bool is_stop(const Route& route);
 
 using PathParameters = std::map<std::string, std::string, std::less<>>;
 

@@ -71,6 +71,7 @@ class Sessions {
   /// Its run time does not reveal how much of the value was right.
   static bool is_csrf_of(std::string_view id, std::string_view csrf);
 
+  [[nodiscard]] bool has(const Bytes& key) const { return sessions_.contains(key); }
   [[nodiscard]] std::size_t size() const { return sessions_.size(); }
   /// For each dropped key, also close the connections of that session.
   std::vector<Change<Session>> take_changes() { return changes_.take(); }

@@ -33,7 +33,7 @@ Result<std::string> Tokens::make(const TokenWish& wish, UtcTime now) {
 }
 
 Status Tokens::revoke(const std::string& name) {
-  if (!tokens_.contains(name)) return fail(Errc::missing, "there is no token '" + name + "'");
+  if (!tokens_.contains(name)) return fail(Errc::missing, "there is no token '" + name + "'", "GET /api/v1/tokens");
   drop(name);
   return Done{};
 }

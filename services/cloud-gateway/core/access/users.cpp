@@ -26,7 +26,7 @@ bool is_valid_user_name(std::string_view name) {
 Status check_new_password(std::string_view user, std::string_view password) {
   if (password.size() < kMinPassword)
     return fail(Errc::bad_value, "password: shorter than 12 bytes", "take a few words");
-  if (password.size() > kMaxPassword) return fail(Errc::bad_value, "password: over 256 bytes");
+  if (password.size() > kMaxPassword) return fail(Errc::bad_value, "password: over 256 bytes", "take a shorter one");
   if (!user.empty() && password.find(user) != std::string_view::npos && password.size() - user.size() < kMinPassword)
     return fail(Errc::bad_value, "password: little more than the user's name", "take a few words");
   return Done{};
@@ -48,7 +48,7 @@ Status Users::add(const std::string& name, UserRole role, std::string password_h
     return fail(Errc::queue_full, "there are " + std::to_string(kMaxUsers) + " users", "remove one who has left");
   }
   User& user = users_[name];
-  user = {name, role, std::move(password_hash), false, now, {}};
+  user = {name, role, std::move(password_hash), false, now, {}, false};
   return changed(user);
 }
 
@@ -61,11 +61,12 @@ Status Users::set_role(const std::string& name, UserRole role) {
   return changed(at->second);
 }
 
-Status Users::set_password(const std::string& name, std::string password_hash) {
+Status Users::set_password(const std::string& name, std::string password_hash, bool must_change) {
   const auto at = users_.find(name);
   if (at == users_.end()) return unknown(name);
   if (password_hash.empty()) return fail(Errc::missing, "password of '" + name + "'");
   at->second.password_hash = std::move(password_hash);
+  at->second.must_change = must_change;
   return changed(at->second);
 }
 

@@ -27,7 +27,8 @@ struct User {
   std::string password_hash;  ///< as the hasher made it, with its own parameters
   bool disabled = false;
   UtcTime since;
-  Bytes stamp;  ///< new when role, password or `disabled` changes: sessions with another stamp end
+  Bytes stamp;               ///< new when role, password or `disabled` changes: sessions with another stamp end
+  bool must_change = false;  ///< the password was made by somebody else: only another one gives the user's rights
   bool operator==(const User&) const = default;
 };
 
@@ -56,7 +57,8 @@ class Users {
 
   Status add(const std::string& name, UserRole role, std::string password_hash, UtcTime now);
   Status set_role(const std::string& name, UserRole role);
-  Status set_password(const std::string& name, std::string password_hash);
+  /// `must_change`: the user has to take another one before anything else.
+  Status set_password(const std::string& name, std::string password_hash, bool must_change = false);
   Status set_disabled(const std::string& name, bool disabled);
   Status remove(const std::string& name);
 

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "common/actor/outbox.hpp"
+#include "services/cloud-gateway/core/alarms/alarm_desk.hpp"
 #include "services/cloud-gateway/core/live/row_book.hpp"
 
 namespace trb::gateway {
@@ -13,14 +14,18 @@ class AlertRows {
  public:
   static constexpr std::size_t kMaxAlerts = 256;
 
-  explicit AlertRows(RowBook& book) : book_(book) {}
+  /// The desk knows what people did with them; it must outlive this.
+  AlertRows(RowBook& book, AlarmDesk& desk) : book_(book), desk_(desk) {}
 
   /// The whole table: alerts missing in it are removed.
   void take(const AlertTable& table, Now now, Outbox& out);
+  /// Somebody has done something with an alarm, or its shelf has ended.
+  void refresh(Now now);
   void on_silence(Now now);
 
  private:
   RowBook& book_;
+  AlarmDesk& desk_;
   std::set<std::string> alerts_;
 };
 

@@ -25,7 +25,7 @@ using SharedBlock = std::shared_ptr<const Block>;
 
 class BlockMaker {
  public:
-  static constexpr std::size_t kMaxBlock = 256U << 10U;  ///< or one larger row
+  static constexpr std::size_t kMaxBlock = 768U << 10U;  ///< or one larger row
 
   /// Both must outlive it.
   BlockMaker(const RowBook& book, RowEncoder& encoder) : book_(book), encoder_(encoder) {}

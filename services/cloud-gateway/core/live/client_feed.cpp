@@ -68,7 +68,7 @@ void ClientFeed::fill_blocks(Frame& frame, BlockMaker& blocks) {
 }
 
 void ClientFeed::fill_block(Frame& frame, const Topic& topic, Seen& seen, BlockMaker& blocks) {
-  if (frame.size >= kMaxFrame) {
+  if (frame.size > 0 && frame.size + BlockMaker::kMaxBlock > kMaxFrame) {
     if (!next_) next_ = topic;
     behind_ = true;
     return;
@@ -90,7 +90,8 @@ void ClientFeed::fill_block(Frame& frame, const Topic& topic, Seen& seen, BlockM
 void ClientFeed::fill_messages(Frame& frame, const MessageLane& lane) {
   const auto at = topics_.find({TopicKind::messages, {}, {}});
   if (at == topics_.end()) return;
-  MessageLane::Taken taken = lane.take(at->second.from, kMaxFrame - std::min(kMaxFrame, frame.size));
+  const std::size_t room = kMaxFrame - std::min(kMaxFrame, frame.size);
+  MessageLane::Taken taken = lane.take(at->second.from, std::min(kMaxMessages, room));
   at->second.from = lane.head();
   frame.size += taken.size;
   frame.messages = std::move(taken.messages);

@@ -44,7 +44,8 @@ class ClientFeed {
  public:
   static constexpr std::size_t kMaxTopics = 64;
   static constexpr std::size_t kMaxQueue = 1U << 20U;
-  static constexpr std::size_t kMaxFrame = 512U << 10U;  ///< below this, another block may be added
+  static constexpr std::size_t kMaxFrame = kMaxQueue;       ///< or one larger block: what waits is within its bound
+  static constexpr std::size_t kMaxMessages = 512U << 10U;  ///< of messages in a frame
   static constexpr Duration kQuiet = std::chrono::seconds(1);
   static constexpr Duration kStalled = std::chrono::seconds(10);
 

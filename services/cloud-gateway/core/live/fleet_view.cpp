@@ -7,7 +7,7 @@ constexpr std::size_t kMaxAnswer = 1024;  ///< as of RobotState
 
 }  // namespace
 
-FleetView::FleetView(RowBook& book) : book_(book) {}
+FleetView::FleetView(RowBook& book, AlarmDesk& alarms) : book_(book), alerts_(book, alarms) {}
 
 std::vector<std::string> FleetView::hears() {
   std::vector<std::string> out;

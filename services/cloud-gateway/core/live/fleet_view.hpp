@@ -26,7 +26,8 @@ class FleetView {
   static constexpr Duration kRunsSilence = std::chrono::seconds(15);
   static constexpr Duration kAlertsSilence = std::chrono::seconds(10);
 
-  explicit FleetView(RowBook& book);
+  /// Both must outlive it.
+  FleetView(RowBook& book, AlarmDesk& alarms);
 
   /// The messages that the service subscribes to.
   static std::vector<std::string> hears();
@@ -36,12 +37,17 @@ class FleetView {
   void tick(Now now, Outbox& out);
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const;
 
+  /// The router's table is here, whole: a node or robot without a row is one that the fleet does not have.
+  [[nodiscard]] bool knows_fleet() const { return routes_heard_.heard.has_value(); }
+
   /// Clients watch these runs in full: each is requested now and at each of its changes.
   void watch_runs(std::set<std::string> runs, Now now);
   /// Clients watch these sensors: their values are requested, and those of others are not taken.
   void watch_sensors(const std::set<SensorId>& sensors, Now now);
   /// Clients look at the fleet, or at nobody: robots are asked for their place and charge.
   void watch_robots(bool wanted, Now now) { robots_.want(wanted, now); }
+  /// Shows what the desk of alarms says now.
+  void show_alarms(Now now) { alerts_.refresh(now); }
 
  private:
   /// A service of this node, and when its last message came.
@@ -63,7 +69,7 @@ class FleetView {
   std::string node_;
   NodeRows nodes_{book_};
   RunRows runs_{book_};
-  AlertRows alerts_{book_};
+  AlertRows alerts_;
   ReadingRows readings_{book_};
   SensorStreams streams_{book_};
   FleetQuestions questions_;

@@ -128,6 +128,17 @@ TEST_CASE("the own router says nothing for 10 s: no node looks live until it doe
   CHECK(hall.live(RowKind::robot, "pioneer1") == Live::live);
 }
 
+TEST_CASE("the fleet is known with the whole table, and not any more if the router is silent") {
+  Hall hall;
+  CHECK_FALSE(hall.view.knows_fleet());
+  hall.wait({});
+  CHECK_FALSE(hall.view.knows_fleet());
+  hall.table({route("pioneer1")});
+  CHECK(hall.view.knows_fleet());
+  hall.wait(FleetView::kRoutesSilence);
+  CHECK_FALSE(hall.view.knows_fleet());
+}
+
 TEST_CASE("a table made before the robot's own word does not undo it; a profile that has changed counts") {
   Hall hall;
   hall.table({route("pioneer1")});

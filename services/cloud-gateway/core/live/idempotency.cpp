@@ -14,11 +14,25 @@ bool is_key(const std::string& key) {
 
 void Idempotency::restore(const std::vector<StoredRequest>& requests, UtcTime last) {
   time_.restore(last);
-  for (const StoredRequest& one : requests) {
-    const RequestKey key = one.key;
-    if (one.answer) answered_.insert({one.since, key});
-    if (requests_.insert_or_assign(key, Known{one, !one.answer}).second) ++by_user_[key.user];
-  }
+  for (const StoredRequest& one : requests) put(one);
+}
+
+void Idempotency::replace(const std::vector<StoredRequest>& requests) {
+  requests_.clear();
+  by_user_.clear();
+  answered_.clear();
+  for (const StoredRequest& one : requests) put(one);
+}
+
+void Idempotency::put(const StoredRequest& request) {
+  const RequestKey key = request.key;
+  if (request.answer) answered_.insert({request.since, key});
+  if (requests_.insert_or_assign(key, Known{request, !request.answer}).second) ++by_user_[key.user];
+}
+
+const StoredRequest* Idempotency::find(const RequestKey& key) const {
+  const auto at = requests_.find(key);
+  return at == requests_.end() ? nullptr : &at->second.stored;
 }
 
 Status Idempotency::check(const RequestKey& key, const std::string& effect) const {
@@ -65,6 +79,11 @@ std::optional<StoredRequest> Idempotency::finish(const RequestKey& key, StoredAn
   return at->second.stored;
 }
 
+bool Idempotency::means_not_done(Errc code) {
+  return code == Errc::queue_full || code == Errc::peer_unreachable || code == Errc::peer_expired ||
+         code == Errc::no_service || code == Errc::no_field_channel;
+}
+
 bool Idempotency::release(const RequestKey& key) {
   const auto at = requests_.find(key);
   if (at == requests_.end() || at->second.stored.answer) return false;
@@ -78,10 +97,10 @@ void Idempotency::erase(const RequestKey& key) {
   if (--mine->second == 0) by_user_.erase(mine);
 }
 
-std::vector<StoredRequest> Idempotency::unsure() const {
+std::vector<StoredRequest> Idempotency::unsure(std::optional<UtcTime> before) const {
   std::vector<StoredRequest> out;
   for (const auto& [key, known] : requests_) {
-    if (known.is_unsure) out.push_back(known.stored);
+    if (known.is_unsure && (!before || known.stored.since < *before)) out.push_back(known.stored);
   }
   return out;
 }

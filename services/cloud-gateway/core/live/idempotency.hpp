@@ -60,17 +60,24 @@ class Idempotency {
 
   /// Requests from disk; `last`: the last stored steady time. A request without an answer is unsure.
   void restore(const std::vector<StoredRequest>& requests, UtcTime last);
+  /// Instead of all that were known: the requests as this gateway and others have left them on disk.
+  void replace(const std::vector<StoredRequest>& requests);
+  [[nodiscard]] const StoredRequest* find(const RequestKey& key) const;
   /// Errors: bad_value (no key of 1 to 255 visible characters), conflict (the key was used for another request),
   /// too_large (the effect), queue_full.
   Result<Begun> begin(const RequestKey& key, const Bytes& digest, std::string effect, Now now);
   /// The request was done or refused: store the result, then answer. Nullopt: no such request runs. An answer over
   /// kMaxAnswer is kept without its body.
   std::optional<StoredRequest> finish(const RequestKey& key, StoredAnswer answer);
+  /// What an error of the fleet says of a request that was on its way: nothing was done, and it may be done later. Only
+  /// what a router refuses before it delivers says so; of a robot that was lost (robot_offline) nobody knows.
+  static bool means_not_done(Errc code);
   /// The request could not be stored, or was provably not done: frees the key; remove it from the disk. False: the key
   /// is unknown or answered.
   bool release(const RequestKey& key);
-  /// Intents that may or may not have been done before a restart: find out, then call finish() or release().
-  [[nodiscard]] std::vector<StoredRequest> unsure() const;
+  /// Intents that may or may not have been done before a restart: find out, then call finish() or release(). `before`:
+  /// those alone that began before it, for another gateway may be at work on the others.
+  [[nodiscard]] std::vector<StoredRequest> unsure(std::optional<UtcTime> before = std::nullopt) const;
   /// Expired keys: remove them from the disk.
   std::vector<RequestKey> take_expired(Now now);
   [[nodiscard]] std::optional<MonotonicTime> next_deadline(Now now) const;
@@ -84,6 +91,7 @@ class Idempotency {
   };
   [[nodiscard]] static Result<Begun> repeat(const Known& known, const Bytes& digest);
   [[nodiscard]] Status check(const RequestKey& key, const std::string& effect) const;
+  void put(const StoredRequest& request);
   void erase(const RequestKey& key);
 
   std::map<RequestKey, Known> requests_;

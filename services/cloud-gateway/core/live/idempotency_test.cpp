@@ -105,6 +105,21 @@ TEST_CASE("a key lives 24 h from its intent; what runs stays") {
   CHECK(got<Idempotency::Wait>(keys.begin({"ann", "runs"}, "digest", "", at(86'401))));
 }
 
+TEST_CASE("what another gateway has stored takes the place of what was known; what it is at work on is waited for") {
+  Idempotency keys;
+  (void)keys.begin({"ann", "old"}, "digest", "", at(0));
+  StoredRequest theirs{kAnn, "digest", "run-1", at(100).utc, std::nullopt};
+  keys.replace({theirs});
+  CHECK(keys.find({"ann", "old"}) == nullptr);
+  CHECK(got<Idempotency::Wait>(keys.begin(kAnn, "digest", "", at(101))));
+  CHECK(keys.unsure(at(100).utc).empty());
+  CHECK(keys.unsure(at(101).utc) == std::vector{theirs});
+  theirs.answer = kAnswer;
+  keys.replace({theirs});
+  CHECK(got<StoredAnswer>(keys.begin(kAnn, "digest", "", at(102))));
+  CHECK(keys.unsure().empty());
+}
+
 TEST_CASE("a clock that is set ahead by a year ends no key") {
   Idempotency keys;
   (void)keys.begin(kAnn, "digest", "", at(0));
@@ -139,4 +154,11 @@ TEST_CASE("keys that are none are refused, an answer that is too long is kept wi
   CHECK(keys.begin(kAnn, "d", std::string(2000, 'x'), at(0)).error().code == Errc::too_large);
   (void)keys.begin(kAnn, "d", "", at(0));
   CHECK(keys.finish(kAnn, {200, std::string(5000, 'x')})->answer == StoredAnswer{200, ""});
+}
+
+TEST_CASE("what a router refuses before it delivers was not done; a time-out and a lost robot say nothing of it") {
+  for (const Errc code : {Errc::queue_full, Errc::peer_unreachable, Errc::peer_expired, Errc::no_service})
+    CHECK(Idempotency::means_not_done(code));
+  for (const Errc code : {Errc::timeout, Errc::not_confirmed, Errc::robot_offline, Errc::bad_value, Errc::conflict})
+    CHECK_FALSE(Idempotency::means_not_done(code));
 }

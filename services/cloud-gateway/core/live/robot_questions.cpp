@@ -51,12 +51,19 @@ void RobotQuestions::tick(Now now, Outbox& out) {
   }
 }
 
+Duration RobotQuestions::pause_of(const Row& robot, Asked& asked, Now now) const {
+  const Row* teleop = book_.find({RowKind::teleop, robot.key.node, {}});
+  const bool is_driven = teleop != nullptr && !std::get<TeleopRow>(teleop->content).holder.empty();
+  if (is_driven || !std::get<RobotRow>(robot.content).control.empty()) asked.commanded = now.mono;
+  if (is_driven) return kDriven;
+  return asked.commanded && now.mono - *asked.commanded < kComesToStand ? kCommanded : kStanding;
+}
+
 std::size_t RobotQuestions::ask(const Row& robot, const NodeProfile& profile, Now now, Outbox& out) {
   if (!moves(profile)) return 0;
   Asked& asked = asked_[robot.key.node];
-  const bool is_commanded = !std::get<RobotRow>(robot.content).control.empty();
   std::size_t sent = 0;
-  if (is_due(asked.position, is_commanded ? kCommanded : kStanding, now)) {
+  if (is_due(asked.position, pause_of(robot, asked, now), now)) {
     out.request(robot.key.node, Opaque{std::string(kPositionRequest), ""});
     ++sent;
   }

@@ -11,12 +11,15 @@
 
 namespace trb::gateway {
 
-/// Robots that drive or fly and can be reached: the place each second while somebody commands it, else each 15 s; the
-/// charge each minute. At most kMostAtOnce requests in kStep: of a large fleet each robot is asked less often.
+/// Robots that drive or fly and can be reached: the place five times a second while a client here drives it, each
+/// second while somebody commands it and until 3 s later, when it has come to stand, else each 15 s; the charge each
+/// minute. At most kMostAtOnce requests in kStep: of a large fleet each robot is asked less often.
 class RobotQuestions {
  public:
   static constexpr Duration kStep = std::chrono::milliseconds(100);
+  static constexpr Duration kDriven = std::chrono::milliseconds(200);
   static constexpr Duration kCommanded = std::chrono::seconds(1);
+  static constexpr Duration kComesToStand = std::chrono::seconds(3);
   static constexpr Duration kStanding = std::chrono::seconds(15);
   static constexpr Duration kCharge = std::chrono::minutes(1);
   static constexpr std::size_t kMostAtOnce = 20;
@@ -34,9 +37,11 @@ class RobotQuestions {
  private:
   struct Asked {
     std::optional<MonotonicTime> position;
+    std::optional<MonotonicTime> commanded;  ///< when somebody commanded it last
     std::optional<MonotonicTime> charge;
     std::string charge_name;
   };
+  [[nodiscard]] Duration pause_of(const Row& robot, Asked& asked, Now now) const;
   /// Due requests to one robot; returns their number.
   std::size_t ask(const Row& robot, const NodeProfile& profile, Now now, Outbox& out);
   void forget_missing();

@@ -40,6 +40,13 @@ struct Looked : Hall {
     }
     return found;
   }
+  void commanded(std::size_t robot, const std::string& control) { routes_[robot].profile.control = control; }
+  void driven(const std::string& robot, const std::string& holder) {
+    if (holder.empty()) return book.remove({RowKind::teleop, robot, {}}, now);
+    TeleopRow row;
+    row.holder = holder;
+    book.put({RowKind::teleop, robot, {}}, row, Live::live, now);
+  }
   void answer(const std::string& robot, const std::string& value, const std::string& data) {
     say(robot, Opaque{value, data});
   }
@@ -60,6 +67,25 @@ TEST_CASE("a robot that somebody commands is asked for its place each second, on
   CHECK(count_of(asked, "pioneer1 position") == 30);
   CHECK(count_of(asked, "pioneer2 position") == 2);
   CHECK(count_of(asked, "pioneer1 battery") == 1);
+}
+
+TEST_CASE("a robot that a client drives is asked five times a second; once it is let go, until it has come to stand") {
+  Looked hall({mobile("pioneer1")});
+  hall.asked(seconds(1));
+  hall.driven("pioneer1", "olga");
+  CHECK(count_of(hall.asked(seconds(2)), "pioneer1 position") == 10);
+  hall.driven("pioneer1", "");
+  CHECK(count_of(hall.asked(seconds(3)), "pioneer1 position") == 3);
+  CHECK(count_of(hall.asked(seconds(12)), "pioneer1 position") == 0);
+}
+
+TEST_CASE("after a command, too, a robot is looked at until it stands") {
+  Looked hall({mobile("pioneer1", "run 1")});
+  hall.asked(seconds(2));
+  hall.commanded(0, "");
+  const auto asked = count_of(hall.asked(seconds(12)), "pioneer1 position");
+  CHECK(asked >= 3);
+  CHECK(asked <= 5);
 }
 
 TEST_CASE("an answer is shown as a value of the robot") {

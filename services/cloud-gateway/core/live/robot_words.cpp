@@ -58,6 +58,7 @@ void apply(RobotRow& row, const NodeProfile& profile, UtcTime) {
   row.fenced = profile.fenced;
   row.control = profile.control;
   row.out_of_use = profile.out_of_use;
+  row.drives = profile.drives;
 }
 
 }  // namespace trb::gateway

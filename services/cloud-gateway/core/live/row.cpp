@@ -38,6 +38,10 @@ std::size_t size(const RobotRow& row) {
   }
   for (const RobotValue& one : row.values) out += one.name.size() + one.value.size() + sizeof(RobotValue);
   for (const RobotRowFault& one : row.faults) out += one.capability.size() + one.text.size() + sizeof(RobotRowFault);
+  for (const DriveInfo& one : row.drives) {
+    out += sizeof(DriveInfo) + one.limits.size() * sizeof(double);
+    for (const std::string& axis : one.axes) out += sizeof(std::string) + axis.size();
+  }
   return out;
 }
 std::size_t size(const RunSummary& row) {
@@ -49,8 +53,11 @@ std::size_t size(const SensorInfo& row) {
 std::size_t size(const SensorReading& row) {
   return row.sensor.size() + row.identity.size() + row.text.size() + sizeof(SensorReading);
 }
+std::size_t size(const AlertRow& row) {
+  return encode(row.alert).size() + row.alarm.source.size() + row.alarm.shelved_why.size() + sizeof(Alarm);
+}
 std::size_t size(const TeleopRow& row) {
-  return row.holder.size() + sizeof(TeleopRow);
+  return row.holder.size() + row.asked_by.size() + row.kept_for.size() + sizeof(TeleopRow);
 }
 template <IsBody T>
 std::size_t size(const T& row) {

@@ -14,6 +14,7 @@
 #include "proto/bodies/robot.hpp"
 #include "proto/bodies/run.hpp"
 #include "proto/bodies/sensor.hpp"
+#include "services/cloud-gateway/core/alarms/alarm.hpp"
 
 namespace trb::gateway {
 
@@ -73,19 +74,28 @@ struct RobotRow {
   std::vector<RobotValue> values;     ///< by name
   std::vector<RobotRowFault> faults;  ///< by capability and severity; one of each
   bool cut = false;                   ///< the robot sent more values or faults than are kept
+  std::vector<DriveInfo> drives{};    ///< what of it a person can drive by hand
   bool operator==(const RobotRow&) const = default;
 };
 
+/// Who drives a robot by hand through this gateway; no row: nobody.
 struct TeleopRow {
-  std::string holder;  ///< the driving user; empty: nobody
-  double latency_s = 0;
-  double speed_limit = 0;  ///< of the robot's full speed, 0 to 1
+  std::string holder;       ///< the driving user; empty: the drive is over, and the next one is kept for `kept_for`
+  std::string asked_by;     ///< who asks for the robot; empty: nobody
+  std::string kept_for;     ///< who alone may begin now
+  double round_trip_s = 0;  ///< gateway - robot's node - gateway; 0: not known yet
   bool operator==(const TeleopRow&) const = default;
 };
 
+struct AlertRow {
+  Alert alert;
+  Alarm alarm;
+  bool operator==(const AlertRow&) const = default;
+};
+
 /// std::monostate: the row was removed.
-using RowContent = std::variant<std::monostate, NodeRow, RobotRow, NodeProfile, RunSummary, RunView, Alert, SensorInfo,
-                                SensorReading, TeleopRow>;
+using RowContent = std::variant<std::monostate, NodeRow, RobotRow, NodeProfile, RunSummary, RunView, AlertRow,
+                                SensorInfo, SensorReading, TeleopRow>;
 
 /// True if a client sees no difference; a countdown (left_s) does not count as one.
 bool same_content(const RowContent& a, const RowContent& b);

@@ -102,7 +102,7 @@ TEST_CASE("a topic brings its own rows alone") {
   CHECK(rows_of(*hall.frame(hall.client("alerts"))) == Rows{"alert  a1 v1 live"});
   CHECK(rows_of(*hall.frame(hall.client("robot/pioneer2"))).size() == 3);
   CHECK(rows_of(*hall.frame(hall.client("sensor/pioneer1/dht22"))).empty());
-  hall.book.put({RowKind::teleop, "pioneer1", {}}, TeleopRow{"ann", 0.02, 0.5}, Live::live, hall.now);
+  hall.book.put({RowKind::teleop, "pioneer1", {}}, TeleopRow{"ann", {}, {}, 0.02}, Live::live, hall.now);
   CHECK(rows_of(*hall.frame(hall.client("teleop"))) == Rows{"teleop pioneer1  v1 live"});
 }
 
@@ -129,7 +129,7 @@ TEST_CASE("a change is encoded once for all clients, and those who keep up share
   for (std::size_t i = 1; i < clients.size(); ++i) CHECK(hall.clients.take(clients[i])->blocks[0].get() == shared);
 }
 
-TEST_CASE("a large snapshot comes in blocks of 256 kB; changes meanwhile are not lost") {
+TEST_CASE("a large snapshot comes in blocks of 768 kB; changes meanwhile are not lost") {
   Hall hall;
   hall.encoder.pad = 1000;
   hall.table(many(1000));
@@ -139,11 +139,30 @@ TEST_CASE("a large snapshot comes in blocks of 256 kB; changes meanwhile are not
     hall.tell("robot5", "battery", std::to_string(i));
     const auto frame = hall.frame(client);
     REQUIRE(frame);
-    CHECK(frame->size <= (256U << 10U));
+    CHECK(frame->size <= (768U << 10U));
     shown.take(*frame);
   }
   CHECK(shown.rows.size() == 2001);
   CHECK(shown.rows["robot robot5 "].starts_with("robot robot5  v13 live"));
+}
+
+TEST_CASE("several large topics: no frame is larger than what may wait, and each has its turn") {
+  Hall hall;
+  hall.encoder.pad = 4000;
+  hall.table(many(400));
+  AlertTable alerts;
+  for (int i = 0; i < 128; ++i) alerts.alerts.push_back(alert("a" + std::to_string(i), "robot1"));
+  hall.say("cloud", alerts);
+  const ClientId client = hall.client("fleet");
+  REQUIRE(hall.clients.subscribe(client, *parse_topic("alerts"), std::nullopt).ok());
+  std::size_t rows = 0;
+  for (int i = 0; i < 16; ++i) {
+    const auto frame = hall.frame(client);
+    if (!frame) continue;
+    CHECK(frame->size <= (1U << 20U));
+    rows += rows_of(*frame).size();
+  }
+  CHECK(rows == 801 + 128);
 }
 
 TEST_CASE("a client that does not take its frame has its changes joined, and loses none in the end") {

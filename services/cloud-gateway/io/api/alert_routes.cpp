@@ -1,4 +1,4 @@
-// alerts: list, one, decision.
+// alerts: list, one, decision; acknowledge, shelve, unshelve.
 #include "common/operator/decide.hpp"
 #include "services/cloud-gateway/io/api/api.hpp"
 #include "services/cloud-gateway/io/api/lists.hpp"
@@ -44,6 +44,37 @@ void decide_alert(Gateway& gateway, const CallPtr& call) {
   });
 }
 
+/// What has become of the alarm; clients of the live stream see it as soon as it is on disk.
+void reply_alarm(Gateway& gateway, const CallPtr& call, const Status& done) {
+  if (!done) return call->fail(done.error());
+  gateway.fleet.show_alarms(gateway.now());
+  call->reply(json_reply(json_alarm(gateway.access.alarms.of(call->parameter("alert")))));
+}
+
+void acknowledge(Gateway& gateway, const CallPtr& call) {
+  const std::string& alert = call->parameter("alert");
+  reply_alarm(gateway, call, gateway.access.alarms.acknowledge(alert, call->who().name, gateway.now().utc));
+}
+
+void shelve(Gateway& gateway, const CallPtr& call) {
+  const auto body = Members::of(*call, {"minutes", "reason"});
+  if (!body) return call->fail(body.error());
+  if (!body->has("minutes")) return call->fail(fail(Errc::missing, "minutes: is missing", "use 1 to 480"));
+  const auto minutes = body->number_or("minutes", 0, 1, kLongestShelf / std::chrono::minutes(1));
+  if (!minutes) return call->fail(minutes.error());
+  const auto reason = body->text("reason", kMaxShelfReason);
+  if (!reason) return call->fail(reason.error());
+  call->about = *reason;
+  const std::string& alert = call->parameter("alert");
+  reply_alarm(
+      gateway, call,
+      gateway.access.alarms.shelve(alert, call->who().name, std::chrono::minutes(*minutes), *reason, gateway.steady()));
+}
+
+void unshelve(Gateway& gateway, const CallPtr& call) {
+  reply_alarm(gateway, call, gateway.access.alarms.unshelve(call->parameter("alert")));
+}
+
 }  // namespace
 
 void add_alert_routes(Gateway& gateway, HandlerTable& table) {
@@ -52,6 +83,10 @@ void add_alert_routes(Gateway& gateway, HandlerTable& table) {
     reply_row(gateway, call, {RowKind::alert, "", call->parameter("alert")});
   });
   table.add(Method::post, "/api/v1/alerts/{alert}/decision", [&](const CallPtr& call) { decide_alert(gateway, call); });
+  table.add(Method::post, "/api/v1/alerts/{alert}/acknowledge",
+            [&](const CallPtr& call) { acknowledge(gateway, call); });
+  table.add(Method::post, "/api/v1/alerts/{alert}/shelve", [&](const CallPtr& call) { shelve(gateway, call); });
+  table.add(Method::post, "/api/v1/alerts/{alert}/unshelve", [&](const CallPtr& call) { unshelve(gateway, call); });
 }
 
 }  // namespace trb::gateway

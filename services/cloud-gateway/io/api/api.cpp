@@ -1,6 +1,9 @@
 #include "services/cloud-gateway/io/api/api.hpp"
 
+#include "common/log/log.hpp"
+#include "services/cloud-gateway/io/api/gzip.hpp"
 #include "services/cloud-gateway/io/api/once.hpp"
+#include "services/cloud-gateway/io/fresh.hpp"
 #include "services/cloud-gateway/io/live_socket.hpp"
 
 namespace trb::gateway {
@@ -38,6 +41,31 @@ void add_about(AuditRecord& record, const std::string& about) {
   if (!about.empty()) record.about += (record.about.empty() ? "" : " ") + about;
 }
 
+/// Pages and health, for which nobody has to be known.
+bool needs_nobody(const RequestDecision& decision) {
+  return decision.route != nullptr && decision.route->least == Least::anyone && decision.route->effect == Effect::reads;
+}
+
+HttpReply later_reply(std::string_view code, const std::string& detail, const std::string& hint) {
+  HttpReply out = problem_reply(503, code, detail, hint);
+  out.headers.emplace_back("Retry-After", "1");
+  return out;
+}
+
+HttpReply no_database_reply() {
+  return later_reply("no_database", "the gateway's database does not answer",
+                     "it is called again by itself; an admin sees the reason in the gateway's log");
+}
+
+HttpReply not_written_reply(const Error& error) {
+  if (error.code == Errc::conflict) return later_reply("changed_meanwhile", error.what, error.hint);
+  if (error.code == Errc::peer_unreachable) {
+    return later_reply("no_database", "the gateway's database does not answer: this is not on record",
+                       "look whether it was done, then send it again");
+  }
+  return problem_reply(503, "not_written", "the gateway's database could not be written", "see its log; try again");
+}
+
 }  // namespace
 
 const Handler* HandlerTable::find(const Route& route) const {
@@ -66,19 +94,33 @@ Api::Api(Gateway& gateway) : gateway_(gateway) {
   add_page_routes(table_);
 }
 
+/// On what is in the database; of a stop on what was known of it last, so that it waits for nothing. Nullopt: the
+/// database does not answer.
+std::optional<RequestDecision> Api::decide(const HttpRequest& request) {
+  const auto known = [&] { return gateway_.access.check.check(request.head(), gateway_.steady()); };
+  RequestDecision decision = known();
+  if (decision.verdict == RequestVerdict::allowed && is_stop(*decision.route)) return decision;
+  const Status fresh = refresh(gateway_);
+  decision = known();
+  if (!fresh && !needs_nobody(decision)) return std::nullopt;
+  return decision;
+}
+
 std::optional<HttpReply> Api::before_body(const HttpRequest& request, std::uint64_t body_size) {
-  const RequestDecision decision = gateway_.access.check.check(request.head(), gateway_.steady());
-  if (decision.verdict != RequestVerdict::allowed)
-    return on_record(decision, decision.who.name, request.source, refuse(decision));
+  const auto decision = decide(request);
+  if (!decision) return counted(no_database_reply());
+  if (decision->verdict != RequestVerdict::allowed)
+    return on_record(*decision, decision->who.name, request.source, refuse(*decision));
   if (body_size <= kMaxBody) return std::nullopt;
   return problem_reply(413, "too_large", "the body has " + std::to_string(body_size) + " bytes",
                        "send at most " + std::to_string(kMaxBody));
 }
 
 void Api::on_request(HttpRequest request, Reply reply) {
-  RequestDecision decision = gateway_.access.check.check(request.head(), gateway_.steady());
+  auto decision = decide(request);
+  if (!decision) return reply(counted(no_database_reply()));
   const auto call = std::make_shared<Call>(
-      std::move(request), std::move(decision),
+      std::move(request), std::move(*decision),
       [this, reply = std::move(reply)](const Call& of, HttpReply with) { end(of, std::move(with), reply); });
   if (call->decision.verdict != RequestVerdict::allowed) return call->reply(refuse(call->decision));
   if (!call->request.body.empty() && !is_json(call->request)) {
@@ -94,18 +136,34 @@ void Api::on_request(HttpRequest request, Reply reply) {
 void Api::end(const Call& call, HttpReply reply, const Reply& send) {
   keep_answer(gateway_, call, reply);
   const std::string& who = call.actor.empty() ? call.who().name : call.actor;
-  send(on_record(call.decision, who, call.request.source, std::move(reply), call.about));
+  HttpReply out = on_record(call.decision, who, call.request.source, std::move(reply), call.about);
+  if (call.decision.route != nullptr) zip(*call.decision.route, call.request.accepts_gzip, out);
+  send(std::move(out));
 }
 
 HttpReply Api::on_record(const RequestDecision& decision, const std::string& who, const std::string& source,
                          HttpReply reply, const std::string& about) {
-  if (auto record = audit_of(decision, who, source, reply.status, gateway_.now().utc)) {
+  auto record = audit_of(decision, who, source, reply.status, gateway_.now().utc);
+  if (record) {
     add_about(*record, about);
-    gateway_.access.note(std::move(*record));
+    gateway_.access.note(*record);
   }
-  if (!gateway_.commit()) {
-    reply = problem_reply(503, "not_written", "the gateway's database could not be written", "see its log; try again");
+  if (Status written = gateway_.commit(); !written) {
+    const bool is_done = record && reply.status < 400 && is_stop(*decision.route);
+    if (is_done) put_off(std::move(*record), reply);
+    if (!is_done) reply = not_written_reply(written.error());
   }
+  return counted(std::move(reply));
+}
+
+/// A stop that was done, but is not on record: the record follows as soon as it can, and the answer says so.
+void Api::put_off(AuditRecord record, HttpReply& reply) {
+  log_event(Level::warning, "audit_owed", record.who + ": " + record.action + " " + record.about);
+  const bool waits = gateway_.db.is_shared() && gateway_.access.owe(std::move(record));
+  reply.headers.emplace_back("Audit-Record", waits ? "owed" : "lost");
+}
+
+HttpReply Api::counted(HttpReply reply) {
   ++gateway_.counts.replies[reply.status];
   return reply;
 }
@@ -119,6 +177,7 @@ HttpReply Api::refuse(const RequestDecision& decision) const {
 }
 
 std::variant<std::shared_ptr<WebSocketIn>, HttpReply> Api::on_upgrade(const HttpRequest& request) {
+  if (!refresh(gateway_)) return counted(no_database_reply());
   const RequestDecision decision = gateway_.access.check.check(request.head(), gateway_.steady());
   if (decision.verdict != RequestVerdict::allowed) return refuse(decision);
   if (decision.route->effect != Effect::upgrades) {

@@ -61,6 +61,10 @@ class Api final : public HttpHandler {
   HttpReply on_record(const RequestDecision& decision, const std::string& who, const std::string& source,
                       HttpReply reply, const std::string& about = {});
 
+  std::optional<RequestDecision> decide(const HttpRequest& request);
+  void put_off(AuditRecord record, HttpReply& reply);
+  HttpReply counted(HttpReply reply);
+
   Gateway& gateway_;
   HandlerTable table_;
 };

@@ -37,11 +37,26 @@ void list_audit(Gateway& gateway, const CallPtr& call) {
   call->reply(json_reply(JsonObject().raw("records", records.done()).done()));
 }
 
-/// The lines of a page: the certificate, then the records with the heads that cover them.
+/// Of all nodes whose gateways have written it, this one's last: a reader takes that one's chain if there is one alone.
+Result<std::string> certificate_lines(Gateway& gateway, const SignedRecord& own) {
+  const auto others = gateway.db.certificates();
+  if (!others) return others.error();
+  std::string out;
+  for (const Bytes& bytes : *others) {
+    const auto certificate = decode<SignedRecord>(bytes);
+    if (!certificate) return certificate.error();
+    if (*certificate != own) out += audit_certificate_line(*certificate);
+  }
+  return out + audit_certificate_line(own);
+}
+
+/// The lines of a page: the certificates, then the records with the heads that cover them.
 Result<std::string> export_lines(Gateway& gateway, const std::vector<AuditRow>& rows) {
   const auto keys = load_node_keys(gateway.node_dir);
   if (!keys) return keys.error();
-  std::string out = audit_certificate_line(keys->certificate_record);
+  auto lines = certificate_lines(gateway, keys->certificate_record);
+  if (!lines) return lines.error();
+  std::string out = std::move(*lines);
   for (const AuditRow& row : rows) out += audit_line(row);
   if (rows.empty()) return out;
   const auto heads = gateway.db.heads(rows.front().record.number, rows.back().record.number);

@@ -105,6 +105,11 @@ Result<std::uint64_t> Call::query_number(std::string_view name, std::uint64_t ot
                    "use a whole number up to " + std::to_string(most));
 }
 
+void Call::fail(const Error& error) {
+  is_not_done = Idempotency::means_not_done(error.code);
+  reply(problem_reply(error));
+}
+
 void Call::reply(HttpReply reply) {
   if (ends_) std::exchange(ends_, nullptr)(*this, std::move(reply));
 }

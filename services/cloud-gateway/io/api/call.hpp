@@ -36,6 +36,7 @@ class Call {
   std::string about;  ///< for the audit log, besides the parameters of the path
 
   std::optional<RequestKey> once;  ///< its answer is kept for repeats with this key
+  bool is_not_done = false;        ///< refused for now, and nothing was done: a repeat is tried anew
 
   [[nodiscard]] const Principal& who() const { return decision.who; }
   /// A parameter of the path: the route has it.
@@ -48,7 +49,7 @@ class Call {
 
   /// Once; later calls do nothing.
   void reply(HttpReply reply);
-  void fail(const Error& error) { reply(problem_reply(error)); }
+  void fail(const Error& error);
 
  private:
   Ends ends_;

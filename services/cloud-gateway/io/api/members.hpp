@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "services/cloud-gateway/io/api/call.hpp"
 
@@ -15,6 +16,8 @@ class Members {
  public:
   /// The body, which may have only these members. Errors: those of body_of(); bad_value (an unknown member).
   static Result<Members> of(const Call& call, std::initializer_list<std::string_view> names);
+  /// The same for an object that is no body. Errors: bad_value.
+  static Result<Members> of(Value json, std::initializer_list<std::string_view> names);
 
   [[nodiscard]] bool has(std::string_view name) const { return json_.find(name) != nullptr; }
   [[nodiscard]] Result<std::string> text(std::string_view name, std::size_t most) const;
@@ -22,6 +25,8 @@ class Members {
   [[nodiscard]] Result<bool> flag_or(std::string_view name, bool otherwise) const;
   [[nodiscard]] Result<std::int64_t> number_or(std::string_view name, std::int64_t otherwise, std::int64_t from,
                                                std::int64_t to) const;
+  /// A list of at most that many numbers. Errors: missing, bad_value, too_large.
+  [[nodiscard]] Result<std::vector<double>> numbers(std::string_view name, std::size_t most) const;
   [[nodiscard]] const Value* value(std::string_view name) const { return json_.find(name); }
 
   /// One of an enumeration's names.

@@ -27,9 +27,15 @@ void reply_busy(Call& call, Duration retry_after) {
 
 /// The intent is on disk before anything is done.
 void act_on_record(Gateway& gateway, Call& call, StoredRequest store, const std::function<void()>& act) {
-  call.once = store.key;
+  const RequestKey key = store.key;
   gateway.access.keep(std::move(store));
-  if (Status written = gateway.commit(); !written) return call.fail(written.error());
+  // Of an intent that another gateway was quicker with the answer is that one's.
+  if (Status written = gateway.commit(); !written) {
+    gateway.access.requests.release(key);
+    // A stop does not wait to be on record: done twice, it is a stop.
+    return is_stop(*call.decision.route) ? act() : call.fail(written.error());
+  }
+  call.once = key;
   act();
 }
 
@@ -51,12 +57,16 @@ void do_once(Gateway& gateway, const CallPtr& call, std::string effect, const st
 
 void keep_answer(Gateway& gateway, const Call& call, const HttpReply& reply) {
   if (!call.once) return;
+  if (call.is_not_done) {
+    if (gateway.access.requests.release(*call.once)) gateway.access.drop(*call.once);
+    return;
+  }
   if (auto stored = gateway.access.requests.finish(*call.once, answer_of(reply)))
     gateway.access.keep(std::move(*stored));
 }
 
-Status settle_unsure(Access& access) {
-  for (const StoredRequest& one : access.requests.unsure()) {
+Status settle_unsure(Access& access, std::optional<UtcTime> before) {
+  for (const StoredRequest& one : access.requests.unsure(before)) {
     const HttpReply reply = problem_reply(503, "not_confirmed", "the gateway ended before it was known: " + one.effect,
                                           "look whether it was done, then use a new Idempotency-Key");
     log_event(Level::warning, "not_confirmed", one.key.user + ": " + one.effect);

@@ -13,10 +13,15 @@ namespace trb::gateway {
 /// `effect`: what to look for if the process ends before the answer is on disk.
 void do_once(Gateway& gateway, const CallPtr& call, std::string effect, const std::function<void()>& act);
 
-/// The answer of a call that was done once goes to disk with the audit record.
+/// The answer of a call that was done once goes to disk with the audit record. The key of one that was not done is free
+/// again.
 void keep_answer(Gateway& gateway, const Call& call, const HttpReply& reply);
 
-/// At the start: requests of which nobody knows whether they were done get an answer that says so.
-Status settle_unsure(Access& access);
+/// Longer than any request takes: another gateway's that is older has died with it.
+constexpr Duration kAbandoned = std::chrono::minutes(2);
+
+/// At the start, and of a shared database now and then: requests of which nobody knows whether they were done get an
+/// answer that says so. `before`: those alone that began before it.
+Status settle_unsure(Access& access, std::optional<UtcTime> before = std::nullopt);
 
 }  // namespace trb::gateway

@@ -40,6 +40,14 @@ void show_proof(Gateway& gateway, const CallPtr& call) {
   });
 }
 
+/// As the archive has it: a run that goes on is none of it yet.
+void show_archived(Gateway& gateway, const CallPtr& call) {
+  gateway.session.ask_node<RunView>(RunQuery{call->parameter("run")}, [call](const Result<RunView>& view) {
+    if (!view || view->state >= RunState::finished) return reply_view(call, view);
+    call->fail(fail(Errc::conflict, "run '" + view->run + "' is not over", "GET /api/v1/runs/" + view->run));
+  });
+}
+
 void list_archive(Gateway& gateway, const CallPtr& call) {
   op::list_runs(gateway.session, true, [call](const Result<RunTable>& table) {
     if (!table) return call->fail(table.error());
@@ -128,6 +136,7 @@ void add_run_routes(Gateway& gateway, HandlerTable& table) {
   table.add(Method::get, "/api/v1/runs/{run}", [&](const CallPtr& call) { show_run(gateway, call); });
   table.add(Method::get, "/api/v1/runs/{run}/proof", [&](const CallPtr& call) { show_proof(gateway, call); });
   table.add(Method::get, "/api/v1/archive", [&](const CallPtr& call) { list_archive(gateway, call); });
+  table.add(Method::get, "/api/v1/archive/{run}", [&](const CallPtr& call) { show_archived(gateway, call); });
   table.add(Method::post, "/api/v1/runs", once_for_run(gateway, start_run));
   table.add(Method::post, "/api/v1/runs/{run}/pause", once_for_run(gateway, pause));
   table.add(Method::post, "/api/v1/runs/{run}/resume", once_for_run(gateway, resume));

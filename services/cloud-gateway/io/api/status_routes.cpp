@@ -6,8 +6,16 @@ namespace trb::gateway {
 namespace {
 
 void ready(const Gateway& gateway, const CallPtr& call) {
-  if (gateway.is_ready()) return call->reply(json_reply(R"({"status":"ready"})"));
-  call->reply(problem_reply(503, "no_router", "this node's router does not answer", "see trb service list"));
+  if (!gateway.is_ready()) {
+    return call->reply(problem_reply(503, "no_router", "this node's router does not answer", "see trb service list"));
+  }
+  if (gateway.database_gone) {
+    return call->reply(problem_reply(503, "no_database", "the gateway's database does not answer", "see its log"));
+  }
+  if (!gateway.fleet.knows_fleet()) {
+    return call->reply(problem_reply(503, "no_fleet", "this node's router has not told its nodes yet", "ask again"));
+  }
+  call->reply(json_reply(R"({"status":"ready"})"));
 }
 
 std::size_t rows_of(const RowBook& book, RowKind kind) {
@@ -31,6 +39,8 @@ std::string metrics_of(const Gateway& gateway) {
   }
   out += "# TYPE trb_gateway_history_lost_total counter\ntrb_gateway_history_lost_total " +
          std::to_string(gateway.recorder.lost()) + "\n";
+  out += "# TYPE trb_gateway_certificate_ends_seconds gauge\ntrb_gateway_certificate_ends_seconds " +
+         std::to_string(gateway.certificate_ends.ns / 1'000'000'000) + "\n";
   return out + "# TYPE trb_gateway_sessions gauge\ntrb_gateway_sessions " +
          std::to_string(gateway.access.sessions.size()) + "\n";
 }

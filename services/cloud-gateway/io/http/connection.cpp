@@ -6,13 +6,13 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/ssl/context.hpp>
-#include <boost/asio/steady_timer.hpp>
 #include <boost/asio/write.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/ssl/ssl_stream.hpp>
 #include <boost/beast/websocket/stream.hpp>
 
 #include "services/cloud-gateway/io/http/body_reader.hpp"
+#include "services/cloud-gateway/io/http/deadline.hpp"
 #include "services/cloud-gateway/io/http/reply_head.hpp"
 #include "services/cloud-gateway/io/http/request_parser.hpp"
 
@@ -37,27 +37,6 @@ UtcTime utc_now() {
   const auto since = std::chrono::system_clock::now().time_since_epoch();
   return {std::chrono::duration_cast<std::chrono::nanoseconds>(since).count()};
 }
-
-/// One wait at a time. A wait that is over, or was replaced, calls nothing.
-class Deadline {
- public:
-  explicit Deadline(const asio::any_io_executor& executor) : timer_(executor) {}
-  void cancel() {
-    ++turn_;
-    timer_.cancel();
-  }
-  template <class Self>
-  void set(Duration wait, const std::shared_ptr<Self>& self) {
-    timer_.expires_after(wait);
-    timer_.async_wait([this, self, turn = ++turn_](Problem problem) {
-      if (!problem && turn == turn_) self->on_deadline();
-    });
-  }
-
- private:
-  asio::steady_timer timer_;
-  std::uint64_t turn_ = 0;
-};
 
 // ---- WebSocket
 
@@ -282,6 +261,7 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
 };
 
 void HttpConnection::start() {
+  waiting_since_ = SteadyClock::now();
   enter(Phase::handshake);
   stream_.async_handshake(asio::ssl::stream_base::server,
                           [self = shared_from_this()](Problem problem) { self->on_handshake(problem); });
@@ -377,8 +357,12 @@ void HttpConnection::on_head() {
   if (head_.websocket_key) return upgrade();
   if (head_.body_size > kMaxRequestBody)
     return refuse({413, "body_too_large", "a body over " + std::to_string(kMaxRequestBody) + " bytes", "send less"});
+  if (!head_.is_chunked && head_.body_size == 0) {
+    body_ = BodyReader::of_size(0);
+    return ask_handler();
+  }
   if (auto refused = owner_->handler().before_body(head_.request, head_.body_size))
-    return send(std::move(*refused), !head_.is_chunked && head_.body_size == 0);
+    return send(std::move(*refused), false);
   begin_body();
 }
 
@@ -422,10 +406,12 @@ void HttpConnection::ask_handler() {
   enter(Phase::answering);
   client_ = std::make_shared<ClientWatch>();
   head_.request.client = client_;
-  watch_client();
-  owner_->handler().on_request(std::move(head_.request), [weak = weak_from_this(), turn = turn_](HttpReply reply) {
+  const std::uint64_t turn = turn_;
+  owner_->handler().on_request(std::move(head_.request), [weak = weak_from_this(), turn](HttpReply reply) {
     if (const auto self = weak.lock()) self->on_reply(turn, std::move(reply));
   });
+  // Most handlers have answered by now.
+  if (phase_ == Phase::answering && turn == turn_) watch_client();
 }
 
 /// Nothing is read while the handler answers: the socket alone tells that its client is gone.
@@ -525,7 +511,8 @@ void HttpConnection::end() {
 }
 
 std::optional<SteadyClock::time_point> HttpConnection::idle_since() const {
-  return phase_ == Phase::waiting ? std::optional(waiting_since_) : std::nullopt;
+  const bool waits = phase_ == Phase::waiting || phase_ == Phase::handshake;
+  return waits ? std::optional(waiting_since_) : std::nullopt;
 }
 
 void HttpConnection::finish() {

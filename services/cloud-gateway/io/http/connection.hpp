@@ -25,7 +25,7 @@ class Connection {
   Connection& operator=(const Connection&) = delete;
   virtual ~Connection() = default;
 
-  /// Since when it has waited for a request; nullopt: it does not.
+  /// Since when it has waited for a request, or for the end of its handshake; nullopt: it does not.
   [[nodiscard]] virtual std::optional<std::chrono::steady_clock::time_point> idle_since() const = 0;
   /// The server stops: what is idle ends, what is under way is the last.
   virtual void finish() = 0;

@@ -51,8 +51,8 @@ struct HttpServerSettings {
 };
 
 /// Bounds: kMaxRequestHead, kMaxRequestBody, HttpTimes. Over max_connections the one that has waited longest for a
-/// request (no request under way, not a WebSocket) is closed; if there is none, the new one. Over max_of_source the new
-/// one is closed.
+/// request, or for the end of its handshake (no request under way, not a WebSocket), is closed; if there is none, the
+/// new one. Over max_of_source the new one is closed.
 class HttpServer {
  public:
   /// Listens from now on. `loop` and `handler` must outlive it. Errors: io_error (address, port), bad_value

@@ -238,6 +238,22 @@ TEST_CASE("server: when it is full, the one that waits longest makes room; who i
   CHECK(third.hear("\r\n\r\n").starts_with("HTTP/1.1 200"));
 }
 
+TEST_CASE("server: given strangers who begin no handshake hold all room, then the oldest of them makes room") {
+  HttpServerSettings settings;
+  settings.max_connections = 2;
+  ServerBench bench(settings);
+  std::vector<boost::asio::ip::tcp::socket> strangers;
+  for (std::size_t i = 0; i < 2; ++i) {
+    strangers.emplace_back(bench.loop);
+    strangers.back().connect({boost::asio::ip::address_v4::loopback(), bench.server->port()});
+    REQUIRE(bench.until([&] { return bench.server->connections() == i + 1; }));
+  }
+  TlsClient person = bench.client();
+  person.say(kGet);
+  CHECK(person.hear("/a ").starts_with("HTTP/1.1 200"));
+  CHECK(bench.server->connections() == 2);
+}
+
 TEST_CASE("server: TLS 1.2 is spoken; what is older, or no TLS at all, is not") {
   ServerBench bench;
   TlsClient client(bench.loop, bench.server->port(), TLS1_2_VERSION);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <ctime>
 
 namespace trb::gateway {
@@ -114,8 +115,28 @@ std::string http_date(UtcTime now) {
          rest;
 }
 
+/// The same within a second.
+const std::string& date_of(UtcTime now) {
+  thread_local std::int64_t second = -1;
+  thread_local std::string text;
+  if (const std::int64_t next = now.ns / 1'000'000'000; text.empty() || next != second) {
+    second = next;
+    text = http_date(now);
+  }
+  return text;
+}
+
 void put(std::string& out, std::string_view name, std::string_view value) {
   out.append(name).append(": ").append(value).append("\r\n");
+}
+
+const std::string& security_lines() {
+  static const std::string kLines = [] {
+    std::string out;
+    for (const auto& [name, value] : kSecurityHeaders) put(out, name, value);
+    return out;
+  }();
+  return kLines;
 }
 
 bool sets(const HttpReply& reply, std::string_view name) {
@@ -140,11 +161,13 @@ bool may_have_body(int status) {
 
 Result<std::string> reply_head(const HttpReply& reply, bool keep_alive, UtcTime now) {
   if (const Status fits = check_reply(reply); !fits) return fits.error();
-  std::string out = "HTTP/1.1 " + std::to_string(reply.status) + " ";
+  std::string out;
+  out.reserve(1024);
+  out.append("HTTP/1.1 ").append(std::to_string(reply.status)).append(" ");
   out.append(reason_of(reply.status)).append("\r\n");
-  put(out, "Date", http_date(now));
+  put(out, "Date", date_of(now));
   put(out, "Connection", keep_alive ? "keep-alive" : "close");
-  for (const auto& [name, value] : kSecurityHeaders) put(out, name, value);
+  out += security_lines();
   if (reply.content_type.starts_with("application/") && !sets(reply, "Cache-Control"))
     put(out, "Cache-Control", "no-store");
   for (const auto& [name, value] : reply.headers) put(out, name, value);

@@ -157,6 +157,19 @@ Result<PemPair> make_self_signed(const std::vector<std::string>& names, UtcTime 
   return to_pem(certificate.get(), key.get());
 }
 
+Result<CertificateFacts> facts_of(BytesView certificate) {
+  const Certificate read = read_certificate(certificate);
+  std::tm ends{};
+  if (read == nullptr || ASN1_TIME_to_tm(X509_get0_notAfter(read.get()), &ends) != 1) {
+    return fail(Errc::malformed, "no certificate in PEM", "put one there, or remove it and its key to get new ones");
+  }
+  X509_NAME* const subject = X509_get_subject_name(read.get());
+  char name[64] = "";
+  X509_NAME_get_text_by_NID(subject, NID_commonName, name, sizeof name);
+  const bool is_own = X509_NAME_cmp(subject, X509_get_issuer_name(read.get())) == 0 && name == kCommonName;
+  return CertificateFacts{{static_cast<std::int64_t>(::timegm(&ends)) * 1'000'000'000}, is_own};
+}
+
 bool is_key_of(BytesView certificate, BytesView key) {
   const Certificate theirs = read_certificate(certificate);
   const Key own = read_key(key);

@@ -23,6 +23,13 @@ constexpr int kCertificateDays = 825;
 /// (OpenSSL).
 Result<PemPair> make_self_signed(const std::vector<std::string>& names, UtcTime now);
 
+struct CertificateFacts {
+  UtcTime ends;
+  bool is_own = false;  ///< made by make_self_signed()
+};
+/// Of the first certificate. Errors: malformed.
+Result<CertificateFacts> facts_of(BytesView certificate);
+
 /// False too for what is no PEM.
 bool is_key_of(BytesView certificate, BytesView key);
 

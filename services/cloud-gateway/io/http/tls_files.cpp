@@ -12,7 +12,7 @@ constexpr std::size_t kMaxPem = 64U << 10U;  // a long chain has 20 kB
 
 struct Paths {
   explicit Paths(const std::string& node_dir)
-      : folder(node_dir + "/keys"), files{folder + "/gateway.crt", folder + "/gateway.key"} {}
+      : folder(node_dir + "/keys"), files{folder + "/gateway.crt", folder + "/gateway.key", {}} {}
   std::string folder;
   TlsFiles files;
   /// The key until its certificate is there: a crash before that leaves nothing that a start would miss.
@@ -36,13 +36,33 @@ Status make_files(const Paths& paths, const std::vector<std::string>& names, Utc
   return put_key_in_place(paths);
 }
 
+bool is_pair(const Paths& paths, const std::string& key_file) {
+  const auto certificate = read_file(paths.files.certificate, kMaxPem);
+  const auto key = read_file(key_file, kMaxPem);
+  return certificate && key && is_key_of(*certificate, *key);
+}
+
 /// A start that was cut off between the two files left the key staged.
 Status finish_earlier_start(const Paths& paths) {
-  const auto certificate = read_file(paths.files.certificate, kMaxPem);
-  const auto key = read_file(paths.staged_key, kMaxPem);
-  if (certificate && key && is_key_of(*certificate, *key)) return put_key_in_place(paths);
+  if (is_pair(paths, paths.staged_key)) return put_key_in_place(paths);
   return fail(Errc::missing, paths.files.key + ": no such file, but " + paths.files.certificate + " is there",
               "put the certificate's key there, or remove the certificate: then both are made anew");
+}
+
+Result<CertificateFacts> facts_of_file(const std::string& certificate_file) {
+  const auto pem = read_file(certificate_file, kMaxPem);
+  if (!pem) return pem.error();
+  auto facts = facts_of(*pem);
+  if (!facts) return fail(Errc::malformed, certificate_file + ": " + facts.error().what, facts.error().hint);
+  return facts;
+}
+
+/// Both files are there. A renewal that was cut off between the two is finished first.
+Status renew(const Paths& paths, const std::vector<std::string>& names, UtcTime now) {
+  if (!is_pair(paths, paths.files.key) && is_pair(paths, paths.staged_key)) return put_key_in_place(paths);
+  const auto facts = facts_of_file(paths.files.certificate);
+  if (!facts) return facts.error();
+  return facts->is_own && facts->ends - kRenewBefore < now ? make_files(paths, names, now) : Status(Done{});
 }
 
 }  // namespace
@@ -57,8 +77,13 @@ Result<TlsFiles> provide_tls_files(const std::string& node_dir, const std::vecto
   Status ready = Done{};
   if (!has_certificate) ready = make_files(paths, names, now);
   if (has_certificate && !has_key) ready = finish_earlier_start(paths);
+  if (has_certificate && has_key) ready = renew(paths, names, now);
   if (!ready) return ready.error();
-  return paths.files;
+  const auto facts = facts_of_file(paths.files.certificate);
+  if (!facts) return facts.error();
+  TlsFiles out = paths.files;
+  out.ends = facts->ends;
+  return out;
 }
 
 Result<std::string> fingerprint(const std::string& certificate_file) {

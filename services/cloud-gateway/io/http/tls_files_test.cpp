@@ -136,6 +136,39 @@ TEST_CASE("given a staged key of another certificate, then it is not taken") {
   CHECK_FALSE(folder.start());
 }
 
+TEST_CASE("its own certificate is made anew at a start within the last 30 days, another's stays") {
+  const GatewayFolder folder;
+  REQUIRE(folder.start());
+  const auto first = *read_file(folder.certificate);
+  const UtcTime ends = folder.start()->ends;
+  CHECK(ends == kStart + std::chrono::hours(24 * kCertificateDays) - std::chrono::hours(1));
+  REQUIRE(provide_tls_files(folder.path, kNames, ends - kRenewBefore));
+  CHECK(*read_file(folder.certificate) == first);
+  const auto renewed = provide_tls_files(folder.path, kNames, ends - kRenewBefore + std::chrono::seconds(1));
+  REQUIRE(renewed);
+  CHECK(*read_file(folder.certificate) != first);
+  CHECK(renewed->ends > ends);
+  CHECK(is_key_of(*read_file(folder.certificate), *read_file(folder.key)));
+}
+
+TEST_CASE("given a renewal was cut off between the two files, then the next start finishes it") {
+  const GatewayFolder folder;
+  REQUIRE(folder.start());
+  const auto made = make_self_signed(kNames, kStart);
+  REQUIRE(write_file(folder.key + ".staged", made->key));
+  REQUIRE(write_file(folder.certificate, made->certificate));
+  REQUIRE(folder.start());
+  CHECK(*read_file(folder.certificate) == made->certificate);
+  CHECK(is_key_of(*read_file(folder.certificate), *read_file(folder.key)));
+}
+
+TEST_CASE("given a certificate that is none, then the start says so") {
+  const GatewayFolder folder;
+  REQUIRE(folder.start());
+  REQUIRE(write_file(folder.certificate, "nothing"));
+  CHECK(folder.start().error().code == Errc::malformed);
+}
+
 TEST_CASE("given a name that is none, then nothing is made") {
   for (const char* name : {"", "hall example", "[::1]", "hall:8443", "a,DNS:b", "fe80::1%eth0"}) {
     CAPTURE(name);

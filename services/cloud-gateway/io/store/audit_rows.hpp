@@ -1,23 +1,23 @@
 // Converts audit records and signed heads to rows, and back.
 #pragma once
 
-#include "common/sqlite/sqlite_file.hpp"
 #include "services/cloud-gateway/io/store/gateway_db.hpp"
+#include "services/cloud-gateway/io/store/sql.hpp"
 
 namespace trb::gateway {
 
 /// Appends the batch's audit records and heads. Call it within a transaction. Errors: conflict (a record does not
-/// follow the last one), and those of SqliteFile.
-Status write_audit(SqliteFile& file, const StoreBatch& batch);
+/// follow the last one), and those of Sql.
+Status write_audit(Sql& sql, const StoreBatch& batch);
 
-/// The newest first. Errors: bad_value (`most`), and those of SqliteFile.
-Result<std::vector<AuditRow>> read_audit(SqliteFile& file, const AuditQuery& query);
+/// The newest first. Errors: bad_value (`most`), and those of Sql.
+Result<std::vector<AuditRow>> read_audit(Sql& sql, const AuditQuery& query);
 /// `most` rows from that number on, in order.
-Result<std::vector<AuditRow>> read_audit_from(SqliteFile& file, std::uint64_t number, std::size_t most);
+Result<std::vector<AuditRow>> read_audit_from(Sql& sql, std::uint64_t number, std::size_t most);
 /// By number.
-Result<std::vector<SignedHead>> read_heads(SqliteFile& file, std::uint64_t first, std::uint64_t last);
+Result<std::vector<SignedHead>> read_heads(Sql& sql, std::uint64_t first, std::uint64_t last);
 
 /// The last record, and the highest number of a signed head.
-Status read_end(SqliteFile& file, StoredState& out);
+Status read_end(Sql& sql, StoredState& out);
 
 }  // namespace trb::gateway

@@ -12,8 +12,9 @@ using namespace trb::gateway::test;
 
 namespace {
 
-/// What SQLite says to a statement of somebody else's; empty: it was done.
+/// What the database says to a statement of somebody else's; empty: it was done.
 std::string said(const StoreFolder& folder, const char* sql) {
+  if (postgres_turn() != nullptr) return postgres_turn()->said(sql);
   sqlite3* db = nullptr;
   REQUIRE(sqlite3_open(folder.file().c_str(), &db) == SQLITE_OK);
   const int code = sqlite3_exec(db, sql, nullptr, nullptr, nullptr);
@@ -42,7 +43,7 @@ constexpr std::uint64_t kHighestNumber = std::numeric_limits<std::uint64_t>::max
 
 }  // namespace
 
-TEST_CASE("the chain goes on after a restart, and verifies as it is stored") {
+BOTH_STORES("the chain goes on after a restart, and verifies as it is stored") {
   AuditStore store(3);
   const StoredState state = loaded(*opened(store.folder));
   AuditChain later(chain_start(), *state.last_audit);
@@ -53,7 +54,7 @@ TEST_CASE("the chain goes on after a restart, and verifies as it is stored") {
   CHECK(report.good == 5);
 }
 
-TEST_CASE("a page has the newest first, below a number, of one person") {
+BOTH_STORES("a page has the newest first, below a number, of one person") {
   AuditStore store(7);  // ann: 1 3 5 7, bob: 2 4 6
   CHECK(store.numbers({}) == Numbers{7, 6, 5, 4, 3, 2, 1});
   CHECK(store.numbers({std::nullopt, 2, ""}) == Numbers{7, 6});
@@ -67,7 +68,7 @@ TEST_CASE("a page has the newest first, below a number, of one person") {
   CHECK(store.numbers({std::nullopt, 10, "nobody"}).empty());
 }
 
-TEST_CASE("a page has 1 to 1000 records") {
+BOTH_STORES("a page has 1 to 1000 records") {
   AuditStore store(1001);
   CHECK(store.numbers({std::nullopt, 1000, ""}).size() == 1000);
   CHECK(store.numbers({}).size() == 100);
@@ -79,7 +80,7 @@ TEST_CASE("a page has 1 to 1000 records") {
   }
 }
 
-TEST_CASE("for a check of the chain the rows come from a number on, in order") {
+BOTH_STORES("for a check of the chain the rows come from a number on, in order") {
   AuditStore store(5);
   CHECK(store.db->audit_from(1, 2)->back().record.number == 2);
   CHECK(store.db->audit_from(4, 100)->front().record.number == 4);
@@ -88,7 +89,7 @@ TEST_CASE("for a check of the chain the rows come from a number on, in order") {
   CHECK(store.db->audit_from(kHighestNumber, 100)->empty());
 }
 
-TEST_CASE("a record that does not follow the last one is refused: two gateways share the store") {
+BOTH_STORES("a record that does not follow the last one is refused: two gateways share the store") {
   AuditStore store(2);
   const auto two = opened(store.folder);
   AuditChain behind(chain_start());
@@ -102,26 +103,32 @@ TEST_CASE("a record that does not follow the last one is refused: two gateways s
   CHECK(store.numbers({}) == Numbers{2, 1});
 }
 
-TEST_CASE("records and heads are never changed, replaced or removed") {
+BOTH_STORES("records and heads are never changed, replaced or removed") {
   AuditStore store(3);
   StoreBatch batch;
   batch.heads = {{2, "signed"}};
   REQUIRE(store.db->save(batch));
   const auto rows = *store.db->audit_from(1, 100);
-  CHECK(said(store.folder, "UPDATE audit SET who = 'eve' WHERE number = 2") == "audit records are never changed");
+  CHECK(said(store.folder, "UPDATE audit SET who = address WHERE number = 2") == "audit records are never changed");
   CHECK(said(store.folder, "DELETE FROM audit WHERE number = 3") == "audit records are never removed");
   CHECK(said(store.folder, "DELETE FROM audit") == "audit records are never removed");
   CHECK(said(store.folder,
-             "INSERT OR REPLACE INTO audit SELECT 3, time, 'eve', address, action, about, outcome, hash "
-             "FROM audit WHERE number = 3") == "the audit record does not follow the last one");
-  CHECK(said(store.folder, "UPDATE heads SET record = x'00'") == "signed heads are never changed");
+             "INSERT INTO audit SELECT 3, time, address, address, action, about, outcome, hash FROM audit "
+             "WHERE number = 3 ON CONFLICT(number) DO UPDATE SET who = excluded.who") ==
+        "the audit record does not follow the last one");
+  CHECK(said(store.folder, "UPDATE heads SET record = NULL") == "signed heads are never changed");
   CHECK(said(store.folder, "DELETE FROM heads") == "signed heads are never removed");
-  CHECK(said(store.folder, "INSERT OR REPLACE INTO heads VALUES(2, x'00')").empty());
+  if (postgres_turn() == nullptr) {
+    CHECK(said(store.folder, "INSERT OR REPLACE INTO heads VALUES(2, x'00')").empty());
+  } else {
+    CHECK(said(store.folder, "TRUNCATE audit") == "audit records are never removed");
+    CHECK(said(store.folder, "TRUNCATE heads") == "signed heads are never removed");
+  }
   CHECK(*store.db->audit_from(1, 100) == rows);
   CHECK(*store.db->heads(0, 1000) == std::vector<SignedHead>{{2, "signed"}});
 }
 
-TEST_CASE("a head that comes twice is kept once, and heads come by number") {
+BOTH_STORES("a head that comes twice is kept once, and heads come by number") {
   AuditStore store(9);
   StoreBatch batch;
   batch.heads = {{9, "nine"}, {4, "four"}, {4, "four, signed again"}};

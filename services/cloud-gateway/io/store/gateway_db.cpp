@@ -1,10 +1,7 @@
 #include "services/cloud-gateway/io/store/gateway_db.hpp"
 
-#include "services/cloud-gateway/io/store/audit_rows.hpp"
 #include "services/cloud-gateway/io/store/gateway_schema.hpp"
-#include "services/cloud-gateway/io/store/in_order.hpp"
-#include "services/cloud-gateway/io/store/private_file.hpp"
-#include "services/cloud-gateway/io/store/store_rows.hpp"
+#include "services/cloud-gateway/io/store/gateway_tables.hpp"
 
 namespace trb::gateway {
 namespace {
@@ -13,52 +10,41 @@ constexpr const char* kDamagedCure =
     "move it away together with its -wal and -shm files, and bring a copy back; without one, users are made anew and "
     "the "
     "audit log begins anew";
-
-class GatewayFile final : public GatewayDb {
- public:
-  explicit GatewayFile(std::unique_ptr<SqliteFile> file) : file_(std::move(file)) {}
-
-  Result<StoredState> load() override {
-    StoredState out;
-    // In one transaction: another gateway may write in between.
-    const Status done = file_->transact(
-        [&] { return in_order([&] { return read_state(*file_, out); }, [&] { return read_end(*file_, out); }); });
-    if (!done) return done.error();
-    return out;
-  }
-
-  Status save(const StoreBatch& batch) override {
-    if (batch.empty()) return Done{};
-    return file_->transact([&] {
-      return in_order([&] { return write_state(*file_, batch); }, [&] { return write_audit(*file_, batch); });
-    });
-  }
-
-  Result<std::vector<AuditRow>> audit(const AuditQuery& query) override { return read_audit(*file_, query); }
-  Result<std::vector<AuditRow>> audit_from(std::uint64_t number, std::size_t most) override {
-    return read_audit_from(*file_, number, most);
-  }
-  Result<std::vector<SignedHead>> heads(std::uint64_t first, std::uint64_t last) override {
-    return read_heads(*file_, first, last);
-  }
-
- private:
-  std::unique_ptr<SqliteFile> file_;
-};
+constexpr const char* kNewerCure =
+    "start the build that wrote it; without it users, tokens and the audit log are lost, so keep a copy";
 
 }  // namespace
 
+StoreKinds all_kinds() {
+  StoreKinds out;
+  for (std::size_t i = 0; i < enum_names(StoreKind{}).size(); ++i) out.insert(static_cast<StoreKind>(i));
+  return out;
+}
+
 bool StoreBatch::empty() const {
-  return users.empty() && sessions.empty() && tokens.empty() && requests.empty() && dropped_requests.empty() &&
-         scenarios.empty() && audit.empty() && heads.empty() && !steady;
+  return kinds().empty() && !steady;
+}
+
+StoreKinds StoreBatch::kinds() const {
+  StoreKinds out;
+  const auto add = [&](StoreKind kind, bool is_in) {
+    if (is_in) out.insert(kind);
+  };
+  add(StoreKind::users, !users.empty());
+  add(StoreKind::sessions, !sessions.empty());
+  add(StoreKind::tokens, !tokens.empty());
+  add(StoreKind::requests, !requests.empty() || !dropped_requests.empty());
+  add(StoreKind::scenarios, !scenarios.empty());
+  add(StoreKind::acknowledged, !acknowledged.empty());
+  add(StoreKind::shelves, !shelves.empty());
+  add(StoreKind::audit, !audit.empty() || !heads.empty());
+  return out;
 }
 
 Result<std::unique_ptr<GatewayDb>> GatewayDb::open(const std::string& path) {
-  if (Status made = make_private(path); !made) return made.error();
-  auto file = SqliteFile::open(path, kDamagedCure);
-  if (!file) return file.error();
-  if (Status current = migrate_gateway(**file); !current) return current.error();
-  return std::unique_ptr<GatewayDb>(std::make_unique<GatewayFile>(std::move(*file)));
+  auto sql = open_sqlite(path, gateway_steps(), {kDamagedCure, kNewerCure});
+  if (!sql) return sql.error();
+  return std::unique_ptr<GatewayDb>(std::make_unique<GatewayTables>(std::move(*sql)));
 }
 
 }  // namespace trb::gateway

@@ -45,6 +45,9 @@ StoreBatch full_batch() {
   out.requests[1].answer = StoredAnswer{201, Bytes("{\"id\":\"\0\"}", 10)};
   out.requests[2].answer = StoredAnswer{0, ""};
   out.scenarios = {{"a1", scenario_of("a1")}, {"b2", scenario_of("b2")}};
+  out.acknowledged = {{"0a1b", Acknowledgement{"0a1b", "ann", {23}, Severity::fatal}}};
+  out.shelves = {{"ant//'robot_fault", Shelf{"ant//'robot_fault", "ann", {29}, {kLastNs}, "'; DROP TABLE shelves --"}}};
+  out.users[1].row->must_change = true;
   out.audit = records(chain, 3);
   out.heads = {{2, Bytes("\0signed", 7)}};
   out.steady = UtcTime{kLastNs};
@@ -64,6 +67,8 @@ void check_holds(const StoredState& state, const StoreBatch& batch) {
   CHECK(state.tokens == rows_of(batch.tokens));
   CHECK(state.requests == batch.requests);
   CHECK(state.scenarios == rows_of(batch.scenarios));
+  CHECK(state.acknowledged == rows_of(batch.acknowledged));
+  CHECK(state.shelves == rows_of(batch.shelves));
   CHECK(state.last_audit == batch.audit.back());
   CHECK(state.signed_to == 2);
   CHECK(state.steady == batch.steady);
@@ -71,7 +76,7 @@ void check_holds(const StoredState& state, const StoreBatch& batch) {
 
 }  // namespace
 
-TEST_CASE("a new store is empty") {
+BOTH_STORES("a new store is empty") {
   const StoreFolder folder;
   const auto db = opened(folder);
   const StoredState state = loaded(*db);
@@ -80,6 +85,8 @@ TEST_CASE("a new store is empty") {
   CHECK(state.tokens.empty());
   CHECK(state.requests.empty());
   CHECK(state.scenarios.empty());
+  CHECK(state.acknowledged.empty());
+  CHECK(state.shelves.empty());
   CHECK_FALSE(state.last_audit);
   CHECK(state.signed_to == 0);
   CHECK_FALSE(state.steady);
@@ -88,7 +95,7 @@ TEST_CASE("a new store is empty") {
   CHECK(db->save({}));
 }
 
-TEST_CASE("everything that is saved is loaded again the same, also after a restart") {
+BOTH_STORES("everything that is saved is loaded again the same, also after a restart") {
   const StoreFolder folder;
   const StoreBatch batch = full_batch();
   {
@@ -102,7 +109,7 @@ TEST_CASE("everything that is saved is loaded again the same, also after a resta
   CHECK(*db->heads(0, 1000) == batch.heads);
 }
 
-TEST_CASE("a row with the same key is replaced, in the batch's order") {
+BOTH_STORES("a row with the same key is replaced, in the batch's order") {
   const StoreFolder folder;
   const auto db = opened(folder);
   REQUIRE(db->save(full_batch()));
@@ -120,7 +127,7 @@ TEST_CASE("a row with the same key is replaced, in the batch's order") {
   CHECK(state.steady == UtcTime{3});
 }
 
-TEST_CASE("what is dropped is gone, what is not there to be dropped is no error") {
+BOTH_STORES("what is dropped is gone, what is not there to be dropped is no error") {
   const StoreFolder folder;
   const auto db = opened(folder);
   REQUIRE(db->save(full_batch()));
@@ -140,7 +147,7 @@ TEST_CASE("what is dropped is gone, what is not there to be dropped is no error"
   CHECK(state.scenarios == std::vector<StoredScenario>{scenario_of("b2")});
 }
 
-TEST_CASE("an expired key that is dropped and used again in one batch stays") {
+BOTH_STORES("an expired key that is dropped and used again in one batch stays") {
   const StoreFolder folder;
   const auto db = opened(folder);
   REQUIRE(db->save(full_batch()));
@@ -151,7 +158,7 @@ TEST_CASE("an expired key that is dropped and used again in one batch stays") {
   CHECK(loaded(*db).requests[1] == request_of("ann", "2"));
 }
 
-TEST_CASE("a batch that fails half-way changes nothing, and the store can be used further") {
+BOTH_STORES("a batch that fails half-way changes nothing, and the store can be used further") {
   const StoreFolder folder;
   const auto db = opened(folder);
   const StoreBatch batch = full_batch();
@@ -170,7 +177,7 @@ TEST_CASE("a batch that fails half-way changes nothing, and the store can be use
   CHECK(loaded(*db).users.size() == 2);
 }
 
-TEST_CASE("texts like SQL are stored as they are") {
+BOTH_STORES("texts like SQL are stored as they are") {
   const std::vector<std::string> texts = {"'; DROP TABLE users; --",
                                           "\" OR 1=1 --",
                                           "a' OR 'a'='a",
@@ -207,7 +214,7 @@ TEST_CASE("texts like SQL are stored as they are") {
   }
 }
 
-TEST_CASE("the last enabled admin stays, though two gateways share the store") {
+BOTH_STORES("the last enabled admin stays, though two gateways share the store") {
   const StoreFolder folder;
   const auto one = opened(folder);
   const auto two = opened(folder);
@@ -240,7 +247,7 @@ TEST_CASE("the last enabled admin stays, though two gateways share the store") {
   CHECK(two->save(loss));
 }
 
-TEST_CASE("each of two gateways believes in the other's admin: the second change is refused") {
+BOTH_STORES("each of two gateways believes in the other's admin: the second change is refused") {
   const StoreFolder folder;
   const auto db = opened(folder);
   Parts one;
@@ -261,7 +268,7 @@ TEST_CASE("each of two gateways believes in the other's admin: the second change
   CHECK(loaded(*db).users[1].role == UserRole::admin);
 }
 
-TEST_CASE("a store without an admin takes other users") {
+BOTH_STORES("a store without an admin takes other users") {
   const StoreFolder folder;
   const auto db = opened(folder);
   StoreBatch batch;

@@ -124,9 +124,9 @@ TEST_CASE("a file of a newer build is refused with a cure, and left as it is") {
   do_sql(folder, "PRAGMA user_version=99");
   const Error error = no_store(folder);
   CHECK(error.code == Errc::version_mismatch);
-  CHECK(error.what.find("schema version 99, this build knows 2") != std::string::npos);
+  CHECK(error.what.find("schema version 99, this build knows 3") != std::string::npos);
   CHECK(error.hint.find("start the build that wrote it") != std::string::npos);
-  do_sql(folder, "PRAGMA user_version=2");
+  do_sql(folder, "PRAGMA user_version=3");
   CHECK(GatewayDb::open(folder.file()));
 }
 
@@ -137,7 +137,10 @@ TEST_CASE("a file of the first build is brought up to date, and keeps what it ha
     batch.users = {put(user_of("ann", UserRole::admin))};
     REQUIRE(opened(folder)->save(batch));
   }
-  do_sql(folder, "DROP TABLE scenarios; PRAGMA user_version=1");
+  do_sql(
+      folder,
+      "DROP TABLE scenarios; DROP TABLE acknowledged; DROP TABLE shelves; ALTER TABLE users DROP COLUMN must_change; "
+      "PRAGMA user_version=1");
   const auto db = opened(folder);
   StoreBatch batch;
   batch.scenarios = {{"a1", StoredScenario{"a1", {"{}", "one", 0}, 1, "ann", {1}}}};
@@ -153,7 +156,7 @@ TEST_CASE("a damaged file is refused with a cure: no database, rows that nobody 
   }
   SUBCASE("a role that is none") {
     opened(folder);
-    do_sql(folder, "INSERT INTO users VALUES('eve', 3, '', 0, 0, x'')");
+    do_sql(folder, "INSERT INTO users VALUES('eve', 3, '', 0, 0, x'', 0)");
   }
   SUBCASE("a token's role that is none") {
     opened(folder);
@@ -166,6 +169,10 @@ TEST_CASE("a damaged file is refused with a cure: no database, rows that nobody 
   SUBCASE("a status that is none") {
     opened(folder);
     do_sql(folder, "INSERT INTO requests VALUES('ann', 'k', x'', '', 0, 65536, x'')");
+  }
+  SUBCASE("a severity that is none") {
+    opened(folder);
+    do_sql(folder, "INSERT INTO acknowledged VALUES('a1', 'ann', 0, 9)");
   }
   const Error error = no_store(folder);
   CHECK(error.code == Errc::malformed);

@@ -30,13 +30,12 @@ StoreBatch numbered_batch(AuditChain& chain) {
 }
 
 /// The child: saves for ever, and writes each number that is on disk. No doctest in here: the checks are the parent's.
-[[noreturn]] void save_for_ever(const std::string& file, int acknowledge) {
-  auto db = GatewayDb::open(file);
-  if (!db) ::_exit(2);
-  const auto state = (*db)->load();
+[[noreturn]] void save_for_ever(const StoreFolder& folder, int acknowledge) {
+  const auto db = opened(folder);
+  const auto state = db->load();
   if (!state) ::_exit(3);
   AuditChain chain = state->last_audit ? AuditChain(chain_start(), *state->last_audit) : AuditChain(chain_start());
-  while ((*db)->save(numbered_batch(chain))) {
+  while (db->save(numbered_batch(chain))) {
     const std::uint64_t number = chain.number();
     if (::write(acknowledge, &number, sizeof number) != sizeof number) ::_exit(4);
   }
@@ -54,12 +53,12 @@ std::uint64_t next_number(int from) {
 }
 
 /// Kills the child after so many saves; returns the last number that it has acknowledged.
-std::uint64_t save_and_kill(const std::string& file, int saves) {
+std::uint64_t save_and_kill(const StoreFolder& folder, int saves) {
   std::array<int, 2> ends{};
   REQUIRE(::pipe(ends.data()) == 0);
   const pid_t child = ::fork();
   REQUIRE(child >= 0);
-  if (child == 0) save_for_ever(file, ends[1]);
+  if (child == 0) save_for_ever(folder, ends[1]);
   ::close(ends[1]);
   std::uint64_t last = 0;
   for (int i = 0; i < saves; ++i) last = std::max(last, next_number(ends[0]));
@@ -87,11 +86,11 @@ void check_complete(const StoredState& state, std::uint64_t acknowledged) {
 
 }  // namespace
 
-TEST_CASE("killed in a loop of saves, nothing acknowledged is lost, and the chain verifies") {
+BOTH_STORES("killed in a loop of saves, nothing acknowledged is lost, and the chain verifies") {
   const StoreFolder folder;
   for (const int saves : {1, 2, 7, 20, 41}) {
     CAPTURE(saves);
-    const std::uint64_t acknowledged = save_and_kill(folder.file(), saves);
+    const std::uint64_t acknowledged = save_and_kill(folder, saves);
     REQUIRE(acknowledged > 0);
     const auto db = opened(folder);
     check_complete(loaded(*db), acknowledged);

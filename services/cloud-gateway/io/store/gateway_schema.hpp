@@ -1,11 +1,11 @@
-// The tables of gateway.db and their versions.
+// The tables of the gateway's database and their versions: step n brings them from version n to n+1.
 #pragma once
 
-#include "common/sqlite/sqlite_file.hpp"
+#include <span>
 
 namespace trb::gateway {
 
-/// Brings the file to this build's version. Errors: version_mismatch (a newer build wrote it), and those of SqliteFile.
-Status migrate_gateway(SqliteFile& file);
+std::span<const char* const> gateway_steps();           ///< of gateway.db, SQLite
+std::span<const char* const> postgres_gateway_steps();  ///< as many; tables alike, in PostgreSQL's words
 
 }  // namespace trb::gateway

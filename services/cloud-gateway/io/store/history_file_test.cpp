@@ -1,4 +1,4 @@
-// The history's file: pages, retention by age and by size, full disks, kill -9.
+// The history, in its file and in PostgreSQL: pages, retention by age and by size, full disks, kill -9.
 #include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -9,6 +9,7 @@
 #include "common/base/files.hpp"
 #include "common/sqlite/test/full_disk.hpp"
 #include "services/cloud-gateway/io/store/history_store.hpp"
+#include "services/cloud-gateway/io/store/shared_history.hpp"
 #include "services/cloud-gateway/io/store/test/store_folder.hpp"
 
 using namespace trb;
@@ -20,11 +21,13 @@ namespace {
 constexpr std::int64_t kSecond = 1'000'000'000;
 constexpr UtcTime kNow{1'800'000'000 * kSecond};
 
-std::string history_path(const TemporaryFolder& folder) {
+std::string history_path(const StoreFolder& folder) {
   return folder.path + "/history.db";
 }
 
-std::unique_ptr<HistoryStore> opened(const TemporaryFolder& folder, const HistoryLimits& limits = {}) {
+std::unique_ptr<HistoryStore> opened_history(const StoreFolder& folder, const HistoryLimits& limits = {},
+                                             const std::string& node = "cloud") {
+  if (postgres_turn() != nullptr) return open_shared_history(postgres_turn()->access(), node, limits, kServerTime);
   auto store = open_history_file(history_path(folder), limits);
   REQUIRE_MESSAGE(store.ok(), (store ? "" : store.error().text()));
   return std::move(*store);
@@ -57,9 +60,9 @@ using Seconds = std::vector<std::int64_t>;
 
 }  // namespace
 
-TEST_CASE("entries come back as they were, the newest first, each robot's and sensor's alone") {
-  const TemporaryFolder folder;
-  const auto store = opened(folder);
+BOTH_STORES("entries come back as they were, the newest first, each robot's and sensor's alone") {
+  const StoreFolder folder;
+  const auto store = opened_history(folder);
   const HistoryEntry fault{{kNow.ns + 5}, "ur3", "", HistoryKind::fault, "arm", R"("'; DROP TABLE history--")",
                            "CRITICAL"};
   const HistoryEntry reading{kNow, "ur3", "dht22", HistoryKind::reading, "degC", "21.5", "good"};
@@ -72,9 +75,9 @@ TEST_CASE("entries come back as they were, the newest first, each robot's and se
   CHECK(found(*store, {.node = "ur3' OR '1'='1"}).entries.empty());
 }
 
-TEST_CASE("pages follow each other, entries of one moment too; times and kinds are filters") {
-  const TemporaryFolder folder;
-  const auto store = opened(folder);
+BOTH_STORES("pages follow each other, entries of one moment too; times and kinds are filters") {
+  const StoreFolder folder;
+  const auto store = opened_history(folder);
   std::vector<HistoryEntry> entries = values(0, 3);
   entries.push_back(value_of(2));
   entries.push_back(value_of(2));
@@ -93,9 +96,9 @@ TEST_CASE("pages follow each other, entries of one moment too; times and kinds a
   CHECK(found(*store, {.node = "ur3", .kind = HistoryKind::value}).entries.size() == 5);
 }
 
-TEST_CASE("what is older than its age goes, also much of it in one step") {
-  const TemporaryFolder folder;
-  const auto store = opened(folder, {.age = std::chrono::hours(1)});
+BOTH_STORES("what is older than its age goes, also much of it in one step") {
+  const StoreFolder folder;
+  const auto store = opened_history(folder, {.age = std::chrono::hours(1)});
   REQUIRE(store->add(values(-9000, 5000), kNow));
   const HistoryPage kept = found(*store, {.node = "ur3", .most = 10'000});
   CHECK(seconds_of(kept).size() == 0);
@@ -103,21 +106,26 @@ TEST_CASE("what is older than its age goes, also much of it in one step") {
   CHECK(seconds_of(found(*store, {.node = "ur3"})) == Seconds{-3599, -3600});
 }
 
-TEST_CASE("what is over the size goes, the oldest first, and the file stays as large") {
-  const TemporaryFolder folder;
+BOTH_STORES("what is over the size goes, the oldest first, and the file stays as large") {
+  const StoreFolder folder;
   constexpr std::uint64_t kBytes = 1U << 20U;
-  const auto store = opened(folder, {.age = std::chrono::hours(24), .bytes = kBytes});
+  const auto store = opened_history(folder, {.age = std::chrono::hours(24), .bytes = kBytes});
   for (int batch = 0; batch < 40; ++batch) REQUIRE(store->add(values(batch * 500, 500, std::string(100, '1')), kNow));
   const HistoryPage kept = found(*store, {.node = "ur3", .most = 100'000});
   CHECK(kept.entries.size() > 1000);
   CHECK(kept.entries.size() < 15'000);
   CHECK(seconds_of(kept).front() == 40 * 500 - 1);
-  CHECK(std::filesystem::file_size(history_path(folder)) < kBytes + kBytes / 4);
+  if (postgres_turn() == nullptr) {
+    CHECK(std::filesystem::file_size(history_path(folder)) < kBytes + kBytes / 4);
+  } else {
+    CHECK(postgres_turn()->value("SELECT bytes FROM history_size") ==
+          postgres_turn()->value("SELECT sum(size) FROM history"));
+  }
 }
 
 TEST_CASE("the file belongs to its owner alone; a damaged one is told with the cure") {
-  const TemporaryFolder folder;
-  opened(folder);
+  const StoreFolder folder;
+  opened_history(folder);
   CHECK((std::filesystem::status(history_path(folder)).permissions() & std::filesystem::perms::all) ==
         (std::filesystem::perms::owner_read | std::filesystem::perms::owner_write));
   std::filesystem::resize_file(history_path(folder), 0);
@@ -130,8 +138,8 @@ TEST_CASE("the file belongs to its owner alone; a damaged one is told with the c
 }
 
 TEST_CASE("a full disk: the batch is lost as a whole, and the next is written once there is room") {
-  const TemporaryFolder folder;
-  const auto store = opened(folder);
+  const StoreFolder folder;
+  const auto store = opened_history(folder);
   REQUIRE(store->add(values(0, 1), kNow));
   {
     const trb::test::FullDisk full(100'000);
@@ -142,15 +150,15 @@ TEST_CASE("a full disk: the batch is lost as a whole, and the next is written on
   CHECK(seconds_of(found(*store, {.node = "ur3"})) == Seconds{2, 0});
 }
 
-TEST_CASE("kill -9 in a loop of batches: every batch that was added is there, none in part") {
-  const TemporaryFolder folder;
+BOTH_STORES("kill -9 in a loop of batches: every batch that was added is there, none in part") {
+  const StoreFolder folder;
   std::array<int, 2> ends{};
   REQUIRE(::pipe(ends.data()) == 0);
   const pid_t child = ::fork();
   REQUIRE(child >= 0);
   if (child == 0) {
-    auto store = open_history_file(history_path(folder), {});
-    for (std::int64_t i = 0; store && (*store)->add(values(i * 10, 10), kNow); ++i) {
+    const auto store = opened_history(folder);
+    for (std::int64_t i = 0; store->add(values(i * 10, 10), kNow); ++i) {
       if (::write(ends[1], "+", 1) != 1) break;
     }
     ::_exit(1);
@@ -165,8 +173,27 @@ TEST_CASE("kill -9 in a loop of batches: every batch that was added is there, no
   int status = 0;
   REQUIRE(::waitpid(child, &status, 0) == child);
   REQUIRE(WIFSIGNALED(status));
-  const std::size_t kept = found(*opened(folder), {.node = "ur3", .most = 1'000'000}).entries.size();
+  const std::size_t kept = found(*opened_history(folder), {.node = "ur3", .most = 1'000'000}).entries.size();
   CHECK(kept % 10 == 0);
   CHECK(kept >= added * 10);
   CHECK(kept <= added * 10 + 10);
+}
+
+TEST_CASE("two gateways see the same fleet: one of them writes it, and the other goes on once that one is silent") {
+  with_store(true, [] {
+    const StoreFolder folder;
+    const auto one = opened_history(folder, {}, "cloud");
+    const auto two = opened_history(folder, {}, "cloud2");
+    const HistoryEntry reading{kNow, "ur3", "dht22", HistoryKind::reading, "degC", "21.5", "good"};
+    REQUIRE(one->add({value_of(0)}, kNow));
+    REQUIRE(two->add({value_of(0), reading}, kNow));  // only there somebody watches the sensor
+    REQUIRE(one->add({value_of(1), reading}, kNow));
+    REQUIRE(two->add({value_of(1)}, kNow));
+    CHECK(seconds_of(found(*two, {.node = "ur3"})) == Seconds{1, 0});
+    CHECK(found(*one, {.node = "ur3", .sensor = "dht22"}).entries.size() == 1);
+    REQUIRE(postgres_turn()->said("UPDATE history_writers SET until = now() - interval '1 ms'") == "");
+    REQUIRE(two->add({value_of(2)}, kNow));
+    REQUIRE(one->add({value_of(2)}, kNow));
+    CHECK(seconds_of(found(*one, {.node = "ur3"})) == Seconds{2, 1, 0});
+  });
 }

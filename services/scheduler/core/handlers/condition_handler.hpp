@@ -23,7 +23,7 @@ class ConditionHandler {
 
   /// At a step's end: requests the values for which the run's conditions wait.
   void inquire(Run& run, Step step) const;
-  /// Keeps a choice once it is signed; false if the record is none.
+  /// Keeps a choice once it is signed; false if it is another record.
   bool keep_signed(Run& run, const SignedRecord& record, Step step);
 
  private:

@@ -31,8 +31,7 @@ void EndHandler::handle(const NeedEnd& body, const Inbound& from, Step step) {
   step.out.reply(from, Ack{"not_over", "run " + run->id() + " is " + state});
 }
 
-void EndHandler::seek_end(Run& run, Step step) const {
-  if (!run.epochs().judges_here()) return request_end(run, step);
+void EndHandler::sign_end(Run& run, Step step) const {
   PendingSignatures& signatures = run.work().signatures();
   if (!run.is_open(step.steady) || !is_done(run)) return signatures.drop(kEnd);
   if (!signatures.wants(kEnd)) {

@@ -20,14 +20,14 @@ class EndHandler {
   void handle(const RunOver& body, const Inbound& from, Step step);
   void handle(const NeedEnd& body, const Inbound& from, Step step);
 
-  /// At a step's end: the judge has its record signed; a node with nothing left to do requests it now and then.
-  void seek_end(Run& run, Step step) const;
+  /// At a step's end, at the judge: has its record signed once everything is done.
+  void sign_end(Run& run, Step step) const;
+  /// At a step's end, elsewhere: a node with nothing left to do requests it now and then.
+  void request_end(Run& run, Step step) const;
   /// Keeps the judge's own record once it is signed, and sends it to every member; false if it is another one.
   bool keep_signed(Run& run, const SignedRecord& record, Step step);
 
  private:
-  void request_end(Run& run, Step step) const;
-
   std::string node_;
   const RunStore& runs_;
   const Executor& executor_;

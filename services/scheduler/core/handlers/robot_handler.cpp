@@ -1,15 +1,9 @@
 #include "services/scheduler/core/handlers/robot_handler.hpp"
 
 #include "services/scheduler/core/refusal.hpp"
+#include "services/scheduler/core/robot_schedule.hpp"
 
 namespace trb::scheduler {
-
-void notify_progress(const Run& run, const AttemptKey& key, TaskState state, Step step) {
-  const std::string& self = run.epochs().self();
-  for (const std::string& cloud : run.members().clouds_without(self)) {
-    step.out.information(cloud, TaskProgress{key, self, state, {}});
-  }
-}
 
 void RobotHandler::handle(const AdapterState& body, const Inbound& from, Step step) {
   if (from.source != node_) return refuse(from, not_own(from), step);
@@ -30,7 +24,7 @@ void RobotHandler::handle(const ExecutionState& body, const Inbound& from, Step 
 void RobotHandler::handle(const Outcome& body, const Inbound& from, Step step) {
   if (from.source != node_) return refuse(from, not_own(from), step);
   const bool ended = body.outcome != TaskOutcome::none && body.outcome != TaskOutcome::skipped;
-  if (!ended) return refuse(from, fail(Errc::bad_value, "an outcome that is none"), step);
+  if (!ended) return refuse(from, fail(Errc::bad_value, "not the end of a task"), step);
   const auto& attempt = executor_.attempt();
   if (attempt && attempt->execute.key == body.key) return executor_.on(body, step.now, step.out);
   confirm_old(body, step);

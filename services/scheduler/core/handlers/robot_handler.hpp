@@ -8,9 +8,6 @@
 
 namespace trb::scheduler {
 
-/// Notifies the cloud nodes of the attempt's progress.
-void notify_progress(const Run& run, const AttemptKey& key, TaskState state, Step step);
-
 class RobotHandler {
  public:
   using Taken = Takes<AdapterState, ExecutionState, Outcome>;
@@ -26,7 +23,7 @@ class RobotHandler {
   void handle(const Outcome& body, const Inbound& from, Step step);
   void handle(const Ack& body, const Inbound& from, Step step);
 
-  /// Keeps the signed result of the attempt; false if the record is none.
+  /// Keeps the signed result of the attempt; false if it is another record.
   bool keep_signed(const SignedRecord& record, const Inbound& from, Step step);
 
  private:

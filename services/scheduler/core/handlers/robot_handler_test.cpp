@@ -26,7 +26,7 @@ struct Working {
   }
   Outbox at_end_of_step() {
     Outbox out;
-    due.update(known.run(), known.step(out));
+    schedule.update_due(known.run(), known.step(out));
     schedule.permit_attempt(known.step(out));
     known.executor.tick(known.now, out);
     schedule.start_next(known.step(out));
@@ -53,9 +53,8 @@ struct Working {
 
   KnownRun known;
   LostJournal lost;
-  DueTasks due{known.executor};
   RobotHandler robot{known.self, known.runs, known.executor, lost, known.journal};
-  RobotSchedule schedule{known.runs, known.executor, due, lost};
+  RobotSchedule schedule{known.runs, known.executor, lost};
   ConditionHandler conditions{known.self, known.runs, known.journal};
   BatonHandler batons{known.self, known.runs, known.lookup, known.journal};
   RefusalHandler refusals{known.self, known.runs, known.executor, conditions, batons};
@@ -129,11 +128,11 @@ TEST_CASE("a task that is due for too long fails, and says what it waited for") 
   Working working(scenario);
   working.known.run().receive({false}, {false}, "cloud");
   working.at_end_of_step();
-  CHECK(DueTasks::next_late(working.known.run(), working.known.now.mono) == working.known.now.mono + seconds(5));
+  CHECK(RobotSchedule::next_late(working.known.run(), working.known.now.mono) == working.known.now.mono + seconds(5));
   working.known.pass(5);
   working.at_end_of_step();
   CHECK(working.known.run().work().withheld().failing().at(0) ==
-        "it did not begin within 5 s: its mode-adapter has not been heard");
+        "it did not begin within 5 s: its mode-adapter has not reported yet");
 }
 
 TEST_CASE("a refusal that passes keeps the attempt; one that does not ends it") {

@@ -1,9 +1,6 @@
 #include "services/scheduler/core/run/drafts.hpp"
 
-#include <algorithm>
-
 #include "common/scenario/condition.hpp"
-#include "common/scenario/values.hpp"
 #include "proto/body.hpp"
 #include "proto/value.hpp"
 
@@ -91,30 +88,6 @@ PauseOrder hold_order(const Run& run, UtcTime now) {
   const std::vector<std::string>& doubles = run.orders().doubles();
   const std::string why = "task '" + doubles.front() + "' has two different results (double_execution)";
   return {run.id(), run.orders().next_hold(), true, run.epochs().self(), cut_utf8(why, 255), now.ns, doubles};
-}
-
-Result<std::string> data_for(const Run& run, TaskIndex task) {
-  return fill_values(run.tasks()[task], [&](const std::string& name) -> const TaskResult* {
-    const auto before = run.index_of(name);
-    return before && run.results().has_final(*before) ? &run.results().of(*before)->result : nullptr;
-  });
-}
-
-Attempt attempt_for(const Run& run, const JournalStart& fact) {
-  const TaskIndex index = *run.index_of(fact.key.task);
-  const Task& task = run.tasks()[index];
-  const auto data = data_for(run, index);
-  const std::uint32_t first = std::min(run.epochs().first_attempt(index), fact.key.attempt);
-  Attempt attempt;
-  attempt.execute = {fact.key, fact.epoch, fact.instance, task.skill, data ? *data : task.data, task.timeout_s};
-  attempt.may_retry = fact.key.attempt - first < task.retries && fact.key.attempt < kMaxAttempts;
-  attempt.on_failure = task.on_failure;
-  attempt.result.key = fact.key;
-  attempt.result.digest = run.definition().start().digest;
-  attempt.result.epoch = fact.epoch;
-  attempt.result.robot = run.epochs().self();
-  attempt.result.started = fact.time;
-  return attempt;
 }
 
 }  // namespace trb::scheduler

@@ -1,9 +1,8 @@
-// What this node states about a run, made from the facts: drafts that the router signs, and the attempt for the robot.
+// What this node states about a run, made from the facts: drafts that the router signs.
 #pragma once
 
 #include <string>
 
-#include "services/scheduler/core/executor.hpp"
 #include "services/scheduler/core/run/run.hpp"
 
 namespace trb::scheduler {
@@ -21,10 +20,5 @@ Choice choice_by(const Run& run, const std::vector<TaskIndex>& tasks, const std:
 AbortOrder abort_order(const Run& run, TaskIndex failed, UtcTime now);
 /// The order that tasks done twice make the judge give.
 PauseOrder hold_order(const Run& run, UtcTime now);
-
-/// The task's data, with the values that earlier results give. Errors: those of fill_values.
-Result<std::string> data_for(const Run& run, TaskIndex task);
-/// The attempt that a start record is for.
-Attempt attempt_for(const Run& run, const JournalStart& fact);
 
 }  // namespace trb::scheduler

@@ -1,5 +1,5 @@
 // Asks a sensor for the value that conditions wait for, until one comes that can be believed; then has the choice
-// signed. A restart of this service forgets it and asks anew: nothing has been sent before the choice is journaled.
+// signed. A restart of this service forgets it and requests anew: nothing has been sent before the choice is journaled.
 #pragma once
 
 #include <string>
@@ -13,8 +13,8 @@
 
 namespace trb::scheduler {
 
-/// `waiting`: for the next try. `looking`: the router is asked who has the sensor. `asked`: its node is. `signing`: the
-/// choice is made, and as good as not made before it is signed and journaled.
+/// `waiting`: for the next try. `looking`: the router is queried for who has the sensor. `asked`: its node is.
+/// `signing`: the choice is made, and as good as not made before it is signed and journaled.
 enum class InquiryPhase : std::uint8_t { waiting = 0, looking, asked, signing };
 
 class Inquiry {
@@ -30,7 +30,7 @@ class Inquiry {
   /// True once for each time that the obstacle was met.
   bool take_update();
 
-  /// Asks, or asks again.
+  /// Requests it, or again.
   void tick(Now now, Outbox& out);
   /// The service has come back to its router: what was asked may be lost.
   void restart(Now now);

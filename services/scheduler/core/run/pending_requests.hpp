@@ -1,4 +1,4 @@
-// What this node asks other members of a run for, until it comes.
+// What this node requests from other members of a run, until it comes.
 #pragma once
 
 #include <map>
@@ -14,22 +14,22 @@ namespace trb::scheduler {
 
 class PendingRequests {
  public:
-  /// A result that this node's next tasks need, and which `giver` is said to hold. The first giver stays.
+  /// A result that this node's next tasks need, and which `giver` should hold. The first giver stays.
   void need_result(TaskIndex task, const std::string& giver) { results_.try_emplace(task, Need{giver}); }
   void drop_result(TaskIndex task) { results_.erase(task); }
   /// That giver does not hold what its baton spoke of.
   void drop_results_of(const std::string& giver);
   void drop_results() { results_.clear(); }
   [[nodiscard]] bool needs_results() const { return !results_.empty(); }
-  /// The results to be asked for now, by giver; they are taken as asked for.
+  /// The results to be requested now, by giver; they count as requested.
   std::map<std::string, std::vector<TaskIndex>> take_due_results(MonotonicTime now);
 
-  /// A node is asked for the decisions on the run.
+  /// The decisions on the run are requested from a node.
   void await_decisions(const std::string& node) { decisions_.insert(node); }
-  /// Its answer has come; false: it was not asked.
+  /// Its answer has come; false: none was requested.
   bool settle_decisions(const std::string& node) { return decisions_.erase(node) > 0; }
 
-  /// True if the judge is to be asked now whether the run is over; begins to count at the first call.
+  /// True if it is time to request from the judge whether the run is over; begins to count at the first call.
   bool end_is_due(MonotonicTime now) { return end_.due(now); }
   void drop_end() { end_.reset(); }
 

@@ -79,7 +79,7 @@ Status RecordChecks::check_verdict(const Choice& choice, const ChosenTask& chose
   const std::string name = "run " + definition_.id() + ": choice of '" + choice.by + "': ";
   const auto task = definition_.index_of(chosen.task);
   if (!task || !definition_.is_conditional(*task) || chosen.iteration != 1) {
-    return fail(Errc::bad_value, name + "there is none on task '" + chosen.task + "'");
+    return fail(Errc::bad_value, name + "no condition on task '" + chosen.task + "'");
   }
   if (epochs_.robot_in(trb::chooser_of(definition_.start().scenario, *task), choice.epoch) != choice.by) {
     return fail(Errc::not_permitted, name + "on task '" + chosen.task + "' it is another's");

@@ -14,7 +14,7 @@ class Reports {
  public:
   explicit Reports(std::size_t tasks) : final_(tasks, false), skipped_(tasks, false) {}
 
-  /// What a baton says of each task.
+  /// What a baton states of each task.
   void add(const std::vector<bool>& final_tasks, const std::vector<bool>& skipped_tasks);
   [[nodiscard]] const std::vector<bool>& final_tasks() const { return final_; }
   [[nodiscard]] const std::vector<bool>& skipped_tasks() const { return skipped_; }

@@ -69,9 +69,9 @@ class Run {
   /// An order to let the run go on that does not count, because it leaves out a task that was done twice.
   void outbid(const PauseOrder& order) { orders_.outbid(order); }
 
-  /// What a baton of `giver` says of each task; the results that this node needs of it are asked of the giver.
+  /// What a baton of `giver` states of each task; the results that this node needs are requested from it.
   void receive(const std::vector<bool>& final_tasks, const std::vector<bool>& skipped_tasks, const std::string& giver);
-  /// Final by a held result or by what a baton says.
+  /// Final by a held result or by what a baton states.
   [[nodiscard]] std::vector<bool> known_final() const;
   /// The part of known_final() that is known to be SKIPPED.
   [[nodiscard]] std::vector<bool> known_skipped() const;

@@ -25,7 +25,7 @@ class Signature {
 
   void tick(const std::string& node, Now now, Outbox& out);
   [[nodiscard]] MonotonicTime next() const { return next_; }
-  /// What was asked may be lost: it is asked again at once.
+  /// The request may be lost: it is sent again at once.
   void restart(Now now) { next_ = now.mono; }
   [[nodiscard]] bool asks_for(const SignedRecord& record) const {
     return record.kind == kind_ && record.payload.bytes == payload_;

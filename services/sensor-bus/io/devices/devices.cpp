@@ -77,7 +77,7 @@ void Devices::look_for_udevd(MonotonicTime now) {
   const bool first = !std::exchange(scanned_, true);
   const bool other = there != udevd_;
   if (!there && (first || other)) {
-    log(Level::warning, "no_udevd", "there is no udevd: what is plugged in is not heard of until it runs");
+    log(Level::warning, "no_udevd", "there is no udevd: what is plugged in is not noticed until it runs");
     udevd_.reset();
   }
   if (there && other) {

@@ -72,7 +72,7 @@ class Devices final : public DeviceControl {
   std::vector<std::shared_ptr<ReaderOrders>> leaving_;  ///< told to end, not gone yet
   MonotonicTime next_look_;                             ///< at once: what is plugged in already
   MonotonicTime next_udevd_look_;
-  std::optional<UdevMonitor::Udevd> udevd_;  ///< that is heard
+  std::optional<UdevMonitor::Udevd> udevd_;  ///< that is listened to
   std::uint64_t readers_ = 0;
   std::uint64_t dropped_ = 0;
   bool scanned_ = false;

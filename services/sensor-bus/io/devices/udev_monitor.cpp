@@ -41,7 +41,7 @@ Result<std::unique_ptr<UdevMonitor>> UdevMonitor::open(const std::set<std::strin
   std::unique_ptr<UdevMonitor> out(new UdevMonitor(library, subsystems, std::move(attributes)));
   out->monitor_ = udev_monitor_new_from_netlink(library, "udev");
   if (out->monitor_ == nullptr) {
-    return fail(Errc::io_error, std::string("udev cannot be heard: ") + std::strerror(errno),
+    return fail(Errc::io_error, std::string("udev's messages cannot be received: ") + std::strerror(errno),
                 "let the process use AF_NETLINK sockets");
   }
   for (const std::string& subsystem : subsystems) {
@@ -49,7 +49,7 @@ Result<std::unique_ptr<UdevMonitor>> UdevMonitor::open(const std::set<std::strin
   }
   udev_monitor_set_receive_buffer_size(out->monitor_, kBuffer);  // if it may
   if (udev_monitor_enable_receiving(out->monitor_) < 0) {
-    return fail(Errc::io_error, "udev cannot be heard", "let the process use AF_NETLINK sockets");
+    return fail(Errc::io_error, "udev's messages cannot be received", "let the process use AF_NETLINK sockets");
   }
   return out;
 }

@@ -35,8 +35,8 @@ class UdevMonitor {
     Device device;
   };
   [[nodiscard]] int fd() const;
-  /// Which udevd there is that would tell: another after each start of one. None: there is none, and whoever begins to
-  /// hear then hears nothing, also later.
+  /// Which udevd there is that would send: another after each start of one. None: there is none, and whoever begins to
+  /// listen then receives nothing, also later.
   struct Udevd {
     std::uint64_t file = 0;
     std::int64_t made_ns = 0;

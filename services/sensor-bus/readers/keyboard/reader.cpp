@@ -1,4 +1,4 @@
-// A reader of tags that types. Grabbed: nobody else hears its keys, so that no tag ends as a command in a terminal.
+// A reader of tags that types. Grabbed: no other program gets its keys, so that no tag ends as a command in a terminal.
 #include <fcntl.h>
 #include <linux/input.h>
 #include <sys/ioctl.h>
@@ -18,7 +18,7 @@ constexpr Duration kRetry = std::chrono::seconds(1);
 Result<Descriptor> open_keys(const std::string& devnode) {
   Descriptor keys(::open(devnode.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC));
   if (!keys) return system_error(devnode, errno);
-  // ENOTTY: it is no keyboard of the kernel's, so nobody else hears it as one.
+  // ENOTTY: it is no keyboard of the kernel's, so no other program reads it as one.
   if (::ioctl(keys.get(), EVIOCGRAB, 1) != 0 && errno != ENOTTY) {
     return system_error(devnode + " cannot be kept from others", errno);
   }

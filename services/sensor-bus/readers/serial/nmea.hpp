@@ -1,4 +1,4 @@
-// NMEA 0183: the sentences that tell where a receiver is. A sentence without a right checksum is not heard.
+// NMEA 0183: the sentences that tell where a receiver is. A sentence without a right checksum is ignored.
 #pragma once
 
 #include <optional>

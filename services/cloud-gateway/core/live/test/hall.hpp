@@ -61,7 +61,8 @@ inline Alert alert(const std::string& id, const std::string& robot) {
 
 struct Hall {
   RowBook book;
-  FleetView view{book};
+  AlarmDesk alarms;
+  FleetView view{book, alarms};
   TextEncoder encoder;
   Subscriptions clients{book, encoder, 42};
   Outbox out;

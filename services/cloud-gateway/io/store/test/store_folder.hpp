@@ -1,4 +1,4 @@
-// A gateway's store in a folder of its own.
+// A gateway's store of its own: a file in a folder, or an empty database of PostgreSQL; and tests that run with both.
 #pragma once
 
 #include <doctest/doctest.h>
@@ -10,14 +10,39 @@
 #include "common/audit/audit_chain.hpp"
 #include "common/base/test/temporary_folder.hpp"
 #include "services/cloud-gateway/io/store/gateway_db.hpp"
+#include "services/cloud-gateway/io/store/shared_db.hpp"
+#include "services/cloud-gateway/io/store/test/postgres_server.hpp"
 
 namespace trb::gateway::test {
 
+/// The server, in the second run of a test that runs with both; nullptr: SQLite's turn.
+inline PostgresHost*& postgres_turn() {
+  static PostgresHost* server = nullptr;
+  return server;
+}
+
+/// Runs `body` with SQLite, or with PostgreSQL if that is installed.
+inline void with_store(bool is_postgres, void (*body)()) {
+  PostgresHost* server = is_postgres ? PostgresHost::shared() : nullptr;
+  if (is_postgres && server == nullptr) return;
+  postgres_turn() = server;
+  body();
+  postgres_turn() = nullptr;
+}
+
 struct StoreFolder : TemporaryFolder {
+  StoreFolder() {
+    if (postgres_turn() != nullptr) postgres_turn()->empty();
+  }
   [[nodiscard]] std::string file() const { return path + "/gateway.db"; }
 };
 
-inline std::unique_ptr<GatewayDb> opened(const StoreFolder& folder) {
+/// A server may be slow on a loaded machine.
+constexpr Duration kServerTime = std::chrono::seconds(30);
+
+inline std::unique_ptr<GatewayDb> opened(const StoreFolder& folder, const std::string& node = "cloud") {
+  if (postgres_turn() != nullptr)
+    return open_shared_db(postgres_turn()->access(), {node, "certificate of " + node}, kServerTime);
   auto db = GatewayDb::open(folder.file());
   REQUIRE_MESSAGE(db.ok(), (db ? "" : db.error().text()));
   return std::move(*db);
@@ -74,3 +99,17 @@ inline StoreBatch audit_batch(std::vector<AuditRow> rows) {
 }
 
 }  // namespace trb::gateway::test
+
+// A test that both stores have to pass, each as a test of its own.
+#define TRB_STORE_CAT_(a, b) a##b
+#define TRB_STORE_CAT(a, b) TRB_STORE_CAT_(a, b)
+#define TRB_STORE_TEST_(body, name)              \
+  static void body();                            \
+  TEST_CASE(name " (SQLite)") {                  \
+    trb::gateway::test::with_store(false, body); \
+  }                                              \
+  TEST_CASE(name " (PostgreSQL)") {              \
+    trb::gateway::test::with_store(true, body);  \
+  }                                              \
+  static void body()
+#define BOTH_STORES(name) TRB_STORE_TEST_(TRB_STORE_CAT(store_test_, __LINE__), name)

@@ -1,0 +1,420 @@
+// Driving by hand: speeds go to the robot as long as they come; when they cease, the robot stands.
+#include "services/mode-adapter/core/hand_drive.hpp"
+
+#include <limits>
+
+#include "services/mode-adapter/test/fixture.hpp"
+
+using namespace trb;
+using namespace trb::adapter;
+
+namespace {
+
+Drive base_drive(const std::string& data) {
+  Drive drive;
+  drive.part = DrivePart::base;
+  drive.axes = {{"x", 0.5, false, {}}, {"yaw", 1, false, {}}};
+  drive.command = make_skill(
+      "drive", data,
+      {make_parameter("x", ParameterType::number, "m/s"), make_parameter("yaw", ParameterType::number, "rad/s")});
+  return drive;
+}
+
+/// A robot of a maker that takes every line at once (tcp-text without a monitor): what is written has left.
+Settings driven_cart() {
+  Settings settings = robot_settings("cart", "acme", Mode::direct, "tcp-text");
+  settings.description.capabilities = {"mobile"};
+  settings.description.skills = {make_skill("home", "")};
+  settings.description.skills[0].end.kind = EndKind::time;
+  settings.description.skills[0].end.duration_s = 5;
+  settings.description.drives = {base_drive("[{x}, {yaw}]")};
+  settings.description.frame.length = 1000;
+  settings.commands.port = 30100;
+  settings.commands.commands = {
+      {"drive", "SPEED {0} {1}"}, {"go", "GO {data}"}, {"home", "HOME"}, {"stop", "HALT"}, {"release", ""}};
+  return settings;
+}
+
+struct HandBench : Fixture {
+  explicit HandBench(Settings settings = driven_cart()) : Fixture(std::move(settings)) {
+    up(Channel::command);
+    welcome();
+    out.clear();
+  }
+  /// A drive's next message; its answer.
+  std::string drive(std::vector<double> speeds, Velocity how = {}, const std::string& source = "cloud") {
+    how.part = how.part == DrivePart::base ? part : how.part;
+    how.speeds = std::move(speeds);
+    if (how.drive == 0) how.drive = 1;
+    if (how.sequence == 0) how.sequence = ++sequence;
+    if (how.by.empty()) how.by = "ada";
+    return answer(deliver(MessageType::command, how, source));
+  }
+  std::string let_go(std::uint64_t number = 1, const std::string& source = "cloud") {
+    Velocity how;
+    how.drive = number;
+    how.over = true;
+    return drive({}, how, source);
+  }
+  Velocity another(std::uint64_t number, bool take = false, const std::string& by = "bob") {
+    Velocity how;
+    how.drive = number;
+    how.take = take;
+    how.by = by;
+    return how;
+  }
+  std::string sent() { return written(Channel::command); }
+  Nack why() { return nack_of(last_id); }
+  std::string control() {
+    const auto profiles = told<NodeProfile>();
+    return profiles.empty() ? "?" : get<NodeProfile>(profiles.back().body).control;
+  }
+
+  DrivePart part = DrivePart::base;
+  std::uint64_t sequence = 0;
+};
+
+}  // namespace
+
+TEST_CASE("speeds go to the robot in its units, as long as they come; then it stands, once") {
+  HandBench bench;
+  CHECK(bench.drive({0.2, 0.5}) == "ack driving");
+  CHECK(bench.sent() == "SPEED 200 0.5\n");
+  bench.wait(0.1);
+  CHECK(bench.drive({0.3}) == "ack driving");  // what is missing is 0
+  CHECK(bench.sent() == "SPEED 300 0\n");
+  bench.wait(0.24);
+  CHECK(bench.sent().empty());
+  bench.wait(0.02);
+  CHECK(bench.sent() == "SPEED 0 0\n");
+  CHECK(bench.counted("drives.dead_man") == 1);
+  bench.wait(0.25);
+  CHECK(bench.sent() == "SPEED 0 0\n");  // and the drive is over
+  bench.wait(20);
+  CHECK(bench.sent().empty());
+}
+
+TEST_CASE("after a gap of 250 ms the robot stands, and the same drive moves it on; after 500 ms it does not") {
+  HandBench bench;
+  bench.drive({0.2});
+  bench.sent();
+  bench.wait(0.3);
+  CHECK(bench.sent() == "SPEED 0 0\n");
+  CHECK(bench.control() == "cloud");
+  CHECK(bench.drive({0.2}) == "ack driving");
+  CHECK(bench.sent() == "SPEED 200 0\n");
+  bench.wait(0.3);
+  CHECK(bench.sent() == "SPEED 0 0\n");
+  bench.wait(0.25);
+  CHECK(bench.control().empty());
+  CHECK(bench.drive({0.2}) == "nack conflict");
+}
+
+TEST_CASE("a robot that was not to move is not told to stand by a gap") {
+  HandBench bench;
+  bench.drive({0.2});
+  bench.drive({});
+  bench.sent();
+  bench.wait(0.45);
+  CHECK(bench.sent().empty());
+  CHECK(bench.counted("drives.dead_man") == 0);
+  CHECK(bench.drive({0, 0}) == "ack driving");
+}
+
+TEST_CASE("a late message of a drive that is over moves nothing, and learns why it was over") {
+  HandBench bench;
+  bench.drive({0.2});
+  bench.wait(0.5);
+  bench.sent();
+  CHECK(bench.drive({0.2}) == "nack conflict");
+  CHECK(bench.why().what == "drive: this one is over: nothing more was heard for 500 ms");
+  CHECK(bench.sent().empty());
+  CHECK(bench.drive({0.2}, bench.another(2)) == "ack driving");
+  CHECK(bench.sent() == "SPEED 200 0\n");
+}
+
+TEST_CASE("who lets go has the robot stand at once, and leaves control free") {
+  HandBench bench;
+  bench.drive({0.2});
+  CHECK(bench.control() == "cloud");
+  bench.sent();
+  CHECK(bench.let_go() == "ack over");
+  CHECK(bench.sent() == "SPEED 0 0\n");
+  CHECK(bench.control().empty());
+  CHECK(bench.drive({0.2}) == "nack conflict");
+  CHECK(bench.drive({0.2}, bench.another(7), "office") == "ack driving");
+}
+
+TEST_CASE("who lets go before the first message came has begun nothing") {
+  HandBench bench;
+  CHECK(bench.let_go(5) == "ack over");
+  CHECK(bench.drive({0.2}, bench.another(5)) == "nack conflict");
+  CHECK(bench.sent().empty());
+  CHECK(bench.drive({0.2}, bench.another(5), "office") == "ack driving");  // another node's numbers are its own
+}
+
+TEST_CASE("an older message does not overtake a newer one") {
+  HandBench bench;
+  bench.drive({0.2});
+  bench.drive({0.3});
+  bench.sent();
+  Velocity late;
+  late.sequence = 1;
+  CHECK(bench.drive({0.1}, late) == "nack conflict");
+  CHECK(bench.why().what == "sequence: 1 is not newer than 2");
+  late.sequence = 2;
+  CHECK(bench.drive({0.1}, late) == "nack conflict");
+  CHECK(bench.sent().empty());
+  CHECK(bench.drive({0.1}) == "ack driving");  // the drive goes on
+}
+
+TEST_CASE("a refused message keeps no drive alive") {
+  HandBench bench;
+  bench.drive({0.2});
+  bench.sent();
+  bench.wait(0.2);
+  CHECK(bench.drive({0.1, 0, 0}) == "nack bad_value");
+  bench.wait(0.06);
+  CHECK(bench.sent() == "SPEED 0 0\n");
+}
+
+TEST_CASE("speeds beyond the limits are clamped to them; what is no speed is refused by its field") {
+  HandBench bench;
+  CHECK(bench.drive({9, -9}) == "ack driving");
+  CHECK(bench.sent() == "SPEED 500 -1\n");
+  CHECK(bench.drive({0.1, 0.1, 0.1}) == "nack bad_value");
+  CHECK(bench.why().what == "speeds: 3 of them, and 'base' has 2 axes");
+  CHECK(bench.why().hint == "give at most one for each of: x, yaw");
+  CHECK(bench.drive({0.1, std::numeric_limits<double>::quiet_NaN()}) == "nack bad_value");
+  CHECK(bench.why().what == "speeds[1]: is no finite number");
+  CHECK(bench.drive({std::numeric_limits<double>::infinity()}) == "nack bad_value");
+  bench.part = DrivePart::tool;
+  CHECK(bench.drive({0.1}) == "nack bad_value");
+  CHECK(bench.why().what == "part: the robot has no 'tool' that can be driven");
+  CHECK(bench.why().hint == "use one of: base");
+  CHECK(bench.sent().empty());
+}
+
+TEST_CASE("an axis with a factor of its own, and one that has only one direction") {
+  Settings settings = driven_cart();
+  settings.description.drives[0].axes = {{"x", 0.5, true, {}}, {"yaw", 1, false, -0.5}};
+  settings.description.drives[0].command.parameters[1].unit = "";
+  HandBench bench(settings);
+  bench.drive({-0.2, 1});
+  CHECK(bench.sent() == "SPEED 0 -0.5\n");
+}
+
+TEST_CASE("an order to stand of its own") {
+  Settings settings = driven_cart();
+  settings.description.drives[0].stand = make_skill("home", "");
+  HandBench bench(settings);
+  bench.drive({0.2});
+  bench.sent();
+  bench.let_go();
+  CHECK(bench.sent() == "HOME\n");
+}
+
+TEST_CASE("another person of the same cloud, and another node: who has it keeps it, unless it is taken") {
+  HandBench bench;
+  bench.drive({0.2});
+  bench.sent();
+  CHECK(bench.drive({0.1}, bench.another(2)) == "nack control_held");
+  CHECK(bench.why().what == "'ada' at 'cloud' drives cart by hand");
+  CHECK(bench.drive({0.1}, bench.another(1), "office") == "nack control_held");
+  CHECK(bench.why().what.find("'cloud' has controlled cart") == 0);
+  CHECK(bench.why().hint == "wait until it is free, or take it over: \"take\", trb drive cart --take");
+  CHECK(bench.sent().empty());
+  CHECK(bench.drive({0.1}, bench.another(1, true), "office") == "ack driving");
+  CHECK(bench.sent() == "SPEED 0 0\nSPEED 100 0\n");  // it stood in between
+  CHECK(bench.drive({0.2}) == "nack conflict");
+  CHECK(bench.why().what == "drive: this one is over: 'office' has taken it over");
+  CHECK(bench.drive({0.2}, bench.another(3)) == "nack control_held");
+  CHECK(bench.let_go(1, "office") == "ack over");
+  CHECK(bench.drive({0.2}, bench.another(3)) == "ack driving");
+}
+
+TEST_CASE("the lease is held as long as the drive lasts, and is free when it is over") {
+  HandBench bench;
+  for (int i = 0; i < 150; ++i) {  // longer than a lease without a command
+    CHECK(bench.drive({0.2}) == "ack driving");
+    bench.wait(0.1);
+  }
+  CHECK(bench.control() == "cloud");
+  bench.wait(0.4);
+  CHECK(bench.control().empty());
+}
+
+TEST_CASE("a stop ends the drive, and a release does not begin it again") {
+  HandBench bench;
+  bench.drive({0.2});
+  bench.sent();
+  bench.deliver(MessageType::command, Stop{"a person is in the way"}, "ur3");
+  CHECK(bench.sent() == "HALT\n");
+  CHECK(bench.drive({0.2}, bench.another(2)) == "nack fenced");
+  bench.deliver(MessageType::command, Release{}, "ur3");
+  CHECK(bench.drive({0.2}) == "nack conflict");
+  CHECK(bench.why().what == "drive: this one is over: stopped by ur3: a person is in the way");
+  bench.wait(1);
+  CHECK(bench.sent().empty());
+  CHECK(bench.drive({0.2}, bench.another(2)) == "ack driving");
+}
+
+TEST_CASE("a robot whose link was lost is told to stand as soon as it is back") {
+  HandBench bench;
+  bench.drive({0.2});
+  bench.sent();
+  bench.down(Channel::command);
+  CHECK(bench.drive({0.2}, bench.another(2)) == "nack robot_offline");
+  bench.up(Channel::command);
+  CHECK(bench.sent() == "SPEED 0 0\n");
+  CHECK(bench.drive({0.2}) == "nack conflict");
+  bench.down(Channel::command);
+  bench.up(Channel::command);
+  CHECK(bench.sent().empty());  // once
+}
+
+TEST_CASE("a skill under way, and a part that is out of use") {
+  HandBench bench;
+  bench.deliver(MessageType::command, order("home", ""), "cart");
+  bench.sent();
+  CHECK(bench.drive({0.1}) == "nack control_held");
+  CHECK(bench.drive({0.1}, bench.another(2, true)) == "nack busy");
+  CHECK(bench.sent().empty());
+  HandBench other;
+  other.drive({0.2});
+  other.sent();
+  other.deliver(MessageType::command, TakeOutOfUse{{"mobile", Severity::critical, "a wheel is flat", 0, false, ""}},
+                "cart");
+  CHECK(other.sent() == "SPEED 0 0\n");
+  CHECK(other.drive({0.2}, other.another(2)) == "nack out_of_use");
+  CHECK(other.why().what == "'mobile' is out of use: a wheel is flat");
+}
+
+TEST_CASE("no command disturbs a drive, unless it takes control: then the robot stands first") {
+  HandBench bench;
+  bench.drive({0.2});
+  bench.sent();
+  CHECK(bench.answer(bench.send(MessageType::command, "go", "1", "cloud")) == "nack busy");
+  CHECK(bench.answer(bench.send(MessageType::command, "go", "1", "office")) == "nack control_held");
+  CHECK(bench.sent().empty());
+  bench.flags = kFlagTakeControl;
+  CHECK(bench.answer(bench.send(MessageType::command, "go", "1", "office")) == "ack handed_over");
+  CHECK(bench.sent() == "SPEED 0 0\nGO 1\n");
+}
+
+TEST_CASE("a message whose time is over when it comes moves nothing") {
+  HandBench bench;
+  bench.remaining_ms = 0;
+  CHECK(bench.drive({0.2}) == "nack expired");
+  CHECK(bench.sent().empty());
+  CHECK(bench.let_go() == "ack over");  // to stand it is never too late
+}
+
+TEST_CASE("a process that ends has its robot stand") {
+  HandBench bench;
+  bench.drive({0.2});
+  bench.sent();
+  CHECK_FALSE(bench.core.idle());
+  bench.core.leave(bench.now, bench.out);
+  CHECK(bench.sent() == "SPEED 0 0\n");
+}
+
+namespace {
+
+Settings driven_ur() {
+  Settings settings = ur3();
+  Drive drive;
+  drive.part = DrivePart::joints;
+  for (const char* name : {"base", "elbow"}) {
+    drive.axes.push_back({name, 1, false, {}});
+    drive.command.parameters.push_back(make_parameter(name, ParameterType::number, "rad/s"));
+  }
+  drive.command.subtype = "drive";
+  drive.command.capability = "reach";
+  drive.command.data = "[{base}, {elbow}]";
+  Skill stand = make_skill("stand", "");
+  drive.stand = std::move(stand);
+  settings.description.drives = {std::move(drive)};
+  settings.commands.commands["drive"] = "speedj({data}, 1, 0.5)";
+  settings.commands.commands["stand"] = "stopj(2)";
+  return settings;
+}
+
+struct HandUrBench : UrFixture {
+  HandUrBench() : UrFixture(driven_ur()) {}
+  std::string drive(double speed, bool over = false) {
+    Velocity how{DrivePart::joints, {speed}, 1, ++sequence, over, false, "ada"};
+    return answer(deliver(MessageType::command, how, "cloud"));
+  }
+  std::uint64_t sequence = 0;
+};
+
+}  // namespace
+
+TEST_CASE("speeds that have not left yet are replaced by newer ones") {
+  HandUrBench bench;
+  CHECK(bench.drive(0.1) == "ack driving");
+  CHECK(bench.sent().find("speedj([0.1, 0], 1, 0.5)") != std::string::npos);
+  CHECK(bench.drive(0.2) == "ack driving");
+  CHECK(bench.drive(0.3) == "ack driving");
+  CHECK(bench.sent().empty());  // the controller has not begun the first one
+  bench.monitor(ur_started("trb_1"));
+  const std::string next = bench.sent();
+  CHECK(next.find("speedj([0.3, 0], 1, 0.5)") != std::string::npos);
+  CHECK(next.find("0.2") == std::string::npos);
+  bench.monitor(ur_stopped("trb_1") + ur_started("trb_2"));
+  CHECK(bench.sent().empty());
+  CHECK(bench.counted("from_robot.failed") == 0);  // a program that is replaced has not failed
+}
+
+TEST_CASE("an order to stand does not wait for speeds that have not left, and nothing leaves after it") {
+  HandUrBench bench;
+  bench.drive(0.1);
+  bench.drive(0.2);
+  bench.sent();
+  CHECK(bench.drive(0, true) == "ack over");
+  CHECK(bench.sent().find("stopj(2)") != std::string::npos);
+  bench.monitor(ur_started("trb_1") + ur_started("trb_2"));
+  CHECK(bench.sent().empty());
+}
+
+TEST_CASE("a robot that takes no speeds for 500 ms is told to stand, though they still come") {
+  HandUrBench bench;
+  for (int i = 0; i < 5; ++i) {
+    CHECK(bench.drive(0.1) == "ack driving");
+    bench.live(0.1);
+  }
+  CHECK(bench.drive(0.1) == "nack conflict");
+  CHECK(bench.nack_of(bench.last_id).what == "drive: this one is over: the robot has not taken its speeds for 500 ms");
+  CHECK(bench.sent().find("stopj(2)") != std::string::npos);
+}
+
+TEST_CASE("what the robot refuses ends the drive; if it does not take the order to stand, it is halted") {
+  HandUrBench bench;
+  bench.drive(0.1);
+  bench.sent();
+  bench.monitor(ur_exception(2, 3, "compile_error_name_not_found:speedj:"));
+  const std::string told = bench.sent();
+  CHECK(told.find("stopj(2)") != std::string::npos);
+  CHECK(bench.drive(0.1) == "nack conflict");
+  bench.monitor(ur_exception(2, 3, "compile_error_name_not_found:stopj:"));
+  CHECK(bench.sent() == "stop program\n");
+}
+
+TEST_CASE("an arm that is off is not driven, and says what to do") {
+  HandUrBench bench;
+  bench.state({.mode = 3});
+  CHECK(bench.drive(0.1) == "nack robot_error");
+  CHECK(bench.nack_of(bench.last_id).what == "the arm is powered off");
+  bench.state();
+  CHECK(bench.drive(0.1) == "ack driving");  // it had not begun
+}
+
+TEST_CASE("the fleet is told what can be driven") {
+  HandBench bench;
+  bench.out.clear();
+  bench.welcome();
+  const auto profile = bench.one<NodeProfile>();
+  REQUIRE(profile.drives.size() == 1);
+  CHECK(profile.drives[0] == DriveInfo{DrivePart::base, {"x", "yaw"}, {0.5, 1}});
+}

@@ -1,0 +1,90 @@
+#include "services/simulator/job/world_job.hpp"
+
+#include <algorithm>
+
+namespace trb::simulator {
+namespace {
+
+using world::Fault;
+using world::FaultKind;
+using world::WorldPlan;
+
+constexpr std::size_t kMaxFaults = 1000;
+constexpr std::size_t kMaxId = 64;
+
+bool is_node(const WorldPlan& plan, const std::string& id) {
+  if (id == "cloud") return true;
+  for (std::uint32_t i = 0; i < plan.robots; ++i) {
+    if (id == "r" + std::to_string(i)) return true;
+  }
+  return false;
+}
+
+void check_node(const ObjectReader& reader, const WorldPlan& plan, const char* key, const std::string& id) {
+  if (is_node(plan, id)) return;
+  reader.faults().add(std::string("faults.") + key, "'" + id + "' is no node",
+                      "use cloud, or r0 to r" + std::to_string(plan.robots - 1));
+}
+
+void read_fault(ObjectReader& reader, WorldPlan& plan) {
+  Fault fault;
+  fault.at_s = reader.number("at", Need::required, {0, world::kMaxUntil}).value_or(0);
+  const auto kind = reader.one_of<FaultKind>("kind", Need::required);
+  fault.node = reader.text("node", Need::required, kMaxId).value_or("cloud");
+  fault.other = reader.text("other", Need::optional, kMaxId).value_or("");
+  reader.refuse_unknown_keys();
+  check_node(reader, plan, "node", fault.node);
+  if (!fault.other.empty()) check_node(reader, plan, "other", fault.other);
+  const bool between = kind == FaultKind::cut || kind == FaultKind::heal;
+  if (!fault.other.empty() && !between)
+    reader.faults().add("faults.other", "only cut and heal have another end", "leave it out");
+  if (kind == FaultKind::fail && fault.node == "cloud")
+    reader.faults().add("faults.node", "the cloud has no robot", "let a robot's node fail");
+  if (!kind) return;
+  fault.kind = *kind;
+  plan.faults.push_back(std::move(fault));
+}
+
+void read_faults(ObjectReader& reader, WorldPlan& plan) {
+  const Value::List* list = reader.list("faults", Need::optional, kMaxFaults);
+  if (list == nullptr) return;
+  for (std::size_t i = 0; i < list->size(); ++i) {
+    ObjectReader one((*list)[i], "faults[" + std::to_string(i) + "]", reader.faults());
+    read_fault(one, plan);
+  }
+}
+
+}  // namespace
+
+WorldPlan read_world(ObjectReader& reader) {
+  WorldPlan plan;
+  plan.robots = static_cast<std::uint32_t>(reader.integer("robots", Need::required, 1, world::kMaxRobots).value_or(1));
+  plan.tasks = static_cast<std::uint32_t>(reader.integer("tasks", Need::required, 1, kMaxTasks).value_or(1));
+  plan.task_s = reader.number("task_seconds", Need::optional, kSeconds).value_or(plan.task_s);
+  plan.deviation_s = reader.number("deviation", Need::optional, {0, plan.task_s}).value_or(0);
+  plan.until_s = reader.number("seconds", Need::optional, {0, world::kMaxUntil}).value_or(0);
+  plan.seed = static_cast<std::uint64_t>(reader.integer("seed", Need::optional, 0, INT64_MAX).value_or(1));
+  std::vector<std::string> names;
+  names.reserve(world::kLinkKinds.size());
+  for (const world::LinkKind& kind : world::kLinkKinds) names.emplace_back(kind.name);
+  plan.link = world::kLinkKinds[reader.choice("link", Need::optional, names).value_or(0)];
+  read_faults(reader, plan);
+  return plan;
+}
+
+Value world_value(const world::Played& played) {
+  const auto integer = [](std::uint64_t number) { return Value{static_cast<std::int64_t>(number)}; };
+  Value::List broken;
+  for (const std::string& text : played.broken) broken.push_back(Value{text});
+  const bool over = played.over_everywhere;
+  return Value{Value::Object{{"state", Value{over ? std::string(name_of(played.state)) : "OPEN"}},
+                             {"over_everywhere", Value{over}},
+                             {"tasks_done", integer(played.tasks_done)},
+                             {"makespan_s", Value{played.makespan_s}},
+                             {"linked_s", Value{played.linked_s}},
+                             {"submitted_s", Value{played.submitted_s}},
+                             {"events", integer(played.events)},
+                             {"broken", Value{std::move(broken)}}}};
+}
+
+}  // namespace trb::simulator

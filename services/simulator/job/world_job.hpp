@@ -1,0 +1,17 @@
+// A job for the world: the keys of a simulation with the real cores.
+#pragma once
+
+#include "common/fleet/object_reader.hpp"
+#include "services/simulator/world/world.hpp"
+
+namespace trb::simulator {
+
+/// Keys: `robots`, `tasks`; optional: `task_seconds` (3), `deviation` (0, of a task's time), `link` ("lan", "wifi",
+/// "vpn"), `seed` (1), `seconds` (at most so many are simulated), `faults`: [{"at", "kind", "node", "other"}], whose
+/// times count from the run's submission.
+world::WorldPlan read_world(ObjectReader& reader);
+
+/// What the world adds to the answer.
+Value world_value(const world::Played& played);
+
+}  // namespace trb::simulator

@@ -1,0 +1,106 @@
+// trb-simulator: one simulation, for `trb simulate` and whoever else runs jobs. See README.md.
+#include <unistd.h>
+
+#include <cstdio>
+#include <string>
+
+#include "common/base/files.hpp"
+#include "services/simulator/counting/play.hpp"
+#include "services/simulator/job/answer.hpp"
+#include "services/simulator/job/job.hpp"
+#include "services/simulator/job/world_job.hpp"
+
+namespace trb::simulator {
+namespace {
+
+constexpr std::uint64_t kMaxTraced = 1'000'000;
+constexpr int kFailed = 1, kWrongUse = 2;
+
+/// As `trb --json` prints an error.
+int refuse(const Error& error) {
+  const Value::Object out{
+      {"code", Value{std::string(errc_name(error.code))}}, {"what", Value{error.what}}, {"cure", Value{error.hint}}};
+  std::printf("%s\n", dump_json(Value{Value::Object{{"error", Value{out}}}}).c_str());
+  return kFailed;
+}
+
+Status write_trace(const Job& job, std::uint64_t messages) {
+  if (messages > kMaxTraced) {
+    return fail(Errc::too_large, "trace: " + std::to_string(messages) + " messages",
+                "trace a fleet with at most " + std::to_string(kMaxTraced));
+  }
+  Bytes text;
+  counting::play(job.plan,
+                 [&](const counting::CountedMessage& message) { text += dump_json(trace_value(message)) + "\n"; });
+  return write_file(job.trace, text, 0644);
+}
+
+int answer(const Value& value) {
+  std::printf("%s\n", dump_json(value).c_str());
+  return std::fflush(stdout) == 0 ? 0 : refuse(fail(Errc::io_error, "standard output", "it was closed"));
+}
+
+/// How far it is, on a terminal: a large fleet takes a minute.
+void show_progress(const world::World& world) {
+  std::fprintf(stderr, "\r%.0f s of the fleet's time, %zu of %u tasks done ", world.seconds_passed(),
+               world.witness().tasks_done(), world.plan().tasks);
+}
+
+int simulate_world(const Job& job) {
+  world::World world(*job.world);
+  const bool is_watched = ::isatty(STDERR_FILENO) == 1;
+  if (is_watched) world.on_second = show_progress;
+  Bytes trace;
+  std::uint64_t traced = 0;
+  if (!job.trace.empty()) {
+    world.meter().trace = [&](const world::Sending& sending, CostPhase phase) {
+      if (++traced <= kMaxTraced) trace += dump_json(trace_value(sending, phase)) + "\n";
+    };
+  }
+  const world::Played played = world.play();
+  if (is_watched) std::fputs("\r\x1b[K", stderr);
+  if (traced > kMaxTraced) {
+    return refuse(fail(Errc::too_large, "trace: " + std::to_string(traced) + " messages",
+                       "trace a fleet with at most " + std::to_string(kMaxTraced)));
+  }
+  if (!job.trace.empty()) {
+    if (const Status written = write_file(job.trace, trace, 0644); !written) return refuse(written.error());
+  }
+  Value out = answer_value(world.meter().tally(), played.seconds);
+  std::get<Value::Object>(out.is).emplace_back("world", world_value(played));
+  return answer(out);
+}
+
+int simulate(const std::string& text) {
+  ConfigFaults faults;
+  const Job job = read_job(text, faults);
+  if (!faults.empty()) {
+    const ConfigFault& first = faults.front();
+    return refuse(fail(Errc::bad_value, (first.key.empty() ? "job" : first.key) + ": " + first.what, first.hint));
+  }
+  if (job.world) return simulate_world(job);
+  const double most_s = std::max(job.plan.seconds, job.plan.task_s * static_cast<double>(job.plan.tasks.size()));
+  counting::Tally tally(most_s);
+  const double seconds = counting::play(job.plan, tally);
+  if (!job.trace.empty()) {
+    const Status written = write_trace(job, tally.all().messages);
+    if (!written) return refuse(written.error());
+  }
+  return answer(answer_value(tally, seconds));
+}
+
+}  // namespace
+}  // namespace trb::simulator
+
+int main(int count, char** words) {
+  if (count != 2 || std::string(words[1]) == "--help") {
+    std::fputs(
+        "usage: trb-simulator JOB\n"
+        "Plays one simulation and prints what it has found as JSON; `trb simulate` is for people.\n"
+        "  trb-simulator '{\"robots\": 50, \"tasks\": 100}'\n"
+        "  trb-simulator '{\"protocol\": \"talkrobots\", \"robots\": 5, \"tasks\": 9, \"link\": \"wifi\"}'\n",
+        count == 2 ? stdout : stderr);
+    return count == 2 ? 0 : trb::simulator::kWrongUse;
+  }
+  return trb::simulator::simulate(words[1]);
+}

@@ -1,0 +1,139 @@
+#include "services/simulator/world/network.hpp"
+
+#include <algorithm>
+
+namespace trb::world {
+namespace {
+
+constexpr Duration kResend = std::chrono::milliseconds(200);  ///< TCP's least time-out
+constexpr int kRoundTrips = 4;                                ///< TCP, ZMTP, and CURVE's two
+
+std::pair<std::string, std::string> pair_of(const std::string& one, const std::string& other) {
+  return one < other ? std::pair(one, other) : std::pair(other, one);
+}
+
+}  // namespace
+
+void Network::join(const std::string& id, const std::string& address, Host& host) {
+  hosts_[id] = &host;
+  addresses_[address] = id;
+}
+
+void Network::leave(const std::string& id) {
+  hosts_.erase(id);
+  std::vector<LinkId> ended;
+  for (auto& [link, is] : connections_) {
+    if (is.there.to != id && is.back.to != id) continue;
+    ended.push_back(link);
+    (is.back.to == id ? is.there : is.back).held.clear();  // its buffers are gone, too
+  }
+  for (const LinkId link : ended) close(link, id);
+}
+
+Host* Network::host(const std::string& id) {
+  const auto at = hosts_.find(id);
+  return at == hosts_.end() ? nullptr : at->second;
+}
+
+bool Network::is_cut(const std::string& one, const std::string& other) const {
+  return cuts_.contains(pair_of(one, other));
+}
+
+void Network::cut(const std::string& one, const std::string& other) {
+  cuts_.insert(pair_of(one, other));
+}
+
+void Network::heal(const std::string& one, const std::string& other) {
+  cuts_.erase(pair_of(one, other));
+  for (auto& [link, is] : connections_) {
+    if (pair_of(is.there.to, is.back.to) != pair_of(one, other)) continue;
+    for (const bool there : {true, false}) {
+      for (Parcel& parcel : std::exchange((there ? is.there : is.back).held, {})) post(link, there, std::move(parcel));
+    }
+  }
+}
+
+void Network::count(const std::string& from, const std::string& to, std::string_view subtype, std::uint64_t bytes,
+                    BytesView frame) {
+  meter_.on({events_.seconds_passed(), from, to, subtype, bytes, true}, frame);
+}
+
+void Network::dial(const std::string& from, const router::Dial& dial) {
+  Duration takes{0};
+  for (int i = 0; i < 2 * kRoundTrips; ++i) takes += delay();
+  events_.after(takes, [this, from, dial] { connect(from, dial); });
+}
+
+void Network::connect(const std::string& from, const router::Dial& dial) {
+  Host* here = host(from);
+  if (here == nullptr) return;
+  const auto place = addresses_.find(dial.address);
+  const std::string to = place == addresses_.end() ? "" : place->second;
+  if (is_cut(from, to)) return;  // no answer comes: the router's own time-out ends it
+  Host* there = host(to);
+  if (there == nullptr || there->link_key() != dial.server_key) return here->on_dial_ended(dial.link, LinkEnd::failed);
+  if (!there->admit(here->link_key())) return here->on_dial_ended(dial.link, LinkEnd::refused_key);
+  count(from, to, "hello", kConnectBytes, "");
+  connections_[dial.link] = {{to, {}, {}, {}}, {from, {}, {}, {}}, here->link_key()};
+  here->on_dial_connected(dial.link);
+}
+
+bool Network::send(LinkId connection, const std::string& from, Bytes frame) {
+  const auto at = connections_.find(connection);
+  if (at == connections_.end()) return false;
+  const bool there = at->second.back.to == from;
+  const auto header = decode_frame_of_any_version(frame);
+  count(from, there ? at->second.there.to : at->second.back.to, header ? header->subtype : "", on_wire(frame.size()),
+        frame);
+  post(connection, there, {std::move(frame), false});
+  return true;
+}
+
+/// It leaves when the connection is free, and arrives behind all that was sent before.
+void Network::post(LinkId connection, bool there, Parcel parcel) {
+  Connection& is = connections_.at(connection);
+  Way& way = there ? is.there : is.back;
+  const std::uint64_t bytes = parcel.end ? 0 : on_wire(parcel.frame.size());
+  const auto takes = static_cast<std::int64_t>(bytes * 1'000'000'000U / kind_.bytes_a_second);
+  way.free = std::max(events_.now(), way.free) + Duration{takes};
+  Duration late = delay();
+  for (Duration wait = kResend; dice_.chance(kind_.loss) && wait < std::chrono::seconds(10); wait *= 2) late += wait;
+  way.last = std::max(way.last, way.free + late);
+  events_.at(way.last, [this, connection, there, parcel = std::move(parcel)]() mutable {
+    arrive(connection, there, std::move(parcel));
+  });
+}
+
+void Network::arrive(LinkId connection, bool there, Parcel parcel) {
+  const auto at = connections_.find(connection);
+  if (at == connections_.end()) return;
+  Way& way = there ? at->second.there : at->second.back;
+  if (is_cut(at->second.there.to, at->second.back.to)) return way.held.push_back(std::move(parcel));
+  hand_over(connection, std::string(way.to), std::move(parcel));
+}
+
+void Network::hand_over(LinkId connection, const std::string& to, Parcel parcel) {
+  const Bytes key = connections_.at(connection).key;
+  if (parcel.end) connections_.erase(connection);
+  Host* here = host(to);
+  if (here == nullptr) return;
+  if (parcel.end) return here->on_connection_end(connection);
+  here->on_frame(connection, key, std::move(parcel.frame));
+}
+
+void Network::close(LinkId connection, const std::string& by) {
+  const auto at = connections_.find(connection);
+  if (at != connections_.end()) post(connection, at->second.back.to == by, {{}, true});
+}
+
+void Network::broadcast(const std::string& from, const Bytes& plain) {
+  count(from, "*", "beacon", plain.size() + kBeaconBytes, plain);
+  for (const auto& [id, is] : hosts_) {
+    if (id == from || is_cut(from, id) || dice_.chance(kind_.loss)) continue;
+    events_.after(delay(), [this, to = id, plain] {
+      if (Host* there = host(to)) there->on_beacon(plain);
+    });
+  }
+}
+
+}  // namespace trb::world

@@ -1,0 +1,95 @@
+// The network between the computers: connections that delay, lose, throttle and are cut; and beacons.
+#pragma once
+
+#include <deque>
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
+#include <utility>
+
+#include "services/router/core/effects.hpp"
+#include "services/router/core/link_end.hpp"
+#include "services/simulator/world/dice.hpp"
+#include "services/simulator/world/events.hpp"
+#include "services/simulator/world/link_kind.hpp"
+#include "services/simulator/world/meter.hpp"
+
+namespace trb::world {
+
+using router::ConnectionId;
+using router::LinkEnd;
+using router::LinkId;
+
+/// A computer's end of the network. A connection bears the id of the link that its dialler wants.
+class Host {
+ public:
+  Host() = default;
+  Host(const Host&) = delete;
+  Host& operator=(const Host&) = delete;
+  [[nodiscard]] virtual const Bytes& link_key() const = 0;
+  /// Somebody with this key dials.
+  virtual bool admit(BytesView key) = 0;
+  virtual void on_dial_connected(LinkId link) = 0;
+  virtual void on_dial_ended(LinkId link, LinkEnd how) = 0;
+  virtual void on_frame(LinkId connection, BytesView dialler_key, Bytes frame) = 0;
+  virtual void on_connection_end(LinkId connection) = 0;
+  virtual void on_beacon(BytesView plain) = 0;
+
+ protected:
+  ~Host() = default;
+};
+
+class Network {
+ public:
+  Network(Events& events, Meter& meter, Dice& dice, LinkKind kind)
+      : events_(events), meter_(meter), dice_(dice), kind_(kind) {}
+
+  void join(const std::string& id, const std::string& address, Host& host);
+  /// The computer's processes end: its connections end, and the other ends learn of it.
+  void leave(const std::string& id);
+  void dial(const std::string& from, const router::Dial& dial);
+  /// False: there is no such connection any more.
+  bool send(LinkId connection, const std::string& from, Bytes frame);
+  void close(LinkId connection, const std::string& by);
+  void broadcast(const std::string& from, const Bytes& plain);
+
+  /// Nothing arrives any more between these two, and nobody is told. What waits arrives when it is healed.
+  void cut(const std::string& one, const std::string& other);
+  void heal(const std::string& one, const std::string& other);
+
+ private:
+  struct Parcel {
+    Bytes frame;
+    bool end = false;  ///< the sender has closed
+  };
+  struct Way {
+    std::string to;
+    MonotonicTime free, last;
+    std::deque<Parcel> held;  ///< while it is cut
+  };
+  struct Connection {
+    Way there, back;  ///< to the acceptor, to the dialler
+    Bytes key;        ///< the dialler's
+  };
+  [[nodiscard]] bool is_cut(const std::string& one, const std::string& other) const;
+  [[nodiscard]] Host* host(const std::string& id);
+  void connect(const std::string& from, const router::Dial& dial);
+  void post(LinkId connection, bool there, Parcel parcel);
+  void arrive(LinkId connection, bool there, Parcel parcel);
+  void hand_over(LinkId connection, const std::string& to, Parcel parcel);
+  Duration delay() { return dice_.normal(kind_.delay, kind_.deviation); }
+  void count(const std::string& from, const std::string& to, std::string_view subtype, std::uint64_t bytes,
+             BytesView frame);
+
+  Events& events_;
+  Meter& meter_;
+  Dice& dice_;
+  LinkKind kind_;
+  std::map<std::string, Host*> hosts_;
+  std::map<std::string, std::string> addresses_;  ///< HOST:PORT -> id
+  std::map<LinkId, Connection> connections_;
+  std::set<std::pair<std::string, std::string>> cuts_;
+};
+
+}  // namespace trb::world

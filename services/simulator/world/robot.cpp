@@ -1,0 +1,69 @@
+#include "services/simulator/world/robot.hpp"
+
+#include <utility>
+
+namespace trb::world {
+namespace {
+
+constexpr std::size_t kFields = 5;
+
+}  // namespace
+
+void Robot::connect(std::function<void(std::string)> tell) {
+  tell_ = std::move(tell);
+  line_.clear();
+  field_ = 0;
+  if (tell_ && broken_) inform("fault", "hands CRITICAL broken");
+}
+
+void Robot::hear(std::string_view bytes) {
+  for (const char byte : bytes) {
+    if (byte != '\n') {
+      line_ += byte;
+      continue;
+    }
+    const std::string field = std::exchange(line_, {});
+    take_field(field);
+  }
+}
+
+void Robot::take_field(const std::string& field) {
+  if (field == "!stop" || field == "!release") {
+    work_.reset();
+    field_ = 0;
+    return tell_(field == "!stop" ? "!stopped\n" : "!released\n");
+  }
+  if (field_ == 0) type_ = field;
+  if (field_ == 1) subtype_ = field;
+  if (tell_) tell_("ok\n");
+  if (++field_ < kFields) return;
+  field_ = 0;
+  if (type_ == "command") begin();
+}
+
+void Robot::begin() {
+  if (work_) ++overlaps;
+  skill_ = subtype_;
+  if (broken_) return inform("failed", skill_ + " broken");
+  if (on_begin) on_begin();
+  work_ = std::make_shared<char>();
+  events_.after(dice_.normal(plan_.task, plan_.deviation), work_, [this] { end(true); });
+}
+
+void Robot::end(bool well) {
+  work_.reset();
+  if (well && on_end) on_end();
+  inform(well ? "done" : "failed", well ? skill_ : skill_ + " broken");
+}
+
+void Robot::fail() {
+  broken_ = true;
+  inform("fault", "hands CRITICAL broken");
+  if (work_) end(false);
+}
+
+void Robot::inform(const std::string& subtype, const std::string& data) {
+  if (tell_) tell_("information\n" + subtype + "\n\n" + std::to_string(data.size()) + "\n" + data + "\n");
+}
+
+}  // namespace trb::world

@@ -1,0 +1,54 @@
+// A robot that is told field by field (proto/FIELD_CHANNEL.md): its skills take their time, and it may break.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "services/simulator/world/dice.hpp"
+#include "services/simulator/world/events.hpp"
+
+namespace trb::world {
+
+struct RobotPlan {
+  Duration task{0};       ///< mean
+  Duration deviation{0};  ///< 0: each task takes as long
+};
+
+class Robot {
+ public:
+  Robot(RobotPlan plan, Events& events, Dice& dice) : plan_(plan), events_(events), dice_(dice) {}
+  Robot(const Robot&) = delete;
+  Robot& operator=(const Robot&) = delete;
+
+  /// Bytes of its node.
+  void hear(std::string_view bytes);
+  /// Its node's connection: where its own bytes go; empty: there is none.
+  void connect(std::function<void(std::string bytes)> tell);
+  /// From now on it does nothing any more, and says so.
+  void fail();
+
+  std::function<void()> on_begin, on_end;  ///< for whoever watches
+  std::uint64_t overlaps = 0;              ///< commands that came while it was working
+
+ private:
+  void take_field(const std::string& field);
+  void begin();
+  void end(bool well);
+  void inform(const std::string& subtype, const std::string& data);
+
+  RobotPlan plan_;
+  Events& events_;
+  Dice& dice_;
+  std::shared_ptr<char> life_ = std::make_shared<char>();
+  std::shared_ptr<char> work_;  ///< while it works
+  std::function<void(std::string)> tell_;
+  std::string line_;
+  std::string type_, subtype_;
+  std::size_t field_ = 0;
+  std::string skill_;
+  bool broken_ = false;
+};
+
+}  // namespace trb::world

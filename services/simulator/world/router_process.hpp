@@ -1,0 +1,89 @@
+// A router: the real core, and in place of its sockets, files and threads the world's.
+#pragma once
+
+#include <deque>
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
+
+#include "services/router/core/router_core.hpp"
+#include "services/simulator/world/bus.hpp"
+#include "services/simulator/world/clock.hpp"
+
+namespace trb::world {
+
+class RouterProcess final : public Host, public BusServer {
+ public:
+  RouterProcess(router::RouterConfig config, Events& events, const Clock& clock, Network& network, Meter& meter);
+  RouterProcess(const RouterProcess&) = delete;
+  RouterProcess& operator=(const RouterProcess&) = delete;
+  ~RouterProcess();
+
+  void start();
+  [[nodiscard]] Bus& bus() { return bus_; }
+  [[nodiscard]] const router::RouterCore& core() const { return core_; }
+  [[nodiscard]] std::size_t linked() const;
+
+  [[nodiscard]] const Bytes& link_key() const override { return core_.config().link_key.public_key; }
+  bool admit(BytesView key) override;
+  void on_dial_connected(LinkId link) override;
+  void on_dial_ended(LinkId link, LinkEnd how) override;
+  void on_frame(LinkId connection, BytesView dialler_key, Bytes frame) override;
+  void on_connection_end(LinkId connection) override;
+  void on_beacon(BytesView plain) override;
+  void on_bus_frame(ConnectionId from, const std::string& name, Bytes frame) override;
+
+ private:
+  struct Held {
+    std::uint64_t sequence = 0;
+    ConnectionId to = 0;
+    Bytes frame;
+  };
+  /// One call of the core, and what follows from it.
+  template <class Step>
+  void step(Step&& call);
+  void carry_out(router::Effects& effects);
+  void carry_out(router::BusSend& send);
+  void carry_out(router::LinkSend& send);
+  void carry_out(router::Dial& dial) { network_.dial(id(), dial); }
+  void carry_out(router::DialLane&) {}  // no lanes: nothing here is lossy
+  void carry_out(router::CloseLink& close);
+  void carry_out(router::AcceptLink& accept) { accepted_.insert(accept.link); }
+  void carry_out(router::SendBeacon& beacon) { network_.broadcast(id(), beacon.plain); }
+  void carry_out(router::StorePeers&) {}
+  void carry_out(router::RefuseCandidate& refuse);
+  void carry_out(Log&) {}
+  void carry_out(router::StoreUpdate&) { stored(router::Kept::update); }
+  void carry_out(router::StoreCertificate&) { stored(router::Kept::certificate); }
+  void carry_out(router::StoreBoot&) { stored(router::Kept::boot); }
+  void carry_out(router::StoreUtc&) {}
+  void carry_out(router::SealDue& due);
+  void carry_out(router::CheckSeal& seal);
+  void carry_out(router::DeliverHeld& proven);
+  void carry_out(router::ReturnHeld& of);
+
+  [[nodiscard]] const std::string& id() const { return core_.config().id; }
+  void stored(router::Kept what);
+  void on_hello(ConnectionId from, const std::string& name, const HeaderView& header);
+  void from_link(LinkId link, const HeaderView& header, Bytes frame);
+  void deliver(LinkId link, std::uint64_t sequence, bool hold, ConnectionId to, Bytes frame);
+  bool send(LinkId link, const router::Outgoing& outgoing, Bytes frame);
+  bool send(LinkId link, Bytes frame);
+  void count_local(const HeaderView& header, BytesView frame);
+
+  Events& events_;
+  const Clock& clock_;
+  Network& network_;
+  Meter& meter_;
+  std::shared_ptr<char> life_ = std::make_shared<char>();
+  router::RouterCore core_;
+  Bus bus_;
+  Timer timer_;
+  std::set<LinkId> accepted_;
+  std::vector<LinkId> lost_;  ///< accepted, found gone at a send
+  std::map<LinkId, std::deque<Held>> held_;
+  LinkId origin_ = 0;  ///< the connection whose frame is being handled
+};
+
+}  // namespace trb::world

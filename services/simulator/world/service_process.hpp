@@ -1,0 +1,77 @@
+// A service: a real core, and in place of its shell (common/service) the world's bus, disk and clock. Records are on
+// disk before anything based on them leaves; meanwhile the process hears nothing, as the real one does.
+#pragma once
+
+#include <deque>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/actor/core.hpp"
+#include "services/simulator/world/bus.hpp"
+#include "services/simulator/world/clock.hpp"
+#include "services/simulator/world/dice.hpp"
+
+namespace trb::world {
+
+/// A core that is broken on purpose: what passes through its seam is changed, or held back (false).
+struct Meddler {
+  std::function<bool(const std::string& node, Inbound& message)> hears;
+  std::function<bool(const std::string& node, const Send& send)> sends;
+  std::function<bool(const std::string& node, const Journal& record)> writes;
+};
+
+struct ServiceSettings {
+  std::string name;  ///< of the socket; "probe": a person
+  std::vector<std::string> subtypes{};
+  std::vector<std::string> hears{};
+  std::uint64_t instance = 0;
+  Duration commit{0};                                        ///< what writing a step's records takes
+  std::function<void(const std::vector<Journal>&)> store{};  ///< puts them on disk
+  std::function<void()> after_sends{};
+  const Meddler* meddler = nullptr;
+};
+
+class ServiceProcess {
+ public:
+  ServiceProcess(ServiceSettings settings, Core& core, Bus& bus, Events& events, const Clock& clock, Dice& dice);
+  ServiceProcess(const ServiceProcess&) = delete;
+  ServiceProcess& operator=(const ServiceProcess&) = delete;
+
+  /// Something happens to the core that is no message.
+  void step(const std::function<void(Now now, Outbox& out)>& call);
+  [[nodiscard]] std::uint64_t malformed() const { return malformed_; }
+
+  std::function<void(const Inbound& message)> on_heard;  ///< for whoever watches
+
+ private:
+  void say_hello();
+  void keep_alive();
+  void receive(Bytes frame);
+  void handle(const Bytes& frame);
+  void welcome(const Message& message);
+  void deliver(Message message);
+  void carry_out(Outbox out);
+  void send_all(const Outbox& out);
+  void send(const Send& send);
+  void end_step();
+
+  ServiceSettings settings_;
+  Core& core_;
+  Bus& bus_;
+  Events& events_;
+  const Clock& clock_;
+  Dice& dice_;
+  std::shared_ptr<char> life_ = std::make_shared<char>();
+  ConnectionId connection_;
+  Timer timer_, alive_;
+  std::deque<Bytes> inbox_;  ///< while it writes
+  bool writes_ = false;
+  std::string node_;
+  std::uint16_t slot_ = 0;
+  std::uint16_t count_ = 0;
+  std::uint64_t malformed_ = 0;
+};
+
+}  // namespace trb::world

@@ -1,0 +1,63 @@
+// What really happened at the robots, whatever anybody says of it.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+
+#include "proto/bodies/robot.hpp"
+
+namespace trb::world {
+
+class Witness {
+ public:
+  void on_begin(const std::string& robot, const AttemptKey& key, double at_s) {
+    ++begun_[key];
+    at_work_[robot] = key;
+    if (!first_s_) first_s_ = at_s;
+  }
+  void on_end(const std::string& robot, double at_s) {
+    const auto at = at_work_.find(robot);
+    if (at == at_work_.end()) return;
+    ++done_[at->second.task];
+    ended_[robot] = {at->second.task, at_s};
+    last_s_ = at_s;
+    at_work_.erase(at);
+  }
+  /// Its node's processes end: how a task ended that was under way, or has just ended, nobody can know.
+  void on_kill(const std::string& robot, double at_s) {
+    constexpr double kJust = 0.1;  // seconds
+    if (const auto at = at_work_.find(robot); at != at_work_.end()) unknown_.insert(at->second.task);
+    if (const auto at = ended_.find(robot); at != ended_.end() && at_s - at->second.second < kJust)
+      unknown_.insert(at->second.first);
+  }
+  /// Tasks that were done, and whose nodes must know it.
+  [[nodiscard]] std::set<std::string> provable() const {
+    std::set<std::string> out;
+    for (const auto& [task, times] : done_) out.insert(task);
+    for (const std::string& task : unknown_) out.erase(task);
+    return out;
+  }
+  /// How often the task was done to its end.
+  [[nodiscard]] std::uint32_t done(const std::string& task) const {
+    const auto at = done_.find(task);
+    return at == done_.end() ? 0 : at->second;
+  }
+  [[nodiscard]] std::size_t tasks_done() const { return done_.size(); }
+  [[nodiscard]] const std::map<AttemptKey, std::uint32_t>& begun() const { return begun_; }
+  /// From the first task's begin to the last one's end.
+  [[nodiscard]] double makespan_s() const { return first_s_ ? last_s_ - *first_s_ : 0; }
+
+ private:
+  std::map<AttemptKey, std::uint32_t> begun_;
+  std::map<std::string, std::uint32_t> done_;
+  std::map<std::string, AttemptKey> at_work_;
+  std::map<std::string, std::pair<std::string, double>> ended_;  ///< by robot: its last task, and when
+  std::set<std::string> unknown_;
+  std::optional<double> first_s_;
+  double last_s_ = 0;
+};
+
+}  // namespace trb::world

@@ -1,0 +1,203 @@
+#include "services/simulator/world/world.hpp"
+
+#include <algorithm>
+#include <cstdio>
+
+#include "common/scenario/run_start.hpp"
+#include "common/security/seeded_keys.hpp"
+#include "services/simulator/world/invariants.hpp"
+
+namespace trb::world {
+namespace {
+
+constexpr double kLinksAtMost_s = 60;
+constexpr double kRest_s = 5;  ///< between the links and the submission, and behind the end
+constexpr double kSlow_s = 1800;
+constexpr Duration kLook = std::chrono::milliseconds(100);
+constexpr Duration kLife = std::chrono::hours(24);
+constexpr Duration kYear = std::chrono::hours(24 * 365);
+
+std::string address_of(std::uint32_t number) {
+  return "10.0." + std::to_string(number / 250) + "." + std::to_string(number % 250 + 1) + ":45000";
+}
+
+std::string run_id(Dice& dice) {
+  char out[33];
+  std::snprintf(out, sizeof out, "%016llx%016llx", static_cast<unsigned long long>(dice.next()),
+                static_cast<unsigned long long>(dice.next()));
+  return out;
+}
+
+}  // namespace
+
+double WorldPlan::limit_s() const {
+  if (until_s > 0) return until_s;
+  return std::min(kMaxUntil, kLinksAtMost_s + kSlow_s + tasks * (task_s + 6 * deviation_s + 1));
+}
+
+World::World(WorldPlan plan, Meddler meddler)
+    : plan_(std::move(plan)),
+      meddler_(std::move(meddler)),
+      dice_(plan_.seed),
+      meter_(plan_.limit_s()),
+      network_(events_, meter_, dice_, plan_.link),
+      authority_key_(seeded_signing_key(dice_.next())),
+      run_(run_id(dice_)) {
+  init_crypto();
+  authority_.name = "world";
+  authority_.public_key = authority_key_.public_key;
+  meter_.watch = [this](const Sending& sending, std::string_view frame) { repeats_.on(sending, frame); };
+  add("cloud", Role::cloud, 0);
+  for (std::uint32_t i = 0; i < plan_.robots; ++i) add("r" + std::to_string(i), Role::robot, i + 1);
+}
+
+void World::add(const std::string& id, Role role, std::uint32_t number) {
+  NodePlan plan;
+  plan.id = id;
+  plan.role = role;
+  plan.address = address_of(number);
+  plan.authority = authority_;
+  plan.identity = seeded_signing_key(dice_.next());
+  plan.link_key = seeded_link_key(dice_.next());
+  Certificate certificate;
+  certificate.fleet.bytes = authority_.id();
+  certificate.serial = number + 1;
+  certificate.id = id;
+  certificate.role = role;
+  certificate.identity_key.bytes = plan.identity.public_key;
+  certificate.link_key.bytes = plan.link_key.public_key;
+  certificate.not_before = Clock::kUtc - kYear.count();
+  certificate.not_after = Clock::kUtc + kYear.count();
+  plan.certificate = sign(kSignedCertificate, "", authority_.id(), encode(certificate), authority_key_);
+  const auto cloud = nodes_.find("cloud");
+  if (cloud != nodes_.end())
+    plan.seeds.push_back({cloud->second->plan().address, cloud->second->plan().link_key.public_key});
+  constexpr Duration kCommit = std::chrono::milliseconds(2);
+  plan.commit = kCommit;
+  plan.robot = {seconds(plan_.task_s), seconds(plan_.deviation_s)};
+  auto node = std::make_unique<Node>(std::move(plan), Surroundings{events_, network_, meter_, dice_, &meddler_});
+  watch(*node);
+  nodes_[id] = std::move(node);
+}
+
+void World::watch(Node& node) {
+  if (node.robot() == nullptr) return;
+  const std::string& id = node.plan().id;
+  node.robot()->on_begin = [this, &node] {
+    witness_.on_begin(node.plan().id, node.order().key, events_.seconds_passed());
+  };
+  node.robot()->on_end = [this, id] { witness_.on_end(id, events_.seconds_passed()); };
+}
+
+Played World::play() {
+  for (const auto& [id, node] : nodes_) {
+    events_.after(Duration{static_cast<std::int64_t>(dice_.below(1'000'000'000))}, [&is = *node] { is.start(); });
+  }
+  events_.after(std::chrono::seconds(1), [this] { look_for_links(); });
+  pass(plan_.limit_s());
+  if (ended_) pass(events_.seconds_passed() + kRest_s);
+  outcome_.over_everywhere = is_over_everywhere();
+  if (const auto record = nodes_.at("cloud")->disk().archive.record(run_)) outcome_.state = record->view.state;
+  outcome_.makespan_s = witness_.makespan_s();
+  outcome_.tasks_done = witness_.tasks_done();
+  outcome_.seconds = events_.seconds_passed();
+  outcome_.events = events_.count();
+  outcome_.broken = broken_invariants(*this, outcome_);
+  return outcome_;
+}
+
+void World::pass(double limit_s) {
+  const MonotonicTime limit = events_.now() + seconds(limit_s - events_.seconds_passed());
+  const bool ended = ended_;
+  while (ended_ == ended && events_.step(limit)) tell_second();
+}
+
+void World::tell_second() {
+  if (!on_second || events_.seconds_passed() < told_s_ + 1) return;
+  told_s_ = events_.seconds_passed();
+  on_second(*this);
+}
+
+void World::look_for_links() {
+  const bool all =
+      std::ranges::all_of(nodes_, [&](const auto& one) { return one.second->linked() + 1 == nodes_.size(); });
+  if (!all && events_.seconds_passed() < kLinksAtMost_s) return events_.after(kLook, [this] { look_for_links(); });
+  outcome_.linked_s = events_.seconds_passed();
+  events_.after(seconds(kRest_s), [this] { submit(); });
+}
+
+RunStart World::start() const {
+  Scenario scenario;
+  scenario.name = "in turn";
+  for (std::uint32_t i = 0; i < plan_.tasks; ++i) {
+    Task task;
+    task.id = "t" + std::to_string(i);
+    task.robot = "r" + std::to_string(i % plan_.robots);
+    task.skill = "work";
+    if (i > 0) task.after = {static_cast<std::uint16_t>(i - 1)};
+    scenario.tasks.push_back(std::move(task));
+  }
+  std::vector<Member> members{nodes_.at("cloud")->member()};
+  for (std::uint32_t i = 0; i < std::min(plan_.robots, plan_.tasks); ++i) {
+    members.push_back(nodes_.at("r" + std::to_string(i))->member());
+  }
+  const UtcTime now = nodes_.at("cloud")->utc();
+  return build_run_start(std::move(scenario), std::move(members), "cloud", now, now + kLife, run_);
+}
+
+void World::submit() {
+  Node& cloud = *nodes_.at("cloud");
+  if (!cloud.is_up()) return events_.after(kLook, [this] { submit(); });
+  outcome_.submitted_s = events_.seconds_passed();
+  plan_faults();
+  cloud.submit(start());
+  events_.after(kLook, [this] { look_for_end(); });
+}
+
+bool World::is_open_at(const Node& node) const {
+  return std::ranges::any_of(node.disk().journal, [&](const auto& record) {
+    const auto of = scheduler::run_of(record);
+    return of && *of == run_;
+  });
+}
+
+bool World::is_over_everywhere() const {
+  const bool over = nodes_.at("cloud")->disk().archive.over(run_).has_value();
+  return over && std::ranges::none_of(nodes_, [&](const auto& one) { return is_open_at(*one.second); });
+}
+
+void World::look_for_end() {
+  const Node& cloud = *nodes_.at("cloud");
+  if (cloud.is_up() && cloud.person().accepted()) outcome_.accepted = true;
+  if (cloud.is_up() && !cloud.person().refusal().empty()) outcome_.refusal = cloud.person().refusal();
+  ended_ = is_over_everywhere();
+  if (!ended_) events_.after(kLook, [this] { look_for_end(); });
+}
+
+void World::plan_faults() {
+  for (const Fault& fault : plan_.faults) {
+    events_.after(seconds(fault.at_s), [this, &fault] { happen(fault); });
+  }
+}
+
+void World::happen(const Fault& fault) {
+  Node& node = *nodes_.at(fault.node);
+  switch (fault.kind) {
+    case FaultKind::fail:
+      return node.robot()->fail();
+    case FaultKind::kill:
+      witness_.on_kill(fault.node, events_.seconds_passed());
+      return node.kill();
+    case FaultKind::start:
+      return node.is_up() ? void() : node.start();
+    case FaultKind::cut:
+    case FaultKind::heal:
+      break;
+  }
+  for (const auto& [id, other] : nodes_) {
+    if (id == fault.node || (!fault.other.empty() && fault.other != id)) continue;
+    fault.kind == FaultKind::cut ? network_.cut(fault.node, id) : network_.heal(fault.node, id);
+  }
+}
+
+}  // namespace trb::world

@@ -1,0 +1,99 @@
+// A fleet in virtual time: the real cores of its routers, schedulers, mode-adapters and of the cloud's resilience
+// service, over a simulated network, disks, clocks and robots. One seed gives the same run to the byte.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "services/simulator/world/faults.hpp"
+#include "services/simulator/world/node.hpp"
+#include "services/simulator/world/repeats.hpp"
+#include "services/simulator/world/witness.hpp"
+
+namespace trb::world {
+
+constexpr std::uint32_t kMaxRobots = 1000;
+constexpr double kMaxUntil = 7 * 24 * 3600;
+
+struct WorldPlan {
+  std::uint32_t robots = 5;
+  std::uint32_t tasks = 9;  ///< given to the robots in turn, one after the other
+  double task_s = 3;
+  double deviation_s = 0;
+  double until_s = 0;  ///< 0: as long as the tasks may take, and some minutes
+  LinkKind link = kLinkKinds[0];
+  std::uint64_t seed = 1;
+  std::vector<Fault> faults;  ///< times count from the run's submission
+  [[nodiscard]] double limit_s() const;
+};
+
+/// What became of it.
+struct Played {
+  bool accepted = false;  ///< by the cloud's scheduler
+  std::string refusal;    ///< why it was refused; empty: it was not
+  RunState state{};       ///< at the cloud, if it is over there
+  bool over_everywhere = false;
+  double linked_s = 0;     ///< when every pair of nodes had its link
+  double submitted_s = 0;  ///< when the person submitted the run
+  double makespan_s = 0;
+  double seconds = 0;  ///< of virtual time
+  std::size_t tasks_done = 0;
+  std::uint64_t events = 0;
+  std::vector<std::string> broken;  ///< invariants that do not hold, as text
+};
+
+class World {
+ public:
+  explicit World(WorldPlan plan, Meddler meddler = {});
+  World(const World&) = delete;
+  World& operator=(const World&) = delete;
+
+  /// Plays all of it.
+  Played play();
+  /// Called about each second of virtual time, for who waits; it changes nothing.
+  std::function<void(const World&)> on_second;
+
+  [[nodiscard]] double seconds_passed() const { return events_.seconds_passed(); }
+  [[nodiscard]] Meter& meter() { return meter_; }
+  [[nodiscard]] const std::map<std::string, std::unique_ptr<Node>>& nodes() const { return nodes_; }
+  [[nodiscard]] const Witness& witness() const { return witness_; }
+  [[nodiscard]] const Repeats& repeats() const { return repeats_; }
+  [[nodiscard]] const WorldPlan& plan() const { return plan_; }
+  [[nodiscard]] const std::string& run() const { return run_; }
+  /// On that node's disk the run is not over yet.
+  [[nodiscard]] bool is_open_at(const Node& node) const;
+
+ private:
+  void add(const std::string& id, Role role, std::uint32_t number);
+  void watch(Node& node);
+  void pass(double limit_s);
+  void tell_second();
+  void look_for_links();
+  void submit();
+  void look_for_end();
+  void plan_faults();
+  void happen(const Fault& fault);
+  [[nodiscard]] bool is_over_everywhere() const;
+  [[nodiscard]] RunStart start() const;
+
+  WorldPlan plan_;
+  Meddler meddler_;
+  Dice dice_;
+  Events events_;
+  Meter meter_;
+  Network network_;
+  SigningKey authority_key_;
+  FleetAuthority authority_;
+  std::string run_;
+  Witness witness_;
+  Repeats repeats_;
+  std::map<std::string, std::unique_ptr<Node>> nodes_;
+  Played outcome_;
+  bool ended_ = false;
+  double told_s_ = 0;
+};
+
+}  // namespace trb::world

@@ -1,0 +1,179 @@
+"""Driving by hand: a person's speeds from the cloud to each maker's robot, which moves at that speed, and stands when
+they cease: because the person's program died, the node lost the cloud, or the mode-adapter was killed. Prints how long
+each still moves. Real processes; addresses 127.0.184.x and 127.0.185.x.
+"""
+import json
+import math
+import os
+import signal
+import time
+import unittest
+
+import support
+import trb_fleet
+from driven_robots import MAKERS, MARGIN_S, NOT_THERE, Robot
+
+
+class DriveFleet(trb_fleet.Fleet):
+    """Each maker's robot and the cloud, without what driving does not need."""
+
+    def node_json(self, node):
+        made = super().node_json(node)
+        made["services"] = [name for name in made["services"] if name not in ("scheduler", "resilience")]
+        return made
+
+
+class HandDrive(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        robots = {name: maker.robot for name, maker in MAKERS.items()}
+        cls.fleet = support.make_fleet(cls, DriveFleet, block=184, udp_port=50184, robots=robots)
+        cls.fleet.start()
+        cls.fleet.wait_formed(60)
+        cls.figures = {}
+
+    @classmethod
+    def tearDownClass(cls):
+        if not cls.figures:
+            return
+        print("\nstill moves for (s), after                messages cease   cloud lost   mode-adapter killed")
+        for name, row in cls.figures.items():
+            cells = [f"{row[key]:.2f}" if key in row else "-" for key in ("cease", "cloud", "killed")]
+            speed = f"{MAKERS[name].speed:.2f} {MAKERS[name].unit}/s"
+            print(f"  {name:12} at {speed:20}" + "".join(f"{cell:>14}" for cell in cells))
+
+    def trb(self, *words, check=True):
+        return self.fleet.trb(*words, node="cloud", check=check)
+
+    def make_ready(self, name):
+        robot = Robot(self.fleet, name)
+        robot.make_ready("cloud")
+        return robot
+
+    def begin(self, name, speeds=None, part=None, pick=None):
+        """`trb drive` for longer than any test; returns its process once the robot moves at its speed."""
+        maker = MAKERS[name]
+        robot = self.make_ready(name)
+        speeds = speeds or maker.speeds
+        words = ["drive", name, "--part", part or maker.part, "--speeds", ",".join(map(str, speeds)), "--for", "60", "--take",
+                 "--json", "--node", self.fleet.dir("cloud")]
+        driver = trb_fleet.Process([support.PROGRAMS / "trb", *words], self.fleet.root / f"drive-{name}.log")
+        self.addCleanup(driver.stop, signal.SIGKILL)
+        robot.wait_speed(math.hypot(*speeds), pick)
+        return robot, driver
+
+    def keep(self, name, key, seconds, most):
+        type(self).figures.setdefault(name, {})[key] = seconds
+        self.assertLessEqual(seconds, most, f"{name} moved on for {seconds:.2f} s")
+
+    def control(self, name):
+        routes = self.fleet.json("route", "list", node="cloud")["routes"]
+        return next(route for route in routes if route["id"] == name)["profile"]["control"]
+
+    def test_1_each_moves_at_the_speed_that_it_is_given_and_stands_when_messages_cease(self):
+        for name, maker in MAKERS.items():
+            with self.subTest(name):
+                robot, driver = self.begin(name)
+                self.assertAlmostEqual(robot.speed(0.6), maker.speed, delta=0.08 * maker.speed)
+                self.assertEqual(self.control(name), "cloud")
+                ended = time.monotonic()
+                driver.stop(signal.SIGKILL)
+                self.keep(name, "cease", robot.moves_on(ended), maker.ceases_s)
+                self.fleet.wait("control is free", lambda name=name: self.control(name) == "", 5)
+
+    def test_2_each_stands_when_its_node_has_lost_the_cloud_and_nothing_late_moves_it(self):
+        router = self.fleet.pid("cloud", "router")
+        for name, maker in MAKERS.items():
+            with self.subTest(name):
+                robot, driver = self.begin(name)
+                lost = time.monotonic()
+                os.kill(router, signal.SIGSTOP)
+                try:
+                    self.keep(name, "cloud", robot.moves_on(lost), maker.ceases_s)
+                finally:
+                    os.kill(router, signal.SIGCONT)
+                # What had waited in the cloud arrives now.
+                _, place = robot.at()
+                driver.child.wait(15)
+                robot.moves_on(time.monotonic())
+                self.assertLess(math.dist(robot.at()[1], place), 2 * maker.still)
+                self.assertNotEqual(driver.child.returncode, 0)
+                self.fleet.wait_formed(30)
+
+    def test_3_each_stands_when_its_mode_adapter_is_killed(self):
+        for name, maker in MAKERS.items():
+            with self.subTest(name):
+                robot, driver = self.begin(name)
+                driver.child.send_signal(signal.SIGSTOP)  # else the new process would be driven on
+                os.kill(self.fleet.pid(name, "mode-adapter"), signal.SIGKILL)
+                killed = time.monotonic()
+                self.keep(name, "killed", robot.moves_on(killed), maker.dies_s + MARGIN_S)
+                driver.stop(signal.SIGKILL)
+                self.fleet.wait_formed(30)
+
+    def test_who_lets_go_has_it_stand_at_once_and_knows_how_long_messages_took(self):
+        robot = self.make_ready("pioneer")
+        report = self.fleet.json("drive", "pioneer", "--speeds", "0.2,0.2", "--for", "1", node="cloud")
+        self.assertLess(robot.moves_on(time.monotonic()), 0.5)
+        self.assertEqual((report["robot"], report["part"]), ("pioneer", "base"))
+        self.assertGreaterEqual(report["answered"], 8)
+        self.assertEqual(len(report["round_trips_ms"]), report["answered"])
+        self.assertLess(report["round_trip_ms"]["median"], 100)
+        print(f"\nthere and back: {report['round_trip_ms']} ms, {report['answered']} of {report['sent']} answered")
+        self.assertEqual(self.control("pioneer"), "")
+
+    def test_the_tool_of_an_arm_goes_straight_up(self):
+        robot, driver = self.begin("ur3", [0, 0, 0.05], "tool", slice(6, 9))
+        _, before = robot.at(slice(6, 9))
+        self.assertAlmostEqual(robot.speed(0.6, slice(6, 9)), 0.05, delta=0.005)
+        _, after = robot.at(slice(6, 9))
+        self.assertLess(math.dist(before[:2], after[:2]), 0.001)
+        driver.stop(signal.SIGKILL)
+        robot.moves_on(time.monotonic())
+
+    def test_a_belt_goes_back_too(self):
+        driven = self.make_ready("conveyor")
+        self.trb("drive", "conveyor", "--speeds", "0.2", "--for", "1.5")
+        _, forth = driven.at()
+        self.trb("drive", "conveyor", "--speeds", "-0.1", "--for", "1")
+        _, back = driven.at()
+        self.assertAlmostEqual(forth[0] - back[0], 0.1, delta=0.05)
+
+    def test_a_stop_ends_it_and_it_does_not_go_on_after_the_release(self):
+        robot, driver = self.begin("pioneer")
+        self.trb("stop", "pioneer")
+        driver.child.wait(10)
+        self.assertNotEqual(driver.child.returncode, 0)
+        refused = self.trb("drive", "pioneer", "--speeds", "0.2", check=False)
+        self.assertIn("trb release pioneer", refused.stdout + refused.stderr)
+        self.trb("release", "pioneer")
+        robot.moves_on(time.monotonic())
+
+    def test_what_cannot_be_driven_says_so(self):
+        for words, wanted in (
+            (("drive", "pioneer", "--part", "tool", "--speeds", "0.1"), "use one of: base"),
+            (("drive", "pioneer", "--speeds", "0.1,0,0"), "'base' has 2 axes"),
+            (("drive", "pioneer", "--speeds", "0.1,nan"), "is no number"),
+            (("drive", "pioneer"), "--speeds"),
+            (("drive", "pioneer", "--speeds", "0.1", "--part", "leg"), "base, joints, tool or belt"),
+            (("drive", "pioneer", "--speeds", "0.1", "--for", "9999"), "from 0.1 to 3600"),
+        ):
+            with self.subTest(words=words):
+                done = self.trb(*words, check=False)
+                self.assertNotEqual(done.returncode, 0)
+                self.assertIn(wanted, done.stdout + done.stderr)
+
+    def test_bases_with_ros_were_driven_too(self):
+        if NOT_THERE:
+            self.skipTest(f"the bases with ROS are left out: {', '.join(NOT_THERE)} not there")
+        self.assertIn("turtlebot", MAKERS)
+
+    def test_the_fleet_knows_what_can_be_driven(self):
+        routes = self.fleet.json("route", "list", node="cloud")["routes"]
+        drives = {route["id"]: route["profile"]["drives"] for route in routes}
+        self.assertEqual(json.dumps(drives["conveyor"]), json.dumps([{"part": "belt", "axes": ["x"], "limits": [0.5]}]))
+        self.assertEqual([drive["part"] for drive in drives["ur3"]], ["joints", "tool"])
+
+
+if __name__ == "__main__":
+    support.main()

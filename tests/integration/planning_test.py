@@ -1,0 +1,133 @@
+"""`trb model` and `trb simulate`: the paper's equations, and the same fleets counted message by message."""
+import csv
+import io
+import json
+import os
+import pathlib
+import signal
+import subprocess
+import tempfile
+import unittest
+
+import support
+
+REPO = pathlib.Path(__file__).resolve().parent.parent.parent
+SCENARIO = REPO / "config/scenarios/paper-nine-tasks.json"
+WORST = ("--robots", 5, "--sensors", 1, "--seconds", 180, "--remote-requests", 1, "--faulty", 1)
+
+
+def trb(*words):
+    return subprocess.run([support.PROGRAMS / "trb", *map(str, words)], capture_output=True, text=True, timeout=60)
+
+
+def answer_of(*words):
+    done = trb(*words, "--json")
+    assert done.returncode == 0, done.stdout + done.stderr
+    return json.loads(done.stdout)
+
+
+class Model(unittest.TestCase):
+    def test_the_best_case_prints_each_term_and_251(self):
+        done = trb("model", "--robots", 5, "--direct", 9, "--blocks", 1, "--block-tasks", 9, "--local-requests", 1, "--sensors", 1,
+                   "--seconds", 180)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        rows = {line.split()[0]: line.split()[-1] for line in done.stdout.splitlines()[1:]}
+        self.assertEqual(rows, {"boot": "16", "identification": "15", "devices": "182", "start": "213", "task": "36", "forward": "0",
+                                "scenario": "36", "sensor": "2", "fail": "0", "total": "251"})
+
+    def test_the_worst_case_gives_299_and_says_why_the_paper_has_297(self):
+        found = answer_of("model", "--interpreted", 9, *WORST)
+        self.assertEqual(found["terms"]["total"], 299)
+        self.assertIn("297", found["notes"][0])
+
+    def test_a_scenario_gives_the_parameters(self):
+        found = answer_of("model", "--scenario", SCENARIO, "--interpreted", "ridgeback,ur3")
+        parameters = found["parameters"]
+        self.assertEqual([parameters[key] for key in ("n", "N_d", "N_i", "k", "R_l", "R_e")], [4, 3, 6, 0, 0, 0])
+        self.assertEqual(found["terms"]["forward"], 8)
+
+    def test_what_cannot_be_is_refused_by_name(self):
+        for words, wanted in ((("--robots", 0), "n (--robots)"), (("--robots", "five"), "--robots: 'five'"),
+                              (("--robots", 2, "--direct", 3, "--faulty", 2), "N_f (--faulty)"),
+                              (("--robots", 2, "--direct", 3, "--seconds", "-1"), "--seconds"),
+                              (("--scenario", "/nowhere.json"), "/nowhere.json"),
+                              (("--scenario", SCENARIO, "--interpreted", "ridgeback,urr3"), "'urr3'")):
+            with self.subTest(words):
+                done = trb("model", *words)
+                self.assertEqual(done.returncode, 1)
+                self.assertIn(wanted, done.stderr)
+
+
+class Simulate(unittest.TestCase):
+    def test_what_is_counted_is_what_the_equations_say(self):
+        for robots, tasks, interpreted in ((1, 1, 0), (1, 7, 1), (5, 9, 2), (50, 100, 0), (200, 60, 100)):
+            with self.subTest(robots=robots, tasks=tasks):
+                counted = answer_of("simulate", "--robots", robots, "--tasks", tasks, "--interpreted", interpreted)
+                told = sum(1 for task in range(tasks) if task % robots < interpreted)
+                block = ("--blocks", 1, "--block-tasks", tasks) if robots == 1 and tasks > 1 else ()
+                said = answer_of("model", "--robots", robots, "--direct", tasks - told, "--interpreted", told, *block)
+                self.assertEqual(counted["messages"], said["terms"]["total"])
+                for phase, count in counted["phases"].items():
+                    self.assertEqual(count["messages"], said["terms"].get(phase, 0), phase)
+
+    def test_the_worst_case_is_counted_too(self):
+        self.assertEqual(answer_of("simulate", "--tasks", 9, "--interpreted", 5, *WORST)["messages"], 299)
+
+    def test_the_distribution_over_time_sums_up(self):
+        done = trb("simulate", "--robots", 10, "--tasks", 100, "--csv")
+        rows = list(csv.DictReader(io.StringIO(done.stdout)))
+        self.assertEqual(len(rows), 301)
+        self.assertEqual(sum(int(row["messages"]) for row in rows), answer_of("simulate", "--robots", 10, "--tasks", 100)["messages"])
+
+    def test_a_trace_has_every_message_in_order(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder) / "trace.jsonl"
+            counted = answer_of("simulate", "--robots", 5, "--tasks", 9, "--sensors", 1, "--seconds", 60, "--trace", path)
+            lines = [json.loads(line) for line in path.read_text().splitlines()]
+            self.assertEqual(len(lines), counted["messages"])
+            self.assertEqual(sum(line["bytes"] for line in lines), counted["bytes"])
+            self.assertEqual([line["at_s"] for line in lines], sorted(line["at_s"] for line in lines))
+            self.assertEqual(os.listdir(folder), ["trace.jsonl"])
+
+    def test_the_real_cores_do_the_tasks_and_one_seed_is_one_run(self):
+        words = ("simulate", "--protocol", "talkrobots", "--robots", 3, "--tasks", 4, "--link", "wifi", "--seed", 3)
+        with tempfile.TemporaryDirectory() as folder:
+            faults = pathlib.Path(folder) / "faults.json"
+            faults.write_text('[{"at": 1, "kind": "kill", "node": "r1"}, {"at": 5, "kind": "start", "node": "r1"}]')
+            answer = answer_of(*words, "--faults", faults)
+            self.assertEqual(answer["world"]["state"], "FINISHED")
+            self.assertEqual(answer["world"]["tasks_done"], 4)
+            self.assertEqual(answer["world"]["broken"], [])
+            self.assertEqual(answer, answer_of(*words, "--faults", faults))
+            self.assertLess(answer["between_computers"]["bytes"], answer["bytes"])
+        done = trb(*words)
+        self.assertIn("The run is FINISHED: 4 tasks", done.stdout)
+
+    def test_a_trace_is_whole_or_not_there(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder) / "trace.jsonl"
+            refused = trb("simulate", "--robots", 5000, "--trace", path)
+            self.assertEqual(refused.returncode, 1)
+            self.assertIn("at most 1000000", refused.stderr)
+            running = subprocess.Popen([support.PROGRAMS / "trb", "simulate", "--robots", "1000", "--tasks", "100000", "--trace", path],
+                                       stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            running.send_signal(signal.SIGINT)
+            running.wait(30)
+            self.assertFalse(path.exists())
+
+    def test_what_cannot_be_is_refused_by_name(self):
+        for words, wanted in ((("--robots", 0), "robots"), (("--tasks", "many"), "--tasks: 'many'"), (("--faulty", 5), "faulty"),
+                              (("--local-requests", 1), "sensors"), (("--trace", "/nowhere/x"), "/nowhere/x"), (("--link", "lan"), "--link"),
+                              (("--protocol", "mqtt"), "protocol"), (("--protocol", "talkrobots", "--link", "rope"), "link"),
+                              (("--protocol", "talkrobots", "--sensors", 1), "sensors"),
+                              (("--protocol", "talkrobots", "--faults", "/nowhere/y"), "/nowhere/y")):
+            with self.subTest(words):
+                done = trb("simulate", *words)
+                self.assertEqual(done.returncode, 1)
+                self.assertIn(wanted, done.stderr)
+                told = trb("simulate", *words, "--json")
+                self.assertIn(wanted, json.loads(told.stdout)["error"]["what"])
+
+
+if __name__ == "__main__":
+    support.main()
