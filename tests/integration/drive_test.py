@@ -11,7 +11,7 @@ import unittest
 
 import support
 import trb_fleet
-from driven_robots import MAKERS, MARGIN_S, NOT_THERE, Robot
+from driven_robots import MAKERS, MARGIN_S, NOT_THERE, STANDS_S, STILL_M, Robot
 
 
 class DriveFleet(trb_fleet.Fleet):
@@ -78,7 +78,7 @@ class HandDrive(unittest.TestCase):
                 self.assertEqual(self.control(name), "cloud")
                 ended = time.monotonic()
                 driver.stop(signal.SIGKILL)
-                self.keep(name, "cease", robot.moves_on(ended), maker.ceases_s)
+                self.keep(name, "cease", robot.moves_on(ended), STANDS_S)
                 self.fleet.wait("control is free", lambda name=name: self.control(name) == "", 5)
 
     def test_2_each_stands_when_its_node_has_lost_the_cloud_and_nothing_late_moves_it(self):
@@ -89,14 +89,14 @@ class HandDrive(unittest.TestCase):
                 lost = time.monotonic()
                 os.kill(router, signal.SIGSTOP)
                 try:
-                    self.keep(name, "cloud", robot.moves_on(lost), maker.ceases_s)
+                    self.keep(name, "cloud", robot.moves_on(lost), STANDS_S)
                 finally:
                     os.kill(router, signal.SIGCONT)
                 # What had waited in the cloud arrives now.
                 _, place = robot.at()
                 driver.child.wait(15)
                 robot.moves_on(time.monotonic())
-                self.assertLess(math.dist(robot.at()[1], place), 2 * maker.still)
+                self.assertLess(math.dist(robot.at()[1], place), 2 * STILL_M)
                 self.assertNotEqual(driver.child.returncode, 0)
                 self.fleet.wait_formed(30)
 

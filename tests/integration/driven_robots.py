@@ -10,6 +10,7 @@ ROS_MODULES = ("rosmaster", "geometry_msgs", "nav_msgs")
 ROS_PROGRAMS = ("trb-ros-bridge", "trb-ros-worker", "trb-virtual-ros-robot")
 NOT_THERE = [name for name in ROS_MODULES if importlib.util.find_spec(name) is None] + [
     name for name in ROS_PROGRAMS if not (support.PROGRAMS / name).exists()]
+STILL_M = 0.002  # or rad: less is no motion
 STILL_S = 0.4  # a robot that has not moved for so long stands
 STEADY_S = 0.3  # a robot that has moved at a speed for so long has that speed
 SAMPLE_S = 0.005
@@ -18,14 +19,11 @@ MARGIN_S = 0.35  # of this machine, where the robot itself or a new process deci
 
 
 class Maker:
-    """A robot, how it is driven here, and how long it may move on: when its node's process dies, and when messages
-    cease."""
+    """A robot, how it is driven here, and how long it may move on when its node's process dies."""
 
-    def __init__(self, framework, description, arguments, part, speeds, dies_s, pick=slice(0, 2), unit="m", still=0.002,
-                 ceases_s=STANDS_S):
+    def __init__(self, framework, description, arguments, part, speeds, dies_s, pick=slice(0, 2), unit="m"):
         self.robot = (framework, description, arguments)
-        self.part, self.speeds, self.pick, self.unit, self.still = part, speeds, pick, unit, still
-        self.ceases_s, self.dies_s = ceases_s, dies_s
+        self.part, self.speeds, self.pick, self.unit, self.dies_s = part, speeds, pick, unit, dies_s
         self.speed = math.hypot(*speeds)
 
 
@@ -36,8 +34,8 @@ MAKERS = {
     # A speed counts for 0.4 s on the arm itself.
     "ur3": Maker("ur", "ur3", [], "joints", [0.3], 0.4 + 0.08, slice(0, 1), "rad"),
     "conveyor": Maker("plc", "conveyor", [], "belt", [0.1], 0.4, slice(0, 1)),
-    # It follows its stick with 0.3 s, so it drifts on for 0.8 s once it hovers; killed, its own watchdog of 2 s lets it hover.
-    "drone": Maker("ardrone", "drone", [], "base", [0.5, 0], 2 + 1.2, slice(0, 3), still=0.01, ceases_s=0.25 + 0.85 + MARGIN_S),
+    # It brakes with 2 m/s^2 once it hovers; killed, its own watchdog of 2 s lets it hover.
+    "drone": Maker("ardrone", "drone", [], "base", [0.4, 0], 2 + 0.2, slice(0, 3)),
 }
 if not NOT_THERE:
     # Both bases have a time-out of their own for cmd_vel.
@@ -106,7 +104,7 @@ class Robot:
         moved, place = self.at()
         while True:
             now, there = self.at()
-            if math.dist(there, place) > self.maker.still:
+            if math.dist(there, place) > STILL_M:
                 moved, place = now, there
             if now - moved > STILL_S:
                 return max(moved - since, 0)

@@ -10,7 +10,7 @@ import threading
 import time
 
 import support
-from driven_robots import MAKERS, MARGIN_S, PARTS, Robot
+from driven_robots import MAKERS, MARGIN_S, PARTS, STANDS_S, Robot
 from gateway_case import CLOUD, GatewayCase
 
 PERIOD_S = 0.1
@@ -105,7 +105,7 @@ class DeadMan(GatewayCase):
 
     def keep(self, name, way, seconds, most=None):
         self.figures[name][way] = seconds
-        self.assertLessEqual(seconds, most or PARTS[name][1].ceases_s, f"{name} moved on for {seconds:.2f} s")
+        self.assertLessEqual(seconds, most or STANDS_S, f"{name} moved on for {seconds:.2f} s")
 
     def test_1_the_page_falls_silent(self):
         for name in PARTS:

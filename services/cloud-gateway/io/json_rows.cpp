@@ -118,4 +118,13 @@ std::string json_row(const Row& row) {
   return out.raw("content", json_content(row.content)).done();
 }
 
+SharedBytes json_of(const Row& row) {
+  ReadRow& read = row.read;
+  const bool is_same = read.number == row.number && read.version == row.version && read.live == row.live;
+  if (read.bytes == nullptr || !is_same) {
+    read = {std::make_shared<const Bytes>(json_row(row)), row.number, row.version, row.live};
+  }
+  return read.bytes;
+}
+
 }  // namespace trb::gateway

@@ -8,6 +8,8 @@ namespace trb::gateway {
 /// {"kind", "node", "name", "number", "version", "live", "heard", "content"}, of an alert with "alarm"; a removed row:
 /// {"kind", "node", "name", "number", "removed": true}.
 std::string json_row(const Row& row);
+/// The same; of a row that is as it was the last time, it is the same text.
+SharedBytes json_of(const Row& row);
 /// A value as a robot has sent it: what is no JSON becomes a text.
 std::string json_value(const std::string& sent);
 std::string json_content(const RowContent& content);

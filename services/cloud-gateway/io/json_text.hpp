@@ -1,6 +1,7 @@
 // Pieces of JSON text.
 #pragma once
 
+#include <algorithm>
 #include <concepts>
 #include <string>
 #include <string_view>
@@ -14,7 +15,11 @@ namespace trb::gateway {
 
 /// With its quotation marks.
 inline std::string json_quoted(std::string_view text) {
-  return dump_json(Value{std::string(text)});
+  const auto stands_for_itself = [](char c) { return c >= ' ' && c <= '~' && c != '"' && c != '\\'; };
+  if (!std::ranges::all_of(text, stands_for_itself)) return dump_json(Value{std::string(text)});
+  std::string out;
+  out.reserve(text.size() + 2);
+  return out.append(1, '"').append(text).append(1, '"');
 }
 
 /// A struct of proto, by its list of fields.

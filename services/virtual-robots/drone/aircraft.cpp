@@ -21,6 +21,12 @@ double towards(double value, double target, double seconds) {
   return value + (target - value) * std::min(1.0, seconds / kFollows_s);
 }
 
+/// Hovering is holding a place: it tilts against its motion, as far as it may, until it stands.
+double brake(double speed, double seconds) {
+  static const double kBrake_m_s2 = kGravity * std::tan(Aircraft::kLargestTilt_rad);
+  return std::copysign(std::max(0.0, std::abs(speed) - kBrake_m_s2 * seconds), speed);
+}
+
 }  // namespace
 
 bool Aircraft::take_off() {
@@ -76,11 +82,11 @@ void Aircraft::step(double seconds) {
 }
 
 void Aircraft::fly(double seconds) {
-  const bool steered = phase_ == Phase::Flying;
-  forward_ = towards(forward_, steered ? -stick_.pitch * kFastest_m_s : 0, seconds);
-  right_ = towards(right_, steered ? stick_.roll * kFastest_m_s : 0, seconds);
-  if (steered) {
-    climb_ = towards(climb_, stick_.gaz * kClimb_m_s, seconds);
+  const bool steered = phase() == Phase::Flying;
+  forward_ = steered ? towards(forward_, -stick_.pitch * kFastest_m_s, seconds) : brake(forward_, seconds);
+  right_ = steered ? towards(right_, stick_.roll * kFastest_m_s, seconds) : brake(right_, seconds);
+  if (phase_ == Phase::Flying) {
+    climb_ = steered ? towards(climb_, stick_.gaz * kClimb_m_s, seconds) : brake(climb_, seconds);
     heading_ = std::remainder(heading_ + stick_.yaw * kTurn_rad_s * seconds, 2 * M_PI);
   } else if (phase_ == Phase::Cut) {
     climb_ -= kGravity * seconds;

@@ -17,12 +17,14 @@ struct Stick {
   bool operator==(const Stick&) const = default;
 };
 
-/** The body of a quadrocopter: a velocity that follows the stick, a battery that drains. Axes forward, right, up. */
+/** The body of a quadrocopter: a velocity that follows the stick and is braked when it hovers, a battery that drains.
+   Axes forward, right, up. */
 class Aircraft {
  public:
   static constexpr double kLowBattery = 20;   ///< percent: it no longer takes off
   static constexpr double kEmptyBattery = 4;  ///< it lands by itself
   static constexpr double kHoverHeight_m = 0.8;
+  static constexpr double kLargestTilt_rad = 0.21;  ///< 12 degrees
 
   /** From the ground, or during a landing. False when the battery is low or the motors are cut. */
   bool take_off();
@@ -49,12 +51,10 @@ class Aircraft {
   double forward_speed() const { return forward_; }
   double right_speed() const { return right_; }
   double down_speed() const { return 0 - climb_; }
-  double roll() const { return stick_.roll * kLargestTilt; }
-  double pitch() const { return stick_.pitch * kLargestTilt; }
+  double roll() const { return stick_.roll * kLargestTilt_rad; }
+  double pitch() const { return stick_.pitch * kLargestTilt_rad; }
 
  private:
-  static constexpr double kLargestTilt = 0.21;  ///< radians, 12 degrees
-
   void step(double seconds);
   void fly(double seconds);
   void drain(double seconds);

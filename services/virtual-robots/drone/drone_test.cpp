@@ -114,8 +114,20 @@ TEST_CASE("it flies where it is tilted to, and stands when it is told to hover")
   CHECK(pilot.aircraft().phase() == Phase::Flying);
   CHECK(pilot.aircraft().x() > 3);
   pilot.fly(2, kAir);
-  CHECK(pilot.aircraft().forward_speed() < 0.05);
+  CHECK(pilot.aircraft().forward_speed() == 0);
   CHECK(pilot.aircraft().phase() == Phase::Hovering);
+}
+
+TEST_CASE(
+    "at 0.4 m/s it stands a fifth of a second after it is told to hover: with 12 degrees it brakes with 2.1 m/s^2") {
+  Pilot pilot;
+  pilot.fly(2.5, kAir);
+  pilot.fly(3, kAir, "1,0,-1106737239,0,0");  // pitch -0.1333
+  CHECK(pilot.aircraft().forward_speed() == doctest::Approx(0.4).epsilon(0.02));
+  pilot.fly(0.1, kAir);
+  CHECK(pilot.aircraft().forward_speed() > 0.1);
+  pilot.fly(0.12, kAir);
+  CHECK(pilot.aircraft().forward_speed() == 0);
 }
 
 TEST_CASE("a number that does not rise is ignored; 1 is a client that has started anew") {

@@ -1,16 +1,23 @@
 #include "services/cloud-gateway/core/access/path.hpp"
 
 #include <algorithm>
+#include <array>
 
 #include "common/base/hex.hpp"
 
 namespace trb::gateway {
 namespace {
 
+constexpr std::array<bool, 256> kMayStand = [] {
+  std::array<bool, 256> out{};
+  for (const char c : std::string_view("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-._~:@+,=!")) {
+    out[static_cast<unsigned char>(c)] = true;
+  }
+  return out;
+}();
+
 bool may_stand(char c) {
-  const bool letter = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
-  return letter || (c >= '0' && c <= '9') ||
-         (c != '\0' && std::string_view("-._~:@+,=!").find(c) != std::string_view::npos);
+  return kMayStand[static_cast<unsigned char>(c)];
 }
 
 Error refuse(std::string_view what) {
@@ -29,6 +36,7 @@ Result<char> unescape(std::string_view digits) {
 
 Result<std::string> decode_segment(std::string_view raw) {
   std::string out;
+  out.reserve(raw.size());
   for (std::size_t at = 0; at < raw.size(); ++at) {
     char c = raw[at];
     if (c == '%') {
@@ -54,6 +62,7 @@ Result<std::vector<std::string>> split_path(std::string_view target) {
   if (!rest.starts_with('/')) return refuse("no '/' at its beginning");
   std::vector<std::string> out;
   if (rest == "/") return out;
+  out.reserve(kMaxSegments);
   while (!rest.empty()) {
     rest.remove_prefix(1);
     const std::size_t end = std::min(rest.find('/'), rest.size());

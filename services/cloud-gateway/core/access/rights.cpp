@@ -137,8 +137,10 @@ bool fits(std::string_view pattern, std::span<const std::string> segments) {
   if (pattern == "/") pattern = {};  // no segment at all
   for (const std::string& segment : segments) {
     if (pattern.empty()) return false;
-    const std::string_view expected = take_segment(pattern);
-    if (!is_parameter(expected) && expected != segment) return false;
+    pattern.remove_prefix(1);
+    if (!pattern.starts_with('{') && !pattern.starts_with(segment)) return false;
+    pattern.remove_prefix(pattern.starts_with('{') ? std::min(pattern.find('/'), pattern.size()) : segment.size());
+    if (!pattern.empty() && pattern[0] != '/') return false;
   }
   return pattern.empty();
 }
@@ -165,11 +167,15 @@ std::span<const Route> routes() {
 
 Match match_route(std::string_view method, std::span<const std::string> segments) {
   if (method == "HEAD") method = name_of(get);
+  for (const Route& route : kRoutes) {
+    if (name_of(route.method) != method || !fits(route.path, segments)) continue;
+    return {&route, parameters_of(route.path, segments), {}};
+  }
   Match out;
   for (const Route& route : kRoutes) {
-    if (!fits(route.path, segments)) continue;
-    if (name_of(route.method) == method) return {&route, parameters_of(route.path, segments), {}};
-    if (std::ranges::find(out.others, route.method) == out.others.end()) out.others.push_back(route.method);
+    if (fits(route.path, segments) && std::ranges::find(out.others, route.method) == out.others.end()) {
+      out.others.push_back(route.method);
+    }
   }
   return out;
 }

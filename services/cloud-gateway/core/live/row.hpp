@@ -105,6 +105,14 @@ std::size_t size_of(const RowContent& content);
 /// Shared by all clients that they are sent to.
 using SharedBytes = std::shared_ptr<const Bytes>;
 
+/// A row as it was last read, and in which state it was: what it says changes with one of the three alone.
+struct ReadRow {
+  SharedBytes bytes;
+  std::uint64_t number = 0;
+  std::uint64_t version = 0;
+  Live live{};
+};
+
 struct Row {
   RowKey key;
   RowContent content;
@@ -116,6 +124,7 @@ struct Row {
   bool is_refused = false;    ///< a newer content was refused: its node is over budget
   std::size_t size = 0;       ///< size_of(content)
   mutable SharedBytes bytes;  ///< the published row, encoded on demand by BlockMaker
+  mutable ReadRow read;       ///< encoded on demand by json_of
   [[nodiscard]] bool is_removed() const { return std::holds_alternative<std::monostate>(content); }
 };
 

@@ -99,6 +99,7 @@ Api::Api(Gateway& gateway) : gateway_(gateway) {
 std::optional<RequestDecision> Api::decide(const HttpRequest& request) {
   const auto known = [&] { return gateway_.access.check.check(request.head(), gateway_.steady()); };
   RequestDecision decision = known();
+  if (!gateway_.db.is_shared()) return decision;
   if (decision.verdict == RequestVerdict::allowed && is_stop(*decision.route)) return decision;
   const Status fresh = refresh(gateway_);
   decision = known();

@@ -10,12 +10,16 @@ namespace {
 constexpr std::string_view kJson = "application/json";
 constexpr std::string_view kProblem = "application/problem+json";
 
-HttpReply reply_of(std::string json, std::string_view type, int status) {
+HttpReply reply_of(std::shared_ptr<const Bytes> json, std::string_view type, int status) {
   HttpReply out;
   out.status = status;
   out.content_type = type;
-  out.body = std::make_shared<const Bytes>(std::move(json));
+  out.body = std::move(json);
   return out;
+}
+
+HttpReply reply_of(std::string json, std::string_view type, int status) {
+  return reply_of(std::make_shared<const Bytes>(std::move(json)), type, status);
 }
 
 std::string json_problem_faults(const Problem& problem) {
@@ -66,6 +70,10 @@ HttpReply problem_reply(int status, std::string_view code, const std::string& de
 
 HttpReply json_reply(std::string json, int status) {
   return reply_of(std::move(json), kJson, status);
+}
+
+HttpReply json_reply(std::shared_ptr<const Bytes> json) {
+  return reply_of(std::move(json), kJson, 200);
 }
 
 HttpReply empty_reply(int status) {

@@ -19,6 +19,7 @@ HttpReply problem_reply(const Error& error);
 /// A problem of the gateway itself: `code` becomes its type.
 HttpReply problem_reply(int status, std::string_view code, const std::string& detail, const std::string& hint);
 HttpReply json_reply(std::string json, int status = 200);
+HttpReply json_reply(std::shared_ptr<const Bytes> json);
 HttpReply empty_reply(int status = 204);
 
 class Call {

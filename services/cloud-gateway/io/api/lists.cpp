@@ -27,7 +27,7 @@ void reply_rows(const Gateway& gateway, const CallPtr& call, RowKind kind) {
       page_of(rows, call->decision.route->path, call->query("cursor"), static_cast<std::uint32_t>(*limit));
   if (!page) return call->fail(page.error());
   JsonList items;
-  for (const auto* entry : page->entries) items.add(json_row(*entry->second));
+  for (const auto* entry : page->entries) items.add(*json_of(*entry->second));
   call->reply(json_reply(JsonObject().raw("items", items.done()).text("next", page->next).done()));
 }
 
@@ -37,7 +37,7 @@ void reply_row(const Gateway& gateway, const CallPtr& call, const RowKey& key) {
     const std::string what(name_of(key.kind));
     return call->reply(problem_reply(404, "missing", "there is no such " + what, "look at the list one level up"));
   }
-  reply_tagged(call, etag_of(gateway.clients.instance(), row->version), json_reply(json_row(*row)));
+  reply_tagged(call, etag_of(gateway.clients.instance(), row->version), json_reply(json_of(*row)));
 }
 
 }  // namespace trb::gateway

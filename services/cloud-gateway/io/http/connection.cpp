@@ -24,11 +24,15 @@ namespace beast = boost::beast;
 namespace websocket = beast::websocket;
 using tcp = asio::ip::tcp;
 using Problem = boost::system::error_code;
-using Tls = beast::ssl_stream<tcp::socket>;
+/// With the executor's own type: asking it costs nothing.
+using Socket = asio::basic_stream_socket<tcp, asio::io_context::executor_type>;
+using Tls = beast::ssl_stream<Socket>;
 using SteadyClock = std::chrono::steady_clock;
 
 /// A read: 128 of them are the largest body; a thousand connections have 8 MB of such buffers.
 constexpr std::size_t kReadSize = 8192;
+/// A body that is written in one piece with its head; to copy it costs less than a second piece.
+constexpr std::size_t kCopied = 4096;
 /// A control frame has 125 bytes, the code takes two (RFC 6455, 5.5).
 constexpr std::size_t kMaxReason = 123;
 constexpr std::string_view kContinue = "HTTP/1.1 100 Continue\r\n\r\n";
@@ -185,7 +189,7 @@ void WebSocketConnection::abort() {
 
 class HttpConnection final : public Connection, public std::enable_shared_from_this<HttpConnection> {
  public:
-  HttpConnection(tcp::socket socket, asio::ssl::context& tls, ConnectionOwner& owner, const Accepted& accepted)
+  HttpConnection(Socket socket, asio::ssl::context& tls, ConnectionOwner& owner, const Accepted& accepted)
       : stream_(std::move(socket), tls),
         owner_(&owner),
         id_(accepted.id),
@@ -201,13 +205,13 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
  private:
   /// -         | accepted                                   | handshake
   /// handshake | TLS is agreed                              | waiting
-  /// waiting   | the first byte of a request                | head
-  /// head      | the headers are there; a body follows      | body
-  /// head      | the headers are there; no body             | answering
-  /// head      | an upgrade that the handler takes          | ended: a WebSocketConnection goes on
+  /// waiting   | the first bytes of a request, not all      | head
+  /// waiting, head | the headers are there; a body follows  | body
+  /// waiting, head | the headers are there; no body         | answering
+  /// waiting, head | an upgrade that the handler takes      | ended: a WebSocketConnection goes on
   /// body      | the body is there                          | answering
   /// answering | the handler's reply; or 60 s: 503          | replying
-  /// head, body| refused, or too slow: 408                  | replying
+  /// waiting, head, body | refused, or too slow: 408      | replying
   /// replying  | it is written, and the connection persists | waiting
   /// replying  | it is written                              | leaving
   /// leaving   | the client has closed it                   | ended
@@ -334,13 +338,13 @@ void HttpConnection::on_read(Problem problem, std::size_t count) {
 
 void HttpConnection::take_input() {
   if (input_.empty()) return read();
-  if (phase_ == Phase::waiting) enter(Phase::head);
-  phase_ == Phase::head ? take_head() : take_body();
+  phase_ == Phase::body ? take_body() : take_head();
 }
 
 void HttpConnection::take_head() {
   switch (parser_->feed(input_)) {
     case RequestParser::State::more:
+      if (phase_ == Phase::waiting) enter(Phase::head);
       return read();
     case RequestParser::State::fault:
       return refuse(parser_->fault());
@@ -403,7 +407,7 @@ void HttpConnection::upgrade() {
 
 void HttpConnection::ask_handler() {
   head_.request.body = body_.take();
-  enter(Phase::answering);
+  phase_ = Phase::answering;
   client_ = std::make_shared<ClientWatch>();
   head_.request.client = client_;
   const std::uint64_t turn = turn_;
@@ -411,12 +415,14 @@ void HttpConnection::ask_handler() {
     if (const auto self = weak.lock()) self->on_reply(turn, std::move(reply));
   });
   // Most handlers have answered by now.
-  if (phase_ == Phase::answering && turn == turn_) watch_client();
+  if (phase_ != Phase::answering || turn != turn_) return;
+  enter(Phase::answering);
+  watch_client();
 }
 
 /// Nothing is read while the handler answers: the socket alone tells that its client is gone.
 void HttpConnection::watch_client() {
-  stream_.next_layer().async_wait(tcp::socket::wait_read, [self = shared_from_this(), turn = turn_](Problem problem) {
+  stream_.next_layer().async_wait(Socket::wait_read, [self = shared_from_this(), turn = turn_](Problem problem) {
     self->look_at_client(problem, turn);
   });
 }
@@ -460,12 +466,14 @@ void HttpConnection::send(HttpReply reply, bool keep_alive) {
 }
 
 void HttpConnection::write() {
+  const auto written = [self = shared_from_this()](Problem problem, std::size_t) { self->on_written(problem); };
+  if (reply_body_ && reply_body_->size() <= kCopied) reply_head_.append(*std::exchange(reply_body_, nullptr));
+  if (!reply_body_) return asio::async_write(stream_, asio::buffer(reply_head_), written);
   // No array: in Boost 1.74 an array of two has an empty buffer in front when the head is sent, and of that flat_stream
   // writes nothing and says that all is done: a reply over 16 kB would end with its head.
-  std::vector<asio::const_buffer> buffers{{reply_head_.data(), reply_head_.size()}};
-  if (reply_body_) buffers.emplace_back(reply_body_->data(), reply_body_->size());
-  asio::async_write(stream_, buffers,
-                    [self = shared_from_this()](Problem problem, std::size_t) { self->on_written(problem); });
+  const std::vector<asio::const_buffer> buffers{{reply_head_.data(), reply_head_.size()},
+                                                {reply_body_->data(), reply_body_->size()}};
+  asio::async_write(stream_, buffers, written);
 }
 
 void HttpConnection::on_written(Problem problem) {
@@ -528,7 +536,7 @@ void HttpConnection::abort() {
 
 std::shared_ptr<Connection> start_connection(asio::io_context& loop, asio::ssl::context& tls, ConnectionOwner& owner,
                                              Accepted accepted) {
-  tcp::socket socket(loop);
+  Socket socket(loop);
   Problem ignored;
   socket.assign(accepted.is_v6 ? tcp::v6() : tcp::v4(), accepted.socket, ignored);
   auto connection = std::make_shared<HttpConnection>(std::move(socket), tls, owner, accepted);

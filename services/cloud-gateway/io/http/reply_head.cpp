@@ -162,17 +162,16 @@ bool may_have_body(int status) {
 Result<std::string> reply_head(const HttpReply& reply, bool keep_alive, UtcTime now) {
   if (const Status fits = check_reply(reply); !fits) return fits.error();
   std::string out;
-  out.reserve(1024);
+  out.reserve(2048);  // a short body follows in the same piece
   out.append("HTTP/1.1 ").append(std::to_string(reply.status)).append(" ");
-  out.append(reason_of(reply.status)).append("\r\n");
-  put(out, "Date", date_of(now));
-  put(out, "Connection", keep_alive ? "keep-alive" : "close");
-  out += security_lines();
+  out.append(reason_of(reply.status)).append("\r\nDate: ").append(date_of(now));
+  out.append(keep_alive ? "\r\nConnection: keep-alive\r\n" : "\r\nConnection: close\r\n").append(security_lines());
   if (reply.content_type.starts_with("application/") && !sets(reply, "Cache-Control"))
     put(out, "Cache-Control", "no-store");
   for (const auto& [name, value] : reply.headers) put(out, name, value);
   put_body_headers(out, reply);
-  return out + "\r\n";
+  out.append("\r\n");
+  return out;
 }
 
 }  // namespace trb::gateway
