@@ -279,22 +279,25 @@ struct NeedDefinition {
   static constexpr Travel kTravel = between_nodes(CostPhase::forward);
   std::string run;
   Blob digest;
+  bool compact = false;  ///< the asker knows the members' certificates
   template <class T = NeedDefinition>
   static FieldTable fields() {
-    return FieldTable{field("run", &T::run, 64), field("digest", &T::digest, 32)};
+    return FieldTable{field("run", &T::run, 64), field("digest", &T::digest, 32), field("compact", &T::compact)};
   }
 };
 
 struct Definition {
   static constexpr std::string_view kSubtype = "definition";
   static constexpr Travel kTravel = between_nodes(CostPhase::forward);
-  SignedRecord start;
+  SignedRecord start;                     ///< its payload is empty if `compact` has it
   std::vector<SignedRecord> decisions{};  ///< every decision that the giver has, from epoch 2 on
   std::vector<SignedRecord> orders{};     ///< that the giver knows, as in Baton
+  /// The start's payload without the members' certificates, in zlib's form; empty: not asked for, or not to be had.
+  Blob compact{};
   template <class T = Definition>
   static FieldTable fields() {
     return FieldTable{field("start", &T::start), field("decisions", &T::decisions, 64),
-                      field("orders", &T::orders, kMaxOrders)};
+                      field("orders", &T::orders, kMaxOrders), field("compact", &T::compact, 1U << 19U)};
   }
 };
 

@@ -258,5 +258,5 @@ TEST_CASE("the JSON of a message, with text, with bytes, with a body") {
   CHECK(to_json(RobotFault{"grab", Severity::fatal, "t"}) ==
         R"({"capability":"grab","severity":"FATAL","text":"t","ended":false})");
   CHECK(to_json(AbortOrder{"r", "b", "", -1}) == R"({"run":"r","by":"b","reason":"","time":-1})");
-  CHECK(to_json(NeedDefinition{"r", {"\xab"}}) == R"({"run":"r","digest":"ab"})");
+  CHECK(to_json(NeedDefinition{"r", {"\xab"}}) == R"({"run":"r","digest":"ab","compact":false})");
 }

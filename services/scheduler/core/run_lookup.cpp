@@ -27,7 +27,7 @@ Run* RunLookup::find_or_defer(const std::string& run, const Blob& digest, const 
                 "end some of its " + std::to_string(runs_.runs().size()) + " open runs: trb run list"),
            step);
   } else {
-    step.out.request(from.source, NeedDefinition{run, digest});
+    step.out.request(from.source, NeedDefinition{run, digest, true});
   }
   return nullptr;
 }

@@ -41,6 +41,7 @@ SchedulerCore::SchedulerCore(SchedulerSettings settings, const Archive& archive)
       queries_(runs_, archive, executor_, watchers_),
       robot_(settings_.node, runs_, executor_, lost_, journal_),
       conditions_(settings_.node, runs_, journal_),
+      routes_(settings_.node, conditions_, definitions_),
       refusals_(settings_.node, runs_, executor_, conditions_, batons_),
       schedule_(runs_, executor_, lost_),
       unattempted_(settings_.node, journal_),
@@ -93,7 +94,7 @@ bool SchedulerCore::offer(const Inbound& message, Step step, Handlers&... handle
 void SchedulerCore::dispatch(const Inbound& message, Step step) {
   if (const auto* record = get_if<SignedRecord>(&message.body)) return handle_signed(*record, message, step);
   if (offer(message, step, batons_, results_, definitions_, decisions_, aborts_, pauses_, ends_, queries_, robot_,
-            conditions_, refusals_)) {
+            conditions_, routes_, refusals_)) {
     return;
   }
   refuse(message,

@@ -22,6 +22,7 @@
 #include "services/scheduler/core/handlers/refusal_handler.hpp"
 #include "services/scheduler/core/handlers/result_handler.hpp"
 #include "services/scheduler/core/handlers/robot_handler.hpp"
+#include "services/scheduler/core/handlers/route_handler.hpp"
 #include "services/scheduler/core/robot_schedule.hpp"
 #include "services/scheduler/core/run_archiver.hpp"
 #include "services/scheduler/core/unattempted_results.hpp"
@@ -102,6 +103,7 @@ class SchedulerCore : public Core {
   scheduler::QueryHandler queries_;
   scheduler::RobotHandler robot_;
   scheduler::ConditionHandler conditions_;
+  scheduler::RouteHandler routes_;
   scheduler::RefusalHandler refusals_;
 
   scheduler::RobotSchedule schedule_;

@@ -26,15 +26,9 @@ void match_inquiries(Run& run, const std::vector<TaskIndex>& tasks, const std::s
 
 }  // namespace
 
-void ConditionHandler::handle(const RouteTable& body, const Inbound& from, Step step) {
-  if (from.source != node_) {
-    return refuse(from, fail(Errc::not_permitted, "only the own router tells whom it reaches"), step);
-  }
-  auto taken = routes_.take(body);
-  if (taken.next) step.out.request(node_, std::move(*taken.next));
-  if (!taken.whole) return;
+void ConditionHandler::on_routes(const RouteTable& table, Step step) const {
   for (Run* run : runs_.runs()) {
-    for (Inquiry& inquiry : run->work().inquiries()) inquiry.on(*taken.whole, step.now, step.out);
+    for (Inquiry& inquiry : run->work().inquiries()) inquiry.on(table, step.now, step.out);
   }
 }
 

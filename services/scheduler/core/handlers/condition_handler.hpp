@@ -1,8 +1,8 @@
 // Conditions of tasks: this node searches the sensor's node, reads the sensor, and has its choice signed.
 #pragma once
 
-#include "common/actor/route_pages.hpp"
 #include "common/actor/takes.hpp"
+#include "proto/bodies/link.hpp"
 #include "services/scheduler/core/run_journal.hpp"
 
 namespace trb::scheduler {
@@ -10,14 +10,15 @@ namespace trb::scheduler {
 class ConditionHandler {
  public:
   /// Answers to requests of this node.
-  using Answers = Takes<RouteTable, SensorReading>;
+  using Answers = Takes<SensorReading>;
 
   /// All must outlive it.
   ConditionHandler(std::string node, const RunStore& runs, RunJournal& journal)
       : node_(std::move(node)), runs_(runs), journal_(journal) {}
 
-  void handle(const RouteTable& body, const Inbound& from, Step step);
   void handle(const SensorReading& body, const Inbound& from, Step step);
+  /// Of the own router: who has the sensors.
+  void on_routes(const RouteTable& table, Step step) const;
   /// A sensor's node refuses or does not answer.
   void on_refusal(const Nack& nack, const Inbound& from, Step step);
 
@@ -33,7 +34,6 @@ class ConditionHandler {
   std::string node_;
   const RunStore& runs_;
   RunJournal& journal_;
-  RoutePages routes_;  ///< from the own router
 };
 
 }  // namespace trb::scheduler

@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include "services/scheduler/core/handlers/route_handler.hpp"
 #include "services/scheduler/test/condition_story.hpp"
 #include "services/scheduler/test/known_run.hpp"
 
@@ -27,7 +28,7 @@ struct Choosing {
     route.id = "conveyor";
     route.state = "ONLINE";
     route.profile.plugged = {{"temperature", "temperature", "degC", "28-01", "", SensorState::ok, ""}};
-    return known.send(handler, from, RouteTable{"ridgeback", {route}}, MessageType::information);
+    return known.send(routes, from, RouteTable{"ridgeback", {route}}, MessageType::information);
   }
   Outbox tell_value(double degrees) {
     return known.send(handler, "conveyor",
@@ -41,6 +42,8 @@ struct Choosing {
 
   KnownRun known{left_or_right("ur3", "drone"), "ridgeback"};
   ConditionHandler handler{known.self, known.runs, known.journal};
+  DefinitionHandler definitions{known.self, known.runs, known.lookup, known.journal, [](const Inbound&, Step) {}};
+  RouteHandler routes{known.self, handler, definitions};
 };
 
 }  // namespace

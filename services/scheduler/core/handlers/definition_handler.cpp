@@ -1,5 +1,7 @@
 #include "services/scheduler/core/handlers/definition_handler.hpp"
 
+#include <utility>
+
 #include "services/scheduler/core/refusal.hpp"
 
 namespace trb::scheduler {
@@ -57,18 +59,67 @@ void DefinitionHandler::handle(const NeedDefinition& body, const Inbound& from, 
   if (!body.digest.bytes.empty() && body.digest != run->definition().start().digest) {
     return refuse(from, fail(Errc::conflict, "run " + body.run + " has another definition"), step);
   }
-  step.out.reply(from, Definition{run->definition().record(), run->epochs().records(), run->orders().records()});
+  Definition answer{run->definition().record(), run->epochs().records(), run->orders().records()};
+  if (auto compact = body.compact ? compact_start(answer.start) : std::nullopt) {
+    answer.compact = std::move(*compact);
+    answer.start.payload = {};
+  }
+  step.out.reply(from, std::move(answer));
 }
 
 void DefinitionHandler::handle(const Definition& body, const Inbound& from, Step step) {
+  if (!body.compact.bytes.empty()) return handle_compact(from, step, true);
   const auto claimed = decode<RunStart>(body.start.payload.bytes);
   if (Run* known = claimed ? runs_.find(claimed->run) : nullptr) return handle_more(*known, body, from, step);
   if (!claimed || !lookup_.awaits_definition(claimed->run, from.source)) return refuse(from, unexpected(), step);
+  take(body, *claimed, from, step);
+}
+
+/// `may_wait`: the own router has not been asked since it came.
+void DefinitionHandler::handle_compact(const Inbound& from, Step step, bool may_wait) {
+  Definition whole = get<Definition>(from.body);
+  auto claimed = open_compact_start(std::exchange(whole.compact, {}));
+  if (!claimed) return refuse(from, claimed.error(), step);
+  // Of a run that is known by now nothing is missing: its later decisions are requested by themselves.
+  if (!lookup_.awaits_definition(claimed->run, from.source) || runs_.find(claimed->run) != nullptr) {
+    return refuse(from, unexpected(), step);
+  }
+  const bool is_filled = certificates_.fill(*claimed);
+  if (!is_filled && may_wait) return wait_for_routes(claimed->run, from, step);
+  whole.start.payload.bytes = is_filled ? encode(*claimed) : Bytes();
+  // A member has a new certificate, which one of the two nodes does not know yet.
+  if (!is_filled || !runs_.open(whole.start)) return request_whole(*claimed, from, step);
+  take(whole, *claimed, from, step);
+}
+
+void DefinitionHandler::wait_for_routes(const std::string& run, const Inbound& from, Step step) {
+  // Bounded as what waits for a definition is: another one of the same sender takes the older one's place.
+  std::erase_if(waiting_, [&](const Inbound& one) {
+    const auto older = open_compact_start(get<Definition>(one.body).compact);
+    return !older || !lookup_.awaits_definition(older->run, one.source) ||
+           (older->run == run && one.source == from.source);
+  });
+  waiting_.push_back(from);
+  step.out.request(node_, RouteListRequest{});
+}
+
+void DefinitionHandler::on_routes(const RouteTable& table, Step step) {
+  certificates_.learn(table);
+  for (const Inbound& one : std::exchange(waiting_, {})) handle_compact(one, step, false);
+}
+
+void DefinitionHandler::request_whole(const RunStart& claimed, const Inbound& from, Step step) const {
+  step.out.count("definition.whole");
+  step.out.request(from.source, NeedDefinition{claimed.run, claimed.digest, false});
+}
+
+/// A whole definition that a message waits for.
+void DefinitionHandler::take(const Definition& body, const RunStart& claimed, const Inbound& from, Step step) {
   auto run = runs_.open(body.start);
   const Status checked = run ? check_new(**run, step) : Status(run.error());
   if (!checked) {
     step.out.log(LogLevel::warning, "definition_refused", "from '" + from.source + "': " + checked.error().text());
-    return lookup_.refuse_deferred(claimed->run, from.source, checked.error(), step);
+    return lookup_.refuse_deferred(claimed.run, from.source, checked.error(), step);
   }
   Run& added = journal_.add(std::move(*run), false, step);
   keep_decisions(added, body, from, step);

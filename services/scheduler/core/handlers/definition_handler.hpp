@@ -2,6 +2,7 @@
 #pragma once
 
 #include "common/actor/takes.hpp"
+#include "services/scheduler/core/run/compact_start.hpp"
 #include "services/scheduler/core/run_journal.hpp"
 #include "services/scheduler/core/run_lookup.hpp"
 
@@ -19,10 +20,16 @@ class DefinitionHandler {
   void handle(const RunSubmit& body, const Inbound& from, Step step);
   void handle(const NeedDefinition& body, const Inbound& from, Step step);
   void handle(const Definition& body, const Inbound& from, Step step);
+  /// Of the own router. The definitions that waited for it are opened; whose certificates it lacks are requested whole.
+  void on_routes(const RouteTable& table, Step step);
 
  private:
   [[nodiscard]] Status check_new(const Run& run, Step step) const;
   Status submit(std::unique_ptr<Run> run, Run* known, Step step);
+  void handle_compact(const Inbound& from, Step step, bool may_wait);
+  void wait_for_routes(const std::string& run, const Inbound& from, Step step);
+  void take(const Definition& body, const RunStart& claimed, const Inbound& from, Step step);
+  void request_whole(const RunStart& claimed, const Inbound& from, Step step) const;
   void handle_more(Run& run, const Definition& body, const Inbound& from, Step step);
   void keep_decisions(Run& run, const Definition& body, const Inbound& from, Step step);
 
@@ -31,6 +38,8 @@ class DefinitionHandler {
   RunLookup& lookup_;
   RunJournal& journal_;
   RunLookup::Dispatch dispatch_;
+  KnownCertificates certificates_;
+  std::vector<Inbound> waiting_;  ///< compact definitions with a member whose certificate is not known yet
 };
 
 }  // namespace trb::scheduler

@@ -92,3 +92,115 @@ TEST_CASE("decisions are taken from a definition that was asked for") {
   intake.known.send(intake.handler, "drone", body, MessageType::information, 5);
   CHECK(intake.known.run().epochs().current() == 2);
 }
+
+namespace {
+
+/// A node that is asked, and one that has the baton of a run it does not know.
+struct Compact {
+  Compact() {
+    intake.known.journal.add(std::move(*intake.known.runs.open(start)), false, intake.known.step(out));
+    known_there = get<Definition>(ask(true).sends.at(0).body);
+    other.known.lookup.find_or_defer(kNewRun, {}, baton, other.known.step(out = {}));
+  }
+  Outbox ask(bool compact) {
+    return intake.known.send(intake.handler, "drone", NeedDefinition{kNewRun, {}, compact}, MessageType::request);
+  }
+  Outbox answer(const Definition& body) {
+    Outbox effects;
+    other.handler.handle(body, other.known.from("drone", MessageType::information, body, 5), other.known.step(effects));
+    return effects;
+  }
+  Outbox tell_routes(const std::vector<std::string>& nodes) {
+    RouteTable table;
+    for (const std::string& node : nodes) {
+      Route route;
+      route.id = node;
+      route.certificate = certificate_of(node);
+      table.routes.push_back(route);
+    }
+    Outbox effects;
+    other.handler.on_routes(table, other.known.step(effects));
+    return effects;
+  }
+  [[nodiscard]] SignedRecord certificate_of(const std::string& node) const {
+    for (const Member& member : decode<RunStart>(start.payload.bytes)->members) {
+      if (member.id == node) return member.certificate;
+    }
+    return {};
+  }
+  [[nodiscard]] std::vector<std::string> members() const {
+    std::vector<std::string> out_of;
+    for (const Member& member : decode<RunStart>(start.payload.bytes)->members) out_of.push_back(member.id);
+    return out_of;
+  }
+  [[nodiscard]] bool is_known() const { return other.known.runs.find(kNewRun) != nullptr; }
+
+  Intake intake;
+  Intake other;
+  Outbox out;
+  SignedRecord start = intake.new_start();
+  Inbound baton = other.known.from("drone", MessageType::command, [] {
+    Baton body;
+    body.run = kNewRun;
+    return body;
+  }());
+  Definition known_there;
+};
+
+}  // namespace
+
+TEST_CASE("a node that knows the members gets a start without their certificates, and opens it with its own") {
+  Compact story;
+  CHECK(sent<NeedDefinition>(story.out).at(0).compact);
+  CHECK(story.known_there.start.payload.bytes.empty());
+  const std::size_t whole = story.start.payload.bytes.size();
+  CHECK(story.known_there.compact.bytes.size() * 3 < whole);
+  CHECK(sent<Definition>(story.ask(false)).at(0).compact.bytes.empty());
+
+  // The first time the own router is asked; from then on they are known.
+  CHECK(targets<RouteListRequest>(story.answer(story.known_there)) == std::vector<std::string>{story.other.known.self});
+  CHECK_FALSE(story.is_known());
+  CHECK(story.tell_routes(story.members()).journal.size() == 1);
+  CHECK(story.is_known());
+  CHECK(story.other.handed_out.size() == 1);
+  CHECK((story.other.known.runs.find(kNewRun)->definition().record() == story.start));
+}
+
+TEST_CASE("with a member that its router does not know, or whose certificate differs, the start is requested whole") {
+  Compact story;
+  SUBCASE("not known") {
+    std::vector<std::string> nodes = story.members();
+    nodes.pop_back();
+    story.answer(story.known_there);
+    const auto asked = sent<NeedDefinition>(story.tell_routes(nodes));
+    REQUIRE(asked.size() == 1);
+    CHECK_FALSE(asked[0].compact);
+  }
+  SUBCASE("another one") {
+    story.tell_routes(story.members());
+    Definition forged = story.known_there;
+    forged.start.signature.bytes[5] ^= 1;
+    const auto asked = sent<NeedDefinition>(story.answer(forged));
+    REQUIRE(asked.size() == 1);
+    CHECK_FALSE(asked[0].compact);
+  }
+  CHECK_FALSE(story.is_known());
+  story.answer(sent<Definition>(story.ask(false)).at(0));
+  CHECK(story.is_known());
+  CHECK(story.other.handed_out.size() == 1);
+}
+
+TEST_CASE("a compact start that nothing waits for, that is none, or that comes again is refused or kept once") {
+  Compact story;
+  const auto refused = [&](const Definition& body) {
+    const Outbox effects = story.answer(body);
+    return effects.journal.empty() && targets<RouteListRequest>(effects).empty() && targets<NeedDefinition>(effects).empty();
+  };
+  Definition broken = story.known_there;
+  broken.compact.bytes.resize(broken.compact.bytes.size() / 2);
+  CHECK(refused(broken));
+  for (int i = 0; i < 3; ++i) story.answer(story.known_there);
+  CHECK(story.tell_routes(story.members()).journal.size() == 1);
+  CHECK(story.is_known());
+  CHECK(refused(story.known_there));
+}
