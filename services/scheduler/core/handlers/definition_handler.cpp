@@ -84,11 +84,11 @@ void DefinitionHandler::handle_compact(const Inbound& from, Step step, bool may_
   if (!lookup_.awaits_definition(claimed->run, from.source) || runs_.find(claimed->run) != nullptr) {
     return refuse(from, unexpected(), step);
   }
-  const bool is_filled = certificates_.fill(*claimed);
-  if (!is_filled && may_wait) return wait_for_routes(claimed->run, from, step);
-  whole.start.payload.bytes = is_filled ? encode(*claimed) : Bytes();
+  const auto complete = certificates_.complete(*claimed);
+  if (!complete && may_wait) return wait_for_routes(claimed->run, from, step);
+  whole.start.payload.bytes = complete ? encode(*complete) : Bytes();
   // A member has a new certificate, which one of the two nodes does not know yet.
-  if (!is_filled || !runs_.open(whole.start)) return request_whole(*claimed, from, step);
+  if (!complete || !runs_.open(whole.start)) return request_whole(claimed->run, from, step);
   take(whole, *claimed, from, step);
 }
 
@@ -108,9 +108,9 @@ void DefinitionHandler::on_routes(const RouteTable& table, Step step) {
   for (const Inbound& one : std::exchange(waiting_, {})) handle_compact(one, step, false);
 }
 
-void DefinitionHandler::request_whole(const RunStart& claimed, const Inbound& from, Step step) const {
+void DefinitionHandler::request_whole(const std::string& run, const Inbound& from, Step step) {
   step.out.count("definition.whole");
-  step.out.request(from.source, NeedDefinition{claimed.run, claimed.digest, false});
+  step.out.request(from.source, NeedDefinition{run, {}, false});
 }
 
 /// A whole definition that a message waits for.

@@ -29,7 +29,7 @@ class DefinitionHandler {
   void handle_compact(const Inbound& from, Step step, bool may_wait);
   void wait_for_routes(const std::string& run, const Inbound& from, Step step);
   void take(const Definition& body, const RunStart& claimed, const Inbound& from, Step step);
-  void request_whole(const RunStart& claimed, const Inbound& from, Step step) const;
+  static void request_whole(const std::string& run, const Inbound& from, Step step);
   void handle_more(Run& run, const Definition& body, const Inbound& from, Step step);
   void keep_decisions(Run& run, const Definition& body, const Inbound& from, Step step);
 

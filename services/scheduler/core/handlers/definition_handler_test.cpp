@@ -95,112 +95,116 @@ TEST_CASE("decisions are taken from a definition that was asked for") {
 
 namespace {
 
-/// A node that is asked, and one that has the baton of a run it does not know.
+/// A node that has the baton of a run it does not know, and what it is answered.
 struct Compact {
   Compact() {
-    intake.known.journal.add(std::move(*intake.known.runs.open(start)), false, intake.known.step(out));
-    known_there = get<Definition>(ask(true).sends.at(0).body);
-    other.known.lookup.find_or_defer(kNewRun, {}, baton, other.known.step(out = {}));
+    Baton baton;
+    baton.run = kNewRun;
+    asker.known.lookup.find_or_defer(kNewRun, {}, asker.known.from("drone", MessageType::command, baton),
+                                     asker.known.step(asked));
+    answer.start.payload = {};
+    answer.compact = *compact_start(start);
   }
-  Outbox ask(bool compact) {
-    return intake.known.send(intake.handler, "drone", NeedDefinition{kNewRun, {}, compact}, MessageType::request);
+  Outbox hear(const Definition& body) {
+    return asker.known.send(asker.handler, "drone", body, MessageType::information, 5);
   }
-  Outbox answer(const Definition& body) {
-    Outbox effects;
-    other.handler.handle(body, other.known.from("drone", MessageType::information, body, 5), other.known.step(effects));
-    return effects;
-  }
+  /// Of the own router, which knows these nodes.
   Outbox tell_routes(const std::vector<std::string>& nodes) {
     RouteTable table;
     for (const std::string& node : nodes) {
       Route route;
       route.id = node;
-      route.certificate = certificate_of(node);
+      route.certificate = asker.known.signers.fleet[node].certificate;
       table.routes.push_back(route);
     }
     Outbox effects;
-    other.handler.on_routes(table, other.known.step(effects));
+    asker.handler.on_routes(table, asker.known.step(effects));
     return effects;
   }
-  [[nodiscard]] SignedRecord certificate_of(const std::string& node) const {
-    for (const Member& member : decode<RunStart>(start.payload.bytes)->members) {
-      if (member.id == node) return member.certificate;
-    }
-    return {};
-  }
   [[nodiscard]] std::vector<std::string> members() const {
-    std::vector<std::string> out_of;
-    for (const Member& member : decode<RunStart>(start.payload.bytes)->members) out_of.push_back(member.id);
-    return out_of;
+    const RunStart read = *decode<RunStart>(start.payload.bytes);
+    std::vector<std::string> ids;
+    for (const Member& member : read.members) ids.push_back(member.id);
+    return ids;
   }
-  [[nodiscard]] bool is_known() const { return other.known.runs.find(kNewRun) != nullptr; }
+  [[nodiscard]] bool is_known() const { return asker.known.runs.find(kNewRun) != nullptr; }
 
-  Intake intake;
-  Intake other;
-  Outbox out;
-  SignedRecord start = intake.new_start();
-  Inbound baton = other.known.from("drone", MessageType::command, [] {
-    Baton body;
-    body.run = kNewRun;
-    return body;
-  }());
-  Definition known_there;
+  Intake asker;
+  Outbox asked;
+  SignedRecord start = asker.new_start();
+  Definition answer{start};
 };
+
+using Targets = std::vector<std::string>;
 
 }  // namespace
 
-TEST_CASE("a node that knows the members gets a start without their certificates, and opens it with its own") {
-  Compact story;
-  CHECK(sent<NeedDefinition>(story.out).at(0).compact);
-  CHECK(story.known_there.start.payload.bytes.empty());
-  const std::size_t whole = story.start.payload.bytes.size();
-  CHECK(story.known_there.compact.bytes.size() * 3 < whole);
-  CHECK(sent<Definition>(story.ask(false)).at(0).compact.bytes.empty());
-
-  // The first time the own router is asked; from then on they are known.
-  CHECK(targets<RouteListRequest>(story.answer(story.known_there)) == std::vector<std::string>{story.other.known.self});
-  CHECK_FALSE(story.is_known());
-  CHECK(story.tell_routes(story.members()).journal.size() == 1);
-  CHECK(story.is_known());
-  CHECK(story.other.handed_out.size() == 1);
-  CHECK((story.other.known.runs.find(kNewRun)->definition().record() == story.start));
+TEST_CASE("who knows the members is answered with a start without their certificates, who does not with the whole") {
+  Intake intake;
+  const auto ask = [&](bool compact) {
+    const NeedDefinition body{kKnownRun, {}, compact};
+    return sent<Definition>(intake.known.send(intake.handler, "drone", body, MessageType::request)).at(0);
+  };
+  CHECK(ask(true).start.payload.bytes.empty());
+  CHECK(ask(true).start.signature == intake.known.start.signature);
+  CHECK(ask(true).compact.bytes.size() * 3 < intake.known.start.payload.bytes.size());
+  CHECK(ask(false).start == intake.known.start);
+  CHECK(ask(false).compact.bytes.empty());
 }
 
-TEST_CASE("with a member that its router does not know, or whose certificate differs, the start is requested whole") {
+TEST_CASE("a compact start is opened with the certificates of the own router, which is asked the first time") {
   Compact story;
+  CHECK(sent<NeedDefinition>(story.asked).at(0).compact);
+  CHECK(targets<RouteListRequest>(story.hear(story.answer)) == Targets{story.asker.known.self});
+  CHECK_FALSE(story.is_known());
+  CHECK(story.tell_routes(story.members()).journal.size() == 1);
+  REQUIRE(story.is_known());
+  CHECK(story.asker.handed_out.size() == 1);
+  CHECK((story.asker.known.runs.find(kNewRun)->definition().record() == story.start));
+}
+
+TEST_CASE("later starts are opened at once") {
+  Compact story;
+  story.tell_routes(story.members());
+  CHECK(story.hear(story.answer).journal.size() == 1);
+  CHECK(story.is_known());
+}
+
+TEST_CASE("with a member that its router does not know, or another certificate, the start is requested whole") {
+  Compact story;
+  std::vector<NeedDefinition> asked;
   SUBCASE("not known") {
     std::vector<std::string> nodes = story.members();
     nodes.pop_back();
-    story.answer(story.known_there);
-    const auto asked = sent<NeedDefinition>(story.tell_routes(nodes));
-    REQUIRE(asked.size() == 1);
-    CHECK_FALSE(asked[0].compact);
+    story.hear(story.answer);
+    asked = sent<NeedDefinition>(story.tell_routes(nodes));
   }
-  SUBCASE("another one") {
+  SUBCASE("the signature does not fit") {
     story.tell_routes(story.members());
-    Definition forged = story.known_there;
+    Definition forged = story.answer;
     forged.start.signature.bytes[5] ^= 1;
-    const auto asked = sent<NeedDefinition>(story.answer(forged));
-    REQUIRE(asked.size() == 1);
-    CHECK_FALSE(asked[0].compact);
+    asked = sent<NeedDefinition>(story.hear(forged));
   }
+  REQUIRE(asked.size() == 1);
+  CHECK_FALSE(asked[0].compact);
   CHECK_FALSE(story.is_known());
-  story.answer(sent<Definition>(story.ask(false)).at(0));
+  story.hear(Definition{story.start});
   CHECK(story.is_known());
-  CHECK(story.other.handed_out.size() == 1);
+  CHECK(story.asker.handed_out.size() == 1);
 }
 
-TEST_CASE("a compact start that nothing waits for, that is none, or that comes again is refused or kept once") {
+TEST_CASE("a compact start that nothing waits for, or that is none, is refused; one that comes again is kept once") {
   Compact story;
   const auto refused = [&](const Definition& body) {
-    const Outbox effects = story.answer(body);
-    return effects.journal.empty() && targets<RouteListRequest>(effects).empty() && targets<NeedDefinition>(effects).empty();
+    const Outbox effects = story.hear(body);
+    return effects.journal.empty() && targets<RouteListRequest>(effects).empty() &&
+           targets<NeedDefinition>(effects).empty();
   };
-  Definition broken = story.known_there;
+  Definition broken = story.answer;
   broken.compact.bytes.resize(broken.compact.bytes.size() / 2);
   CHECK(refused(broken));
-  for (int i = 0; i < 3; ++i) story.answer(story.known_there);
+  for (int i = 0; i < 3; ++i) story.hear(story.answer);
   CHECK(story.tell_routes(story.members()).journal.size() == 1);
   CHECK(story.is_known());
-  CHECK(refused(story.known_there));
+  CHECK(refused(story.answer));
 }

@@ -1,12 +1,20 @@
 #include "services/scheduler/core/run/compact_start.hpp"
 
+#include <utility>
+
 #include "common/base/deflate.hpp"
+#include "common/scenario/run_start.hpp"
 #include "proto/body.hpp"
 
 namespace trb::scheduler {
 namespace {
 
 constexpr std::size_t kMostInflated = 1U << 19U;  ///< the largest payload of a SignedRecord
+
+RunStart rebuilt(RunStart from) {
+  return build_run_start(std::move(from.scenario), std::move(from.members), std::move(from.submitter), {from.created},
+                         {from.expires}, std::move(from.run), std::move(from.first.robots), from.priority);
+}
 
 }  // namespace
 
@@ -15,19 +23,27 @@ void KnownCertificates::learn(const RouteTable& table) {
   for (const Route& route : table.routes) by_node_[route.id] = route.certificate;
 }
 
-bool KnownCertificates::fill(RunStart& start) const {
+std::optional<RunStart> KnownCertificates::complete(RunStart start) const {
   for (Member& member : start.members) {
     const auto known = by_node_.find(member.id);
-    if (known == by_node_.end()) return false;
+    if (known == by_node_.end()) return std::nullopt;
     member.certificate = known->second;
   }
-  return true;
+  return rebuilt(std::move(start));
 }
 
 std::optional<Blob> compact_start(const SignedRecord& start) {
   auto read = decode<RunStart>(start.payload.bytes);
-  if (!read || encode(*read) != start.payload.bytes) return std::nullopt;
+  if (!read) return std::nullopt;
+  // The tasks may name their robots themselves.
+  std::vector<std::string> robots = std::exchange(read->first.robots, {});
+  if (encode(rebuilt(*read)) != start.payload.bytes) {
+    read->first.robots = std::move(robots);
+    if (encode(rebuilt(*read)) != start.payload.bytes) return std::nullopt;
+  }
   for (Member& member : read->members) member.certificate = {};
+  read->digest = {};
+  read->electorate.clear();
   return Blob{deflated(encode(*read))};
 }
 

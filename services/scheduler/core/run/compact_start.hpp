@@ -1,5 +1,6 @@
-// A run's signed start as it travels to a node that knows the members from their Hellos: without their certificates, which
-// are nine tenths of it, and deflated. The reader puts its own copies in again; the signature shows whether they are the same.
+// A run's signed start as it travels to a node that knows the members from their Hellos: without their certificates,
+// which are nine tenths of it, without what follows from the rest (digest, electorate, assignment), and deflated. The
+// reader makes it whole again; the signature shows whether it is the same.
 #pragma once
 
 #include <map>
@@ -17,17 +18,18 @@ class KnownCertificates {
  public:
   /// The whole table: what it does not have is forgotten.
   void learn(const RouteTable& table);
-  /// Puts the certificate of each member in. False if one is not known; the start is not to be used then.
-  [[nodiscard]] bool fill(RunStart& start) const;
+  /// Makes what open_compact_start gave whole again. Nullopt: a member's certificate is not known.
+  [[nodiscard]] std::optional<RunStart> complete(RunStart start) const;
 
  private:
   std::map<std::string, SignedRecord> by_node_;
 };
 
-/// Nullopt if this program would not write the payload as it is, byte for byte: another version has, and it travels whole.
+/// Nullopt if this program would not build the payload as it is, byte for byte: another version has, and it travels
+/// whole.
 std::optional<Blob> compact_start(const SignedRecord& start);
 
-/// Without its certificates. Errors: malformed, too_large, those of decode.
+/// What travelled; complete() it before use. Errors: malformed, too_large, those of decode.
 Result<RunStart> open_compact_start(const Blob& compact);
 
 }  // namespace trb::scheduler

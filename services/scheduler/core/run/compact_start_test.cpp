@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include "common/base/deflate.hpp"
+#include "common/scenario/run_start.hpp"
 #include "proto/body.hpp"
 #include "services/scheduler/test/known_run.hpp"
 
@@ -31,19 +32,46 @@ TEST_CASE("who knows the members makes the same bytes again of a start that trav
   const auto compact = compact_start(start);
   REQUIRE(compact);
   CHECK(compact->bytes.size() * 3 < start.payload.bytes.size());
-  auto read = open_compact_start(*compact);
+  const auto read = open_compact_start(*compact);
   REQUIRE(read);
-  CHECK(read->run == decode<RunStart>(start.payload.bytes)->run);
+  CHECK(read->run == kKnownRun);
   KnownCertificates known;
-  CHECK_FALSE(known.fill(*read));
+  CHECK_FALSE(known.complete(*read));
   std::vector<std::string> nodes;
   for (const Member& member : read->members) nodes.push_back(member.id);
   known.learn(table_of(signers.fleet, nodes));
-  REQUIRE(known.fill(*read));
-  CHECK((encode(*read) == start.payload.bytes));
+  const auto complete = known.complete(*read);
+  REQUIRE(complete);
+  CHECK((encode(*complete) == start.payload.bytes));
   nodes.pop_back();
   known.learn(table_of(signers.fleet, nodes));
-  CHECK_FALSE(known.fill(*read));
+  CHECK_FALSE(known.complete(*read));
+}
+
+TEST_CASE(
+    "an assignment that the tasks do not name travels; an electorate that does not follow keeps the start whole") {
+  Signers signers;
+  const RunStart read = *decode<RunStart>(signers.start(chain({"ur3", "drone"})).payload.bytes);
+  const auto travels = [&](const RunStart& start) {
+    const SignedRecord record = signers.sign("cloud", kSignedRunStart, encode(start));
+    const auto compact = compact_start(record);
+    if (!compact) return false;
+    std::vector<std::string> nodes;
+    for (const Member& member : start.members) nodes.push_back(member.id);
+    KnownCertificates known;
+    known.learn(table_of(signers.fleet, nodes));
+    const auto complete = known.complete(*open_compact_start(*compact));
+    REQUIRE(complete);
+    CHECK((encode(*complete) == record.payload.bytes));
+    return true;
+  };
+  CHECK(travels(read));
+  RunStart bound = read;
+  bound.scenario.tasks[1].robot.clear();
+  CHECK(travels(build_run_start(bound.scenario, bound.members, "cloud", {10}, {20}, kKnownRun, {"ur3", "pioneer"}, 7)));
+  RunStart other = read;
+  other.electorate.pop_back();
+  CHECK_FALSE(travels(other));
 }
 
 TEST_CASE("a start with a field that this version does not know travels whole") {
