@@ -60,8 +60,8 @@ WorldPlan read_world(ObjectReader& reader) {
   WorldPlan plan;
   plan.robots = static_cast<std::uint32_t>(reader.integer("robots", Need::required, 1, world::kMaxRobots).value_or(1));
   plan.tasks = static_cast<std::uint32_t>(reader.integer("tasks", Need::required, 1, kMaxTasks).value_or(1));
-  plan.task_s = reader.number("task_seconds", Need::optional, kSeconds).value_or(plan.task_s);
-  plan.deviation_s = reader.number("deviation", Need::optional, {0, plan.task_s}).value_or(0);
+  plan.task.mean_s = reader.number("task_seconds", Need::optional, kSeconds).value_or(plan.task.mean_s);
+  plan.task.deviation_s = reader.number("deviation", Need::optional, {0, plan.task.mean_s}).value_or(0);
   plan.until_s = reader.number("seconds", Need::optional, {0, world::kMaxUntil}).value_or(0);
   plan.seed = static_cast<std::uint64_t>(reader.integer("seed", Need::optional, 0, INT64_MAX).value_or(1));
   std::vector<std::string> names;

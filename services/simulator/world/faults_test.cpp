@@ -51,7 +51,7 @@ WorldPlan bad_day(std::uint64_t seed) {
   WorldPlan plan =
       plan_of(static_cast<std::uint32_t>(2 + dice.below(2)), static_cast<std::uint32_t>(2 + dice.below(4)), {}, seed);
   plan.link = kLinkKinds[dice.below(kLinkKinds.size())];
-  plan.task_s = 1;
+  plan.task.mean_s = 1;
   plan.until_s = 400;
   const auto robot = [&] { return "r" + std::to_string(dice.below(plan.robots)); };
   const auto time = [&] { return 0.001 * static_cast<double>(dice.below(8000)); };

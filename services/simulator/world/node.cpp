@@ -10,20 +10,14 @@ namespace {
 constexpr Duration kRobotDelay = std::chrono::milliseconds(1);
 constexpr Duration kRobotDials = std::chrono::milliseconds(50);
 
-/// Of a robot of the paper's: it can do one thing.
-adapter::Settings adapter_settings(const std::string& id, std::uint64_t instance, const Disk& disk) {
+adapter::Settings adapter_settings(const NodePlan& plan, std::uint64_t instance, const Disk& disk) {
   adapter::Settings out;
-  out.id = id;
+  out.id = plan.id;
   out.instance = instance;
   out.framework = "lines";
   out.mode = Mode::interpreter;
   out.commands.transport = "lines";
-  out.description.capabilities = {"hands"};
-  Skill work;
-  work.name = work.subtype = "work";
-  work.capability = "hands";
-  work.timeout_s = 600;
-  out.description.skills = {work};
+  out.description = description_of(plan.profile);
   out.fenced = disk.fenced;
   out.out_of_use = disk.out_of_use;
   return out;
@@ -129,7 +123,7 @@ void Node::start_robot() {
   Processes& is = *processes_;
   const std::uint64_t instance = in_.dice.next();
   is.adapter_core.emplace(
-      adapter_settings(plan_.id, instance, disk_),
+      adapter_settings(plan_, instance, disk_),
       [this](bool fenced) {
         disk_.fenced = fenced;
         return Status(Done{});

@@ -43,6 +43,7 @@ struct NodePlan {
   Duration commit{0};
   Duration clock_ahead{0};
   RobotPlan robot;
+  NodeProfile profile;  ///< of the robot
 };
 
 /// What the nodes live in.

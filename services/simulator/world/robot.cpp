@@ -13,7 +13,7 @@ void Robot::connect(std::function<void(std::string)> tell) {
   tell_ = std::move(tell);
   line_.clear();
   field_ = 0;
-  if (tell_ && broken_) inform("fault", "hands CRITICAL broken");
+  if (tell_ && broken_) inform_of_fault();
 }
 
 void Robot::hear(std::string_view bytes) {
@@ -47,7 +47,9 @@ void Robot::begin() {
   if (broken_) return inform("failed", skill_ + " broken");
   if (on_begin) on_begin();
   work_ = std::make_shared<char>();
-  events_.after(dice_.normal(plan_.task, plan_.deviation), work_, [this] { end(true); });
+  const auto own = plan_.times.find(skill_);
+  const SkillTime& time = own == plan_.times.end() ? plan_.usual : own->second;
+  events_.after(dice_.normal(seconds(time.mean_s), seconds(time.deviation_s)), work_, [this] { end(true); });
 }
 
 void Robot::end(bool well) {
@@ -58,8 +60,12 @@ void Robot::end(bool well) {
 
 void Robot::fail() {
   broken_ = true;
-  inform("fault", "hands CRITICAL broken");
+  inform_of_fault();
   if (work_) end(false);
+}
+
+void Robot::inform_of_fault() {
+  for (const std::string& one : plan_.capabilities) inform("fault", one + " CRITICAL broken");
 }
 
 void Robot::inform(const std::string& subtype, const std::string& data) {

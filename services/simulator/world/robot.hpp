@@ -2,18 +2,22 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "services/simulator/world/dice.hpp"
 #include "services/simulator/world/events.hpp"
+#include "services/simulator/world/fleet_plan.hpp"
 
 namespace trb::world {
 
 struct RobotPlan {
-  Duration task{0};       ///< mean
-  Duration deviation{0};  ///< 0: each task takes as long
+  SkillTime usual;                         ///< of skills without a time of their own
+  std::map<std::string, SkillTime> times;  ///< by skill
+  std::vector<std::string> capabilities;   ///< all are lost if it breaks
 };
 
 class Robot {
@@ -36,6 +40,7 @@ class Robot {
   void take_field(const std::string& field);
   void begin();
   void end(bool well);
+  void inform_of_fault();
   void inform(const std::string& subtype, const std::string& data);
 
   RobotPlan plan_;

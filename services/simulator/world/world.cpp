@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <set>
 
 #include "common/scenario/run_start.hpp"
 #include "common/security/seeded_keys.hpp"
@@ -32,7 +33,13 @@ std::string run_id(Dice& dice) {
 
 double WorldPlan::limit_s() const {
   if (until_s > 0) return until_s;
-  return std::min(kMaxUntil, kLinksAtMost_s + kSlow_s + tasks * (task_s + 6 * deviation_s + 1));
+  SkillTime longest = task;
+  for (const auto& [skill, time] : times) {
+    longest.mean_s = std::max(longest.mean_s, time.mean_s);
+    longest.deviation_s = std::max(longest.deviation_s, time.deviation_s);
+  }
+  const auto count = static_cast<double>(fleet.empty() ? tasks : scenario.tasks.size());
+  return std::min(kMaxUntil, kLinksAtMost_s + kSlow_s + count * (longest.mean_s + 6 * longest.deviation_s + 1));
 }
 
 World::World(WorldPlan plan, Meddler meddler)
@@ -47,11 +54,17 @@ World::World(WorldPlan plan, Meddler meddler)
   authority_.name = "world";
   authority_.public_key = authority_key_.public_key;
   meter_.watch = [this](const Sending& sending, std::string_view frame) { repeats_.on(sending, frame); };
-  add("cloud", Role::cloud, 0);
-  for (std::uint32_t i = 0; i < plan_.robots; ++i) add("r" + std::to_string(i), Role::robot, i + 1);
+  if (plan_.fleet.empty()) {
+    plan_.fleet = paper_robots(plan_.robots);
+    plan_.scenario = in_turn(plan_.tasks, plan_.fleet);
+  }
+  add("cloud", Role::cloud, 0, {});
+  for (std::uint32_t i = 0; i < plan_.fleet.size(); ++i) {
+    add(plan_.fleet[i].id, Role::robot, i + 1, plan_.fleet[i].profile);
+  }
 }
 
-void World::add(const std::string& id, Role role, std::uint32_t number) {
+void World::add(const std::string& id, Role role, std::uint32_t number, const NodeProfile& profile) {
   NodePlan plan;
   plan.id = id;
   plan.role = role;
@@ -74,7 +87,8 @@ void World::add(const std::string& id, Role role, std::uint32_t number) {
     plan.seeds.push_back({cloud->second->plan().address, cloud->second->plan().link_key.public_key});
   constexpr Duration kCommit = std::chrono::milliseconds(2);
   plan.commit = kCommit;
-  plan.robot = {seconds(plan_.task_s), seconds(plan_.deviation_s)};
+  plan.robot = {plan_.task, plan_.times, profile.capabilities};
+  plan.profile = profile;
   auto node = std::make_unique<Node>(std::move(plan), Surroundings{events_, network_, meter_, dice_, &meddler_});
   watch(*node);
   nodes_[id] = std::move(node);
@@ -127,22 +141,14 @@ void World::look_for_links() {
 }
 
 RunStart World::start() const {
-  Scenario scenario;
-  scenario.name = "in turn";
-  for (std::uint32_t i = 0; i < plan_.tasks; ++i) {
-    Task task;
-    task.id = "t" + std::to_string(i);
-    task.robot = "r" + std::to_string(i % plan_.robots);
-    task.skill = "work";
-    if (i > 0) task.after = {static_cast<std::uint16_t>(i - 1)};
-    scenario.tasks.push_back(std::move(task));
-  }
+  std::set<std::string> at_work(plan_.assigned.begin(), plan_.assigned.end());
+  for (const Task& task : plan_.scenario.tasks) at_work.insert(task.robot);
   std::vector<Member> members{nodes_.at("cloud")->member()};
-  for (std::uint32_t i = 0; i < std::min(plan_.robots, plan_.tasks); ++i) {
-    members.push_back(nodes_.at("r" + std::to_string(i))->member());
+  for (const PlannedRobot& robot : plan_.fleet) {
+    if (at_work.contains(robot.id)) members.push_back(nodes_.at(robot.id)->member());
   }
   const UtcTime now = nodes_.at("cloud")->utc();
-  return build_run_start(std::move(scenario), std::move(members), "cloud", now, now + kLife, run_);
+  return build_run_start(plan_.scenario, std::move(members), "cloud", now, now + kLife, run_, plan_.assigned);
 }
 
 void World::submit() {

@@ -20,10 +20,13 @@ constexpr double kMaxUntil = 7 * 24 * 3600;
 
 struct WorldPlan {
   std::uint32_t robots = 5;
-  std::uint32_t tasks = 9;  ///< given to the robots in turn, one after the other
-  double task_s = 3;
-  double deviation_s = 0;
-  double until_s = 0;  ///< 0: as long as the tasks may take, and some minutes
+  std::uint32_t tasks = 9;                   ///< given to the robots in turn, one after the other
+  std::vector<PlannedRobot> fleet;           ///< in place of `robots`
+  Scenario scenario;                         ///< of that fleet, in place of `tasks`
+  std::vector<std::string> assigned;         ///< who has each of its tasks at first (see bind_tasks)
+  SkillTime task;                            ///< of skills without a time of their own
+  std::map<std::string, SkillTime> times{};  ///< by skill
+  double until_s = 0;                        ///< 0: as long as the tasks may take, and some minutes
   LinkKind link = kLinkKinds[0];
   std::uint64_t seed = 1;
   std::vector<Fault> faults;  ///< times count from the run's submission
@@ -67,7 +70,7 @@ class World {
   [[nodiscard]] bool is_open_at(const Node& node) const;
 
  private:
-  void add(const std::string& id, Role role, std::uint32_t number);
+  void add(const std::string& id, Role role, std::uint32_t number, const NodeProfile& profile);
   void watch(Node& node);
   void pass(double limit_s);
   void tell_second();

@@ -1,0 +1,33 @@
+// The robots of a world: the paper's, which can do one thing, or those of a hall as their nodes describe them.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "common/fleet/description.hpp"
+#include "proto/bodies/link.hpp"
+#include "proto/bodies/run.hpp"
+
+namespace trb::world {
+
+/// What a skill takes, in seconds. A deviation of 0: each time as long.
+struct SkillTime {
+  double mean_s = 3;
+  double deviation_s = 0;
+};
+
+struct PlannedRobot {
+  std::string id;
+  NodeProfile profile;  ///< of it capabilities, skills and places
+};
+
+/// `count` robots r0, r1 ... that can "work".
+std::vector<PlannedRobot> paper_robots(std::uint32_t count);
+/// `count` tasks t0, t1 ..., given to the robots in turn, one after the other.
+Scenario in_turn(std::uint32_t count, const std::vector<PlannedRobot>& robots);
+
+/// As its mode-adapter has it: a robot that is told each skill by its name, field by field.
+Description description_of(const NodeProfile& profile);
+
+}  // namespace trb::world
