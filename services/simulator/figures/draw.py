@@ -1,37 +1,22 @@
 #!/usr/bin/env python3
-"""Draws figures 11 to 13 of the paper. Every point is a simulation (`trb simulate`), every line the model (`trb model`)."""
+"""Draws figures of the paper. Of 11 to 13 every point is a simulation (`trb simulate`), every line the model (`trb model`); 16 to
+18 are counted and measured on real processes, and are drawn only if they are named."""
 import argparse
-import csv
-import json
+import importlib
 import pathlib
-import subprocess
 import sys
 
-import matplotlib
-
-matplotlib.use("svg")
-import matplotlib.pyplot as plt  # noqa: E402
+import trb
+from sheet import COLOURS, canvas, save, write_csv
 
 HERE = pathlib.Path(__file__).resolve().parent
 ROBOTS = (1, 5, 10, 20, 30, 40, 50)
 TASKS = (1, 10, 20, 40, 60, 80, 100)
 DISTRIBUTION_ROBOTS = (5, 10, 20, 50)
 PAPER_BYTES = 1.4e6  # section 5.2.2: 50 robots, 100 tasks
-SIZE_INCHES = (7.2, 4.4)
-# Dark to light, so that print without colour tells them apart too.
-COLOURS = ("#0b3c5d", "#1d6a96", "#328cc1", "#5aa9a3", "#8a9a5b", "#c58b3a", "#b5472f")
 
 
-class Programs:
-    def __init__(self, folder):
-        self.trb = pathlib.Path(folder) / "trb"
-
-    def ask(self, *words):
-        done = subprocess.run([self.trb, *map(str, words), "--json"], capture_output=True, text=True, check=False)
-        if done.returncode:
-            sys.exit(f"figures: {' '.join(map(str, words))}: {done.stdout}{done.stderr}")
-        return json.loads(done.stdout)
-
+class Programs(trb.Trb):
     def simulate(self, robots, tasks):
         return self.ask("simulate", "--robots", robots, "--tasks", tasks)
 
@@ -39,31 +24,6 @@ class Programs:
         """Tasks in turn: one robot's are one block, else there is none."""
         block = ("--blocks", 1, "--block-tasks", tasks) if robots == 1 and tasks > 1 else ()
         return self.ask("model", "--robots", robots, "--direct", tasks, *block)["terms"]
-
-
-def write_csv(path, names, rows):
-    with path.open("w", newline="", encoding="utf-8") as file:
-        out = csv.writer(file, lineterminator="\n")
-        out.writerow(names)
-        out.writerows(rows)
-
-
-def canvas(title, x, y):
-    figure, axes = plt.subplots(figsize=SIZE_INCHES)
-    axes.set_title(title, loc="left", fontsize=11)
-    axes.set_xlabel(x)
-    axes.set_ylabel(y)
-    axes.grid(True, color="#dddddd", linewidth=0.6)
-    for side in ("top", "right"):
-        axes.spines[side].set_visible(False)
-    return figure, axes
-
-
-def save(figure, path):
-    figure.tight_layout()
-    figure.savefig(path, metadata={"Date": None, "Creator": None})
-    plt.close(figure)
-    print(path)
 
 
 def grid_of(programs):
@@ -127,21 +87,35 @@ def figure_13(programs, into, _rows):
 
 
 FIGURES = {"11": figure_11, "12": figure_12, "13": figure_13}
+MEASURED = ("16", "17", "18")  # each a module of its own
+
+
+def parse():
+    parser = argparse.ArgumentParser(prog="scripts/figures", description=__doc__)
+    parser.add_argument("figures", nargs="*", choices=[*FIGURES, *MEASURED, []], default=[], help="which (11 12 13)")
+    parser.add_argument("--into", type=pathlib.Path, default=HERE, help="where they are written")
+    parser.add_argument("--programs", type=pathlib.Path, required=True, help="the folder with trb")
+    parser.add_argument("--rounds", type=int, default=15, help="of 17 and 18: how often each is measured (15)")
+    parser.add_argument("--ahead", action="store_true",
+                        help="of 17 and 18: before other programs (nice -19, as root), for a machine that others use, too")
+    given = parser.parse_args()
+    if not 1 <= given.rounds <= 1000:
+        parser.error("--rounds: between 1 and 1000")
+    given.programs = given.programs.resolve()
+    return given
 
 
 def main():
-    parser = argparse.ArgumentParser(prog="scripts/figures", description=__doc__)
-    parser.add_argument("figures", nargs="*", choices=[*FIGURES, []], default=[])
-    parser.add_argument("--into", type=pathlib.Path, default=HERE, help="where they are written")
-    parser.add_argument("--programs", required=True, help="the folder with trb")
-    given = parser.parse_args()
+    given = parse()
     given.into.mkdir(parents=True, exist_ok=True)
-    plt.rcParams.update({"svg.hashsalt": "talkrobots", "svg.fonttype": "none", "font.family": "sans-serif", "font.size": 9})
     programs = Programs(given.programs)
     wanted = given.figures or list(FIGURES)
     rows = grid_of(programs) if {"11", "12"} & set(wanted) else []
     for name in wanted:
-        FIGURES[name](programs, given.into, rows)
+        if name in FIGURES:
+            FIGURES[name](programs, given.into, rows)
+        else:
+            importlib.import_module(f"figure_{name}").draw(given)
 
 
 if __name__ == "__main__":

@@ -59,10 +59,10 @@ def start(folder, programs, fleet):
     return driver
 
 
-def order(driver, pids, node, messages, busy_ms, every):
+def order(driver, pids, node, messages, busy_ms, every, window=WINDOW):
     before = {name: (roads.cpu_us(pid), roads.switches(pid)) for name, pid in pids.items()}
     index = len(driver.lines)
-    driver.say(f"{node} {messages} {WINDOW} {busy_ms} {every}")
+    driver.say(f"{node} {messages} {window} {busy_ms} {every}")
     line, _ = driver.wait_line("{", 120, index)
     result = json.loads(line)
     for name, pid in pids.items():

@@ -113,4 +113,12 @@ std::unique_ptr<End> curve_client(Context& context, const std::string& address, 
   return std::make_unique<ClientEnd>(std::move(socket));
 }
 
+std::unique_ptr<End> plain_server(Context& context, const std::string& address) {
+  return std::make_unique<ServerEnd>(value_of(Socket::bus_server(context, "tcp://" + address)));
+}
+
+std::unique_ptr<End> plain_client(Context& context, const std::string& address) {
+  return std::make_unique<ClientEnd>(Socket::bus_client(context, "tcp://" + address));
+}
+
 }  // namespace trb::bench

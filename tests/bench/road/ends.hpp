@@ -36,5 +36,8 @@ std::unique_ptr<End> bus_server(Context& context, const std::string& path);
 std::unique_ptr<End> curve_server(Context& context, const std::string& address);
 /// A dialled link to the inbox with that key (hexadecimal).
 std::unique_ptr<End> curve_client(Context& context, const std::string& address, const std::string& server_key);
+/// The same two without encryption, for what CURVE costs.
+std::unique_ptr<End> plain_server(Context& context, const std::string& address);
+std::unique_ptr<End> plain_client(Context& context, const std::string& address);
 
 }  // namespace trb::bench

@@ -24,6 +24,7 @@ constexpr const char* kHelp =
     "  tcp-bus LISTEN IPC                   a bare mode-adapter of the sender\n"
     "  bus-curve IPC ADDRESS KEY            a bare router of the sender\n"
     "  curve-bus ADDRESS IPC                a bare router of the receiver; prints its key\n"
+    "  bus-plain IPC ADDRESS, plain-bus ADDRESS IPC    bare routers without encryption\n"
     "  bus-tcp IPC ADDRESS                  a bare mode-adapter of the receiver\n\n"
     "Usually started by scripts/bench. Example: trb-bench-road drive-bus a.ipc b.ipc";
 
@@ -76,6 +77,18 @@ int curve_bus(Context& context, const Words& words) {
   return run_relay(*in, *out);
 }
 
+int bus_plain(Context& context, const Words& words) {
+  const auto out = plain_client(context, words[1]);
+  const auto in = bus_server(context, words[0]);
+  return run_relay(*in, *out);
+}
+
+int plain_bus(Context& context, const Words& words) {
+  const auto out = bus_server(context, words[1]);
+  const auto in = plain_server(context, words[0]);
+  return run_relay(*in, *out);
+}
+
 int bus_tcp(Context& context, const Words& words) {
   const auto out = tcp_end(tcp_dial(tcp_address(words[1]), ""), "");
   const auto in = bus_client(context, words[0]);
@@ -89,6 +102,8 @@ int run(const std::string& role, const Words& words) {
   if (role == "tcp-bus" && words.size() == 2) return tcp_bus(context, words);
   if (role == "bus-curve" && words.size() == 3) return bus_curve(context, words);
   if (role == "curve-bus" && words.size() == 2) return curve_bus(context, words);
+  if (role == "bus-plain" && words.size() == 2) return bus_plain(context, words);
+  if (role == "plain-bus" && words.size() == 2) return plain_bus(context, words);
   if (role == "bus-tcp" && words.size() == 2) return bus_tcp(context, words);
   std::puts(kHelp);
   return role == "--help" ? 0 : 2;

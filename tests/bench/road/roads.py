@@ -178,6 +178,12 @@ class Roads:
         pids, buses = self.routers("floor", f"127.{self.octet}.3.1:45001")
         return Road("floor", self.start("drive-bus", *buses), pids)
 
+    def plain(self):
+        """The floor without encryption; its second router is ready once it listens."""
+        address, buses = f"127.{self.octet}.3.4:45003", [self.root / f"plain-{end}.ipc" for end in ("in", "out")]
+        second, first = self.start("plain-bus", address, buses[1]), self.start("bus-plain", buses[0], address)
+        return Road("plain", self.start("drive-bus", *buses), {"router a": first.child.pid, "router b": second.child.pid})
+
     def bare(self):
         """The floor with one more process and TCP connection at each end: the road without the work of TalkRoBots."""
         node, robot = f"127.{self.octet}.3.2:40000", f"127.{self.octet}.3.3:{VENDOR_PORT}"
