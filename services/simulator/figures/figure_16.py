@@ -1,6 +1,6 @@
 """Figure 16: how many messages the paper's scenario takes, and how many bytes, counted on the wire of a real fleet."""
 import paper_fleet
-from paper_count import COLUMNS, PHASES, model_words, rows_of
+from paper_count import COLUMNS, PHASES, model_words, rows_of, subtypes_of
 from sheet import COLOURS, INK, plt, prepare, save, write_csv
 from trb import Trb
 
@@ -22,10 +22,10 @@ def bars(axes, rows, columns, labels, scale=1):
 
 
 def mark(axes, value, label, rows):
-    """What the paper prints, at the total's bar."""
-    at = len(rows) - 1
-    axes.plot([value, value], [at - 0.48, at + 0.48], color=INK, linewidth=1.6)
-    axes.annotate(label, (value, at - 0.48), xytext=(2, 3), textcoords="offset points", fontsize=8, color=INK)
+    """What the paper prints, above the total's bars."""
+    at = len(rows) - 1.6
+    axes.plot([value], [at], "v", color=INK, markersize=6)
+    axes.annotate(label, (value, at), xytext=(6, -1), textcoords="offset points", fontsize=8, color=INK, va="center")
 
 
 def draw_rows(path, rows, seconds):
@@ -55,6 +55,5 @@ def draw(arguments):
     rows = rows_of(counted, terms, seconds)
     draw_rows(arguments.into / "figure-16.svg", rows, seconds)
     write_csv(arguments.into / "figure-16.csv", COLUMNS, rows)
-    taps = counted["taps"]
-    write_csv(arguments.into / "figure-16-words.csv", ("phase", "subtype", "messages", "bytes"),
-              [(*key, taps.messages[key], taps.bytes[key]) for key in sorted(taps.messages)])
+    write_csv(arguments.into / "figure-16-subtypes.csv", ("phase", "subtype", "messages", "bytes"),
+              subtypes_of(counted["taps"], counted["capture"]))

@@ -8,7 +8,9 @@ import roads  # found by measured
 from seal_times import SealTimes, check_ms, waits
 
 WARM, MESSAGES, ALONE = 200, 1000, 25
-PAPER = (("paper: unsigned, 0.8", 0.8), ("signed, 1.4", 1.4))
+UNSIGNED = "unsigned, encrypted"
+EACH = "one signature a message"  # delivered once it is validated
+PAPER = (("paper: unsigned 0.8", 0.8), ("signed 1.4", 1.4))
 
 
 def delivered(road):
@@ -44,21 +46,15 @@ def measure(arguments):
         unsealed, sealed, each = (built.road(name) for name in ("unsealed", "sealed", "each"))
         fleet = built.fleets["sealed"]
         return measured.in_turns({
-            "floor without encryption": delivered(plain),
-            "floor, encrypted": delivered(floor),
-            "unsigned": delivered(unsealed),
+            "bare floor, not encrypted": delivered(plain),
+            "bare floor, encrypted": delivered(floor),
+            UNSIGNED: delivered(unsealed),
+            EACH: delivered(each),
             "sealed: delivered": delivered(sealed),
-            "one signature a message": delivered(each),
             "sealed: validated, in a stream": validated(sealed, fleet, 640, 1),
             "sealed: validated, alone": validated(sealed, fleet, 1, ALONE)}, arguments.rounds)
 
 
 def draw(arguments):
-    measured.go_ahead(arguments)
-    load = os.getloadavg()[0]
-    with measured.one_core():
-        times = measure(arguments)
-    measured.draw_delays(arguments.into / "figure-17.svg", "Figure 17: delay with signatures and encryption on and off",
-                         list(times.items()), PAPER, measured.conditions(arguments, load))
-    paper = {"unsigned": 0.8, "one signature a message": 1.4}
-    measured.write_delays(arguments.into / "figure-17.csv", [measured.row(name, values, paper.get(name, "")) for name, values in times.items()])
+    measured.draw(arguments, 17, "Figure 17: delay with signatures and encryption on and off", measure, PAPER,
+                  {UNSIGNED: 0.8, EACH: 1.4})

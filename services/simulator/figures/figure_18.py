@@ -46,8 +46,8 @@ class RosRoad:
         fleet.start_robot(ROBOT)
         for node in fleet.node_names:
             fleet.start_node(node)
-        self.out = socket.create_connection((fleet.address("a"), 40000), 10, (fleet.robot_address("a"), 0)) \
-            if fleet.nodes["a"].wait_line("ready", 20) else None
+        fleet.nodes["a"].wait_line("ready", 20)
+        self.out = socket.create_connection((fleet.address("a"), 40000), 10, (fleet.robot_address("a"), 0))
         self.out.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         fleet.wait_formed(30)
 
@@ -106,11 +106,5 @@ def measure(arguments):
 
 
 def draw(arguments):
-    measured.go_ahead(arguments)
-    load = os.getloadavg()[0]
-    with measured.one_core():
-        times = measure(arguments)
-    measured.draw_delays(arguments.into / "figure-18.svg", "Figure 18: delay by transmission mode, signed and encrypted", list(times.items()),
-                         PAPER, measured.conditions(arguments, load))
-    paper = {"ros": 1.8, "direct": 1.8, "interpreter, gap of 2 ms": 10}
-    measured.write_delays(arguments.into / "figure-18.csv", [measured.row(name, values, paper.get(name, "")) for name, values in times.items()])
+    measured.draw(arguments, 18, "Figure 18: delay by transmission mode, signed and encrypted", measure, PAPER,
+                  {"ros": 1.8, "direct": 1.8, "interpreter, gap of 2 ms": 10})

@@ -48,13 +48,8 @@ def conditions(arguments, load):
             f"load {load:.0f}; medians of {arguments.rounds} rounds, each round a small dot")
 
 
-def go_ahead(arguments):
-    if arguments.ahead:
-        ahead.go()
-
-
 def draw_delays(path, title, bars, paper, foot):
-    """`bars`: (label, the rounds' milliseconds), from above; `paper`: (label, milliseconds)."""
+    """`bars`: (label, the rounds' milliseconds), from above; `paper`: two of (label, milliseconds)."""
     figure, axes = plt.subplots(figsize=(7.2, 1.5 + 0.46 * len(bars)))
     prepare(axes, title, "delay (ms)", "", grid="x")
     axes.set_xscale("log")
@@ -62,19 +57,27 @@ def draw_delays(path, title, bars, paper, foot):
         colour, middle = COLOURS[at % len(COLOURS)], statistics.median(values)
         axes.plot(values, [at] * len(values), ".", color=colour, alpha=0.35, markersize=5)
         axes.plot([middle], [at], "o", color=colour, markersize=8)
-        axes.annotate(f"{middle:.3g} ms", (middle, at), xytext=(0, 7), textcoords="offset points", ha="center", fontsize=8,
+        axes.annotate(f"{middle:#.3g} ms", (middle, at), xytext=(0, 7), textcoords="offset points", ha="center", fontsize=8,
                       bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5})
     every = [value for _, values in bars for value in values] + [value for _, value in paper]
     axes.set_xlim(min(every) * 0.6, max(every) * 3)
     axes.set_yticks(range(len(bars)), [label for label, _ in bars])
     axes.set_ylim(len(bars) - 0.4, -0.8)
-    for label, value in paper:
+    for (label, value), (side, offset) in zip(paper, (("right", -3), ("left", 3))):
         axes.axvline(value, color=INK, linewidth=0.9, linestyle=(0, (4, 3)))
-        axes.annotate(label, (value, len(bars) - 0.5), xytext=(3, 0), textcoords="offset points", fontsize=8, color=INK)
+        axes.annotate(label, (value, len(bars) - 0.5), xytext=(offset, 0), textcoords="offset points", ha=side, fontsize=8, color=INK)
     axes.xaxis.set_major_formatter(lambda value, _: f"{value:g}")
     figure.text(0.01, 0.01, foot, fontsize=7, color="#555555")
     save(figure, path, foot=0.04)
 
 
-def write_delays(path, rows):
-    write_csv(path, CSV_NAMES, rows)
+def draw(arguments, number, title, measure, paper, printed):
+    """Measures and draws; `printed`: name of a bar -> what the paper prints for it, in ms."""
+    if arguments.ahead:
+        ahead.go()
+    load = os.getloadavg()[0]
+    with one_core():
+        times = measure(arguments)
+    draw_delays(arguments.into / f"figure-{number}.svg", title, list(times.items()), paper, conditions(arguments, load))
+    write_csv(arguments.into / f"figure-{number}.csv", CSV_NAMES,
+              [row(name, values, printed.get(name, "")) for name, values in times.items()])

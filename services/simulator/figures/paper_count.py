@@ -35,5 +35,11 @@ def rows_of(counted, terms, seconds):
     return rows
 
 
+def subtypes_of(taps, capture):
+    """What went between computers, by its subtype."""
+    links = [(*key, messages, taps.bytes[key]) for key, messages in taps.messages.items()]
+    return sorted([*links, ("identification", "beacon", capture.datagrams, capture.udp)])
+
+
 def rate(size, seconds):
     return round(size / seconds)

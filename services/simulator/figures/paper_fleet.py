@@ -34,8 +34,8 @@ def counters(fleet):
             total.update({row["phase"]: row["value"] for row in answer["phases"]})
             if service == "router":
                 values = {row["name"]: row["value"] for row in answer["values"]}
-                total["beacons"] += values.get("sent.beacon", 0)
-                total["lost"] += sum(value for name, value in values.items() if name == "dropped.tap_full")
+                total["hellos"] += values.get("sent.hello", 0)
+                total["lost"] += values.get("dropped.tap_full", 0)
     return total
 
 
@@ -77,9 +77,17 @@ def run(fleet, seconds):
             watching.stop()
         capture.end()
         taps.end()
-    if said["lost"]:
-        raise RuntimeError("a tap has lost messages: count again on a quieter machine")
+    check(said, taps, capture)
     return {"said": said, "taps": taps, "capture": capture, "view": view, "run_ended_s": took, "values": values}
+
+
+def check(said, taps, capture):
+    """The taps have heard everything: from the first Hello on, and nearly all that TCP has carried."""
+    if said["lost"] or taps.messages["identification", "hello"] != said["hellos"]:
+        raise RuntimeError("a tap has lost messages, or came too late: count again on a quieter machine")
+    tapped = sum(taps.bytes.values())
+    if not tapped <= capture.tcp <= 1.1 * tapped:
+        raise RuntimeError(f"TCP has carried {capture.tcp} bytes, the taps tell of {tapped}: more than connections need lies between")
 
 
 def count(programs, seconds=SECONDS):
