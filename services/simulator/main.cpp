@@ -1,13 +1,17 @@
 // trb-simulator: one simulation, for `trb simulate` and whoever else runs jobs. See README.md.
 #include <unistd.h>
 
+#include <chrono>
 #include <cstdio>
 #include <string>
+#include <string_view>
 
 #include "common/base/files.hpp"
 #include "services/simulator/counting/play.hpp"
 #include "services/simulator/job/answer.hpp"
 #include "services/simulator/job/job.hpp"
+#include "services/simulator/job/model_answer.hpp"
+#include "services/simulator/job/task_times.hpp"
 #include "services/simulator/job/world_job.hpp"
 
 namespace trb::simulator {
@@ -46,10 +50,40 @@ void show_progress(const world::World& world) {
                world.witness().tasks_done(), world.plan().tasks);
 }
 
-int simulate_world(const Job& job) {
+/// The same for a program: a line of JSON on standard error, ten a second at most.
+class ProgressLines {
+ public:
+  void tell(double seconds, std::size_t done, std::size_t tasks) {
+    const auto now = std::chrono::steady_clock::now();
+    if (now - told_ < kBetween) return;
+    told_ = now;
+    std::fprintf(stderr, "{\"seconds\":%.1f,\"tasks_done\":%zu,\"tasks\":%zu}\n", seconds, done, tasks);
+  }
+
+ private:
+  static constexpr auto kBetween = std::chrono::milliseconds(100);
+  std::chrono::steady_clock::time_point told_;
+};
+
+void add_to(Value& answer, const Job& job, const TaskTimes& times) {
+  auto& members = std::get<Value::Object>(answer.is);
+  members.emplace_back("model", model_value(parameters_of(job)));
+  members.emplace_back("tasks", times.listed());
+  members.emplace_back("tasks_not_listed", Value{static_cast<std::int64_t>(times.not_listed())});
+}
+
+int simulate_world(const Job& job, bool for_program) {
   world::World world(*job.world);
-  const bool is_watched = ::isatty(STDERR_FILENO) == 1;
+  TaskTimes times;
+  times.watch(world);
+  ProgressLines lines;
+  const bool is_watched = !for_program && ::isatty(STDERR_FILENO) == 1;
   if (is_watched) world.on_second = show_progress;
+  if (for_program) {
+    world.on_second = [&lines](const world::World& of) {
+      lines.tell(of.seconds_passed(), of.witness().tasks_done(), of.plan().tasks);
+    };
+  }
   Bytes trace;
   std::uint64_t traced = 0;
   if (!job.trace.empty()) {
@@ -68,39 +102,55 @@ int simulate_world(const Job& job) {
   }
   Value out = answer_value(world.meter().tally(), played.seconds);
   std::get<Value::Object>(out.is).emplace_back("world", world_value(played));
+  add_to(out, job, times);
   return answer(out);
 }
 
-int simulate(const std::string& text) {
+int simulate_counting(const Job& job, bool for_program) {
+  constexpr std::uint64_t kTellAt = 1U << 18U;  // messages: some milliseconds
+  const double most_s = std::max(job.plan.seconds, job.plan.task_s * static_cast<double>(job.plan.tasks.size()));
+  counting::Tally tally(most_s);
+  TaskTimes times;
+  ProgressLines lines;
+  std::uint64_t count = 0;
+  const double seconds = counting::play(job.plan, [&](const counting::CountedMessage& message) {
+    tally(message);
+    times.on_message(message);
+    if (for_program && ++count % kTellAt == 0) lines.tell(message.at_s, times.done(), job.plan.tasks.size());
+  });
+  if (!job.trace.empty()) {
+    const Status written = write_trace(job, tally.all().messages);
+    if (!written) return refuse(written.error());
+  }
+  Value out = answer_value(tally, seconds);
+  add_to(out, job, times);
+  return answer(out);
+}
+
+int simulate(const std::string& text, bool for_program) {
   ConfigFaults faults;
   const Job job = read_job(text, faults);
   if (!faults.empty()) {
     const ConfigFault& first = faults.front();
     return refuse(fail(Errc::bad_value, (first.key.empty() ? "job" : first.key) + ": " + first.what, first.hint));
   }
-  if (job.world) return simulate_world(job);
-  const double most_s = std::max(job.plan.seconds, job.plan.task_s * static_cast<double>(job.plan.tasks.size()));
-  counting::Tally tally(most_s);
-  const double seconds = counting::play(job.plan, tally);
-  if (!job.trace.empty()) {
-    const Status written = write_trace(job, tally.all().messages);
-    if (!written) return refuse(written.error());
-  }
-  return answer(answer_value(tally, seconds));
+  return job.world ? simulate_world(job, for_program) : simulate_counting(job, for_program);
 }
 
 }  // namespace
 }  // namespace trb::simulator
 
 int main(int count, char** words) {
-  if (count != 2 || std::string(words[1]) == "--help") {
+  const bool for_program = count == 3 && std::string_view(words[1]) == "--progress";
+  if (!for_program && (count != 2 || std::string_view(words[1]) == "--help")) {
     std::fputs(
-        "usage: trb-simulator JOB\n"
+        "usage: trb-simulator [--progress] JOB\n"
         "Plays one simulation and prints what it has found as JSON; `trb simulate` is for people.\n"
+        "--progress: says on standard error how far it is, a line of JSON each.\n"
         "  trb-simulator '{\"robots\": 50, \"tasks\": 100}'\n"
         "  trb-simulator '{\"protocol\": \"talkrobots\", \"robots\": 5, \"tasks\": 9, \"link\": \"wifi\"}'\n",
         count == 2 ? stdout : stderr);
     return count == 2 ? 0 : trb::simulator::kWrongUse;
   }
-  return trb::simulator::simulate(words[1]);
+  return trb::simulator::simulate(words[count - 1], for_program);
 }

@@ -30,6 +30,7 @@ struct Counts {
 class DriveDesk;
 class LiveSocket;
 class SignIns;
+class SimulationRunner;
 
 struct Gateway {
   Access& access;
@@ -50,6 +51,7 @@ struct Gateway {
   SignIns* sign_ins = nullptr;
   op::Doctor* doctor = nullptr;
   DriveDesk* drives = nullptr;
+  SimulationRunner* simulations = nullptr;
   Counts counts{};
   std::map<ClientId, LiveSocket*> sockets{};     ///< each adds and removes itself
   std::optional<MonotonicTime> database_gone{};  ///< since when a shared one does not answer

@@ -10,6 +10,7 @@
 #include "services/cloud-gateway/io/json_messages.hpp"
 #include "services/cloud-gateway/io/live_socket.hpp"
 #include "services/cloud-gateway/io/loop_bridge.hpp"
+#include "services/cloud-gateway/io/simulation_runner.hpp"
 
 namespace trb::gateway {
 namespace {
@@ -77,6 +78,8 @@ Result<int> Process::run(const HttpServerSettings& settings, const std::vector<s
   gateway.doctor = &doctor;
   DriveDesk drives(gateway);
   gateway.drives = &drives;
+  SimulationRunner simulations(loop_);
+  gateway.simulations = &simulations;
   Api api(gateway);
   const auto server = HttpServer::open(loop_, settings, api);
   if (!server) return server.error();
@@ -97,6 +100,8 @@ void Process::add_timers(Gateway& gateway, SignIns& sign_ins) {
   service_.timer([this] { return access_.sign_in.next_deadline(); }, [&sign_ins](Now) { sign_ins.tick(); });
   service_.timer([&gateway] { return gateway.drives->next_deadline(); },
                  [&gateway](Now now) { gateway.drives->tick(now); });
+  service_.timer([&gateway] { return gateway.simulations->desk().next_deadline(); },
+                 [&gateway](Now now) { gateway.simulations->tick(now); });
   // A batch that is being written wakes the loop when it is done.
   service_.timer([this] { return history_.is_writing() ? std::nullopt : recorder_.next_deadline(); },
                  [this](Now now) { record(now); });

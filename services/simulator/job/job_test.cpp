@@ -4,6 +4,8 @@
 
 #include "services/simulator/counting/play.hpp"
 #include "services/simulator/job/answer.hpp"
+#include "services/simulator/job/model_answer.hpp"
+#include "services/simulator/job/task_times.hpp"
 #include "services/simulator/job/world_job.hpp"
 
 using namespace trb;
@@ -84,6 +86,74 @@ TEST_CASE("a job for the real cores becomes a world, and its answer says what be
   CHECK(answer.find("state")->text() == "FINISHED");
   CHECK(answer.find("tasks_done")->integer() == 3);
   CHECK(answer.find("broken")->list().empty());
+}
+
+TEST_CASE("the equations stand beside what was counted, phase by phase") {
+  for (const char* text :
+       {R"({"robots": 5, "tasks": 9, "interpreted": 5, "sensors": 1, "seconds": 180, "remote_requests": 1, "faulty": 1})",
+        R"({"robots": 1, "tasks": 4})", R"({"robots": 3, "tasks": 7, "interpreted": 2, "sensors": 2, "rate": 2})"}) {
+    CAPTURE(text);
+    ConfigFaults faults;
+    const Job job = read_job(text, faults);
+    REQUIRE(faults.empty());
+    counting::Tally tally(1000);
+    counting::play(job.plan, tally);
+    const Value model = model_value(parameters_of(job));
+    for (std::size_t i = 0; i < counting::kPhases; ++i) {
+      const Value* messages = model.find("phases")->find(enum_names(CostPhase{})[i]);
+      if (messages != nullptr) CHECK(messages->number() == tally.all(static_cast<CostPhase>(i)).messages);
+    }
+    CHECK(model.find("messages")->number() == tally.all().messages);
+  }
+}
+
+TEST_CASE("the equations of a world: told field by field, and a robot that fails twice is one") {
+  ConfigFaults faults;
+  const Job job = read_job(
+      R"({"protocol": "talkrobots", "robots": 5, "tasks": 9, "faults": [{"at": 1, "kind": "fail", "node": "r1"},
+          {"at": 2, "kind": "fail", "node": "r1"}, {"at": 1, "kind": "kill", "node": "r2"}]})",
+      faults);
+  REQUIRE(faults.empty());
+  CHECK(parameters_of(job) == model::PaperParameters{.n = 5, .N_i = 9, .N_f = 1});
+}
+
+TEST_CASE("each task has its begin and its end, and its robot") {
+  const counting::Plan plan = *counting::cyclic_plan(2, 3, 1);
+  TaskTimes times;
+  counting::play(plan, [&](const counting::CountedMessage& message) { times.on_message(message); });
+  CHECK(dump_json(times.listed()) == R"([{"id":"t0","robot":"r0","begin_s":0.0,"end_s":3.0},)"
+                                     R"({"id":"t1","robot":"r1","begin_s":3.0,"end_s":6.0},)"
+                                     R"({"id":"t2","robot":"r0","begin_s":6.0,"end_s":9.0}])");
+  CHECK(times.done() == 3);
+  CHECK(times.not_listed() == 0);
+}
+
+TEST_CASE("of very many tasks the first ones are listed, and the others counted") {
+  const counting::Plan plan = *counting::cyclic_plan(2, kMaxListedTasks + 5, 0);
+  TaskTimes times;
+  counting::play(plan, [&](const counting::CountedMessage& message) { times.on_message(message); });
+  CHECK(times.listed().list().size() == kMaxListedTasks);
+  CHECK(times.not_listed() == 5);
+  CHECK(times.done() == kMaxListedTasks + 5);
+}
+
+TEST_CASE("a world's attempts: that of a robot that fails has no end, another robot's has") {
+  ConfigFaults faults;
+  const Job job = read_job(
+      R"({"protocol": "talkrobots", "robots": 2, "tasks": 2, "faults": [{"at": 2, "kind": "fail", "node": "r1"}]})",
+      faults);
+  REQUIRE(faults.empty());
+  world::World world(*job.world);
+  TaskTimes times;
+  times.watch(world);
+  const world::Played played = world.play();
+  CHECK(times.done() == played.tasks_done);
+  const Value listed = times.listed();
+  REQUIRE_FALSE(listed.list().empty());
+  const Value& first = listed.list()[0];
+  CHECK(first.find("id")->text() == "t0");
+  CHECK(first.find("robot")->text() == "r0");
+  CHECK(first.find("end_s")->number() - first.find("begin_s")->number() == doctest::Approx(3));
 }
 
 TEST_CASE("a line of a trace names both ends") {

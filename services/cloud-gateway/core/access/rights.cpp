@@ -74,6 +74,12 @@ constexpr Route kRoutes[] = {
     {delete_, "/api/v1/scenarios/{scenario}", operator_, changes},
     {get, "/api/v1/scenarios/{scenario}/export", viewer, reads},
 
+    // Played in virtual time: the fleet hears nothing of it.
+    {get, "/api/v1/simulations", viewer, reads},
+    {post, "/api/v1/simulations", operator_, changes},
+    {get, "/api/v1/simulations/{simulation}", viewer, reads},
+    {delete_, "/api/v1/simulations/{simulation}", operator_, changes},
+
     {get, "/api/v1/runs", viewer, reads},
     {post, "/api/v1/runs", operator_, changes},
     {get, "/api/v1/runs/{run}", viewer, reads},

@@ -83,6 +83,7 @@ Api::Api(Gateway& gateway) : gateway_(gateway) {
   add_preflight_route(gateway, table_);
   add_rank_routes(gateway, table_);
   add_scenario_routes(gateway, table_);
+  add_simulation_routes(gateway, table_);
   add_run_routes(gateway, table_);
   add_alert_routes(gateway, table_);
   add_message_routes(gateway, table_);

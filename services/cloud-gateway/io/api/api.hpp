@@ -34,6 +34,7 @@ void add_robot_routes(Gateway& gateway, HandlerTable& table);
 void add_preflight_route(Gateway& gateway, HandlerTable& table);
 void add_rank_routes(Gateway& gateway, HandlerTable& table);
 void add_scenario_routes(Gateway& gateway, HandlerTable& table);
+void add_simulation_routes(Gateway& gateway, HandlerTable& table);
 void add_run_routes(Gateway& gateway, HandlerTable& table);
 void add_alert_routes(Gateway& gateway, HandlerTable& table);
 void add_message_routes(Gateway& gateway, HandlerTable& table);

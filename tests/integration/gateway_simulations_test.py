@@ -1,0 +1,204 @@
+"""Simulations as jobs of the gateway: started, watched, read, cancelled, and what must not be.
+
+Addresses 127.0.232.x, 127.0.233.x.
+"""
+import os
+import pathlib
+import signal
+
+import support
+from gateway_case import CLOUD, GatewayCase
+
+SIMULATIONS = "/api/v1/simulations"
+SMALL = {"protocol": "talkrobots", "robots": 5, "tasks": 9, "link": "wifi", "seed": 3}
+COUNTED = {"robots": 5, "tasks": 9, "interpreted": 5, "sensors": 1, "seconds": 180, "remote_requests": 1, "faulty": 1}
+#: Takes more than its minute.
+LARGE = {"protocol": "talkrobots", "robots": 100, "tasks": 1000}
+OVER = ("done", "failed", "cancelled")
+WAIT_S = 60
+
+
+class Simulations(GatewayCase):
+    block, udp_port = 232, 50232
+
+    def tearDown(self):
+        """None runs and none is kept, so that no test has another one's."""
+        for _ in range(2):
+            for one in self.operator.ask("GET", SIMULATIONS).json["items"]:
+                self.operator.ask("DELETE", f"{SIMULATIONS}/{one['id']}")
+        self.fleet.wait("the simulator's end", lambda: self.simulator() is None, WAIT_S)
+
+    def start(self, job, client=None, **more):
+        return (client or self.operator).ask("POST", SIMULATIONS, job, **more)
+
+    def started(self, job):
+        answer = self.start(job)
+        self.assertEqual(answer.status, 202, answer.bytes)
+        return answer.headers["Location"]
+
+    def read(self, place):
+        answer = self.viewer.ask("GET", place)
+        self.assertEqual(answer.status, 200, answer.bytes)
+        return answer.json
+
+    def wait_until(self, place, what, fits):
+        self.fleet.wait(what, lambda: fits(self.read(place)), WAIT_S)
+        return self.read(place)
+
+    def result(self, job):
+        place = self.started(job)
+        return self.wait_until(place, "the simulation's end", lambda one: one["state"] in OVER)
+
+    def simulator(self):
+        """The process that plays, a child of the gateway."""
+        return self.fleet.pid_of_child(self.fleet.pid(CLOUD, "cloud-gateway"), "simulator")
+
+    # ---- what is right
+
+    def test_the_real_cores_are_played_and_the_answer_is_the_one_of_trb(self):
+        one = self.result(SMALL)
+        self.assertEqual((one["state"], one["by"], one["job"]), ("done", "olga", SMALL))
+        self.assertLessEqual(one["asked"], one["began"])
+        self.assertLessEqual(one["began"], one["ended"])
+        answer = one["answer"]
+        self.assertEqual(answer, self.fleet.json("simulate", "--protocol", "talkrobots", "--robots", 5, "--tasks", 9, "--link", "wifi",
+                                                 "--seed", 3))
+        self.assertEqual((answer["world"]["state"], answer["world"]["broken"]), ("FINISHED", []))
+        self.assertEqual([(task["id"], task["robot"]) for task in answer["tasks"]], [(f"t{i}", f"r{i % 5}") for i in range(9)])
+        for before, after in zip(answer["tasks"], answer["tasks"][1:]):
+            self.assertLessEqual(before["end_s"], after["begin_s"])
+
+    def test_the_paper_s_protocol_is_counted_beside_its_equations(self):
+        answer = self.result(COUNTED)["answer"]
+        self.assertEqual((answer["messages"], answer["model"]["messages"]), (299, 299))
+        for phase, messages in answer["model"]["phases"].items():
+            self.assertEqual(answer["phases"][phase]["messages"], messages, phase)
+        self.assertEqual(len(answer["tasks"]), 9)
+
+    def test_the_list_has_the_newest_first_without_answers(self):
+        places = [self.started({"robots": 2, "tasks": count}) for count in (1, 2)]
+        for place in places:
+            self.wait_until(place, "its end", lambda one: one["state"] == "done")
+        items = self.viewer.ask("GET", SIMULATIONS).json["items"]
+        self.assertEqual([f"{SIMULATIONS}/{one['id']}" for one in items], places[::-1])
+        self.assertFalse(any("answer" in one for one in items))
+
+    def test_the_newest_twenty_that_are_over_are_kept(self):
+        places = []
+        for _ in range(22):
+            places.append(self.started({"robots": 1, "tasks": 1}))
+            self.wait_until(places[-1], "its end", lambda one: one["state"] == "done")
+        self.assertEqual(len(self.viewer.ask("GET", SIMULATIONS).json["items"]), 20)
+        self.assert_problem(self.viewer.ask("GET", places[0]), 404, "missing")
+        self.assertEqual(self.viewer.ask("GET", places[2]).status, 200)
+
+    def test_a_start_with_a_key_is_done_once(self):
+        first = self.start(SMALL, Idempotency_Key="plan-0001")
+        again = self.start(SMALL, Idempotency_Key="plan-0001")
+        self.assertEqual((first.status, again.status, again.json), (202, 202, first.json))
+        self.assertEqual(len(self.viewer.ask("GET", SIMULATIONS).json["items"]), 1)
+        self.assert_problem(self.start(COUNTED, Idempotency_Key="plan-0001"), 409)
+
+    # ---- under way
+
+    def test_one_runs_behind_everything_else_and_says_how_far_it_is(self):
+        place = self.started(LARGE)
+        self.wait_until(place, "progress", lambda one: one["state"] == "running" and one["progress"]["seconds"] > 0)
+        pid = self.simulator()
+        self.assertEqual(os.getpriority(os.PRIO_PROCESS, pid), 19)
+        self.assertEqual(os.getpgid(pid), pid)
+        opened = sorted(int(one.name) for one in pathlib.Path(f"/proc/{pid}/fd").iterdir())
+        self.assertEqual(opened, [0, 1, 2], "it has descriptors of the gateway")
+        self.assertEqual(self.viewer.ask("GET", "/api/v1/health").status, 200)
+
+    def test_one_that_runs_is_cancelled_and_the_next_one_begins(self):
+        first, second = self.started(LARGE), self.started(SMALL)
+        self.assertEqual(self.read(second)["state"], "queued")
+        pid = self.simulator()
+        self.assertIsNotNone(pid)
+        cancelled = self.operator.ask("DELETE", first)
+        self.assertEqual((cancelled.status, cancelled.json["state"]), (200, "cancelled"))
+        self.assertEqual(self.wait_until(second, "its end", lambda one: one["state"] in OVER)["state"], "done")
+        self.assertFalse(pathlib.Path(f"/proc/{pid}").exists())
+        self.assertNotIn("answer", self.read(first))
+        self.assertEqual(self.operator.ask("DELETE", first).status, 204)
+        self.assert_problem(self.viewer.ask("GET", first), 404, "missing")
+        self.assert_problem(self.operator.ask("DELETE", first), 404, "missing")
+
+    def test_four_wait_and_a_fifth_is_refused_with_a_cure(self):
+        for _ in range(5):
+            self.started(LARGE)
+        self.assert_problem(self.start(SMALL, Idempotency_Key="plan-0005"), 429, "queue_full")
+        waits = next(one for one in self.viewer.ask("GET", SIMULATIONS).json["items"] if one["state"] == "queued")
+        self.assertEqual(self.operator.ask("DELETE", f"{SIMULATIONS}/{waits['id']}").json["state"], "cancelled")
+        self.assertEqual(self.start(SMALL, Idempotency_Key="plan-0005").status, 202, "what was refused for now is tried anew")
+
+    def test_a_simulator_that_is_killed_has_failed_and_the_next_one_begins(self):
+        first, second = self.started(LARGE), self.started(SMALL)
+        os.kill(self.simulator(), signal.SIGKILL)
+        failed = self.wait_until(first, "its end", lambda one: one["state"] in OVER)
+        self.assertEqual((failed["state"], failed["failure"]["code"]), ("failed", "io_error"))
+        self.assertTrue(failed["failure"]["hint"])
+        self.assertEqual(self.wait_until(second, "its end", lambda one: one["state"] in OVER)["state"], "done")
+
+    def test_what_only_the_simulator_can_refuse_has_failed_with_its_words(self):
+        failed = self.result({**SMALL, "faults": [{"at": 1, "kind": "kill", "node": "nobody"}]})
+        self.assertEqual((failed["state"], failed["failure"]["code"]), ("failed", "bad_value"))
+        self.assertIn("'nobody' is no node", failed["failure"]["detail"])
+        self.assertIn("r0 to r4", failed["failure"]["hint"])
+
+    def test_a_gateway_that_is_killed_leaves_no_child(self):
+        self.started(LARGE)
+        pid = self.simulator()
+        self.kill_gateway()
+        self.fleet.wait("the simulator's end", lambda: not is_alive(pid), 10)
+        self.assertEqual(self.viewer.ask("GET", SIMULATIONS).json["items"], [])
+
+    # ---- what is wrong
+
+    def test_a_viewer_reads_and_starts_nothing(self):
+        self.assert_problem(self.start(SMALL, client=self.viewer), 403, "role_too_low")
+        place = self.started({"robots": 1, "tasks": 1})
+        self.assert_problem(self.viewer.ask("DELETE", place), 403, "role_too_low")
+        self.assertEqual(self.viewer.ask("GET", place).status, 200)
+        self.assertEqual(self.client().ask("GET", SIMULATIONS).status, 401)
+
+    def test_a_wrong_job_is_refused_with_the_place_and_a_cure(self):
+        def pointers(job):
+            plain = self.client()  # what it sends is not as described
+            plain.contract, plain.cookie, plain.csrf = None, self.operator.cookie, self.operator.csrf
+            refused = self.start(job, client=plain)
+            self.assert_problem(refused, 422)
+            return {one["pointer"] for one in refused.json["errors"]}
+        self.assertEqual(pointers({}), {"/robots", "/tasks"})
+        self.assertEqual(pointers({**SMALL, "robots": 101, "seed": -1}), {"/robots", "/seed"})
+        self.assertEqual(pointers({**SMALL, "faults": [{"at": 1, "kind": "burn", "node": "r0"}]}), {"/faults/0/kind"})
+        self.assertEqual(pointers({**COUNTED, "trace": "/tmp/written-by-nobody"}), {"/trace"})
+        self.assertFalse(pathlib.Path("/tmp/written-by-nobody").exists())
+        self.assertEqual(self.viewer.ask("GET", SIMULATIONS).json["items"], [])
+
+    def test_what_is_no_job_is_refused(self):
+        for wrong, status in ((b"", 400), (b"{", 400), (b"[]", 422), (b'{"robots": 1, "robots": 2}', 400), (b'{"robots": "\xff"}', 400),
+                              (b'{"robots": 1, "tasks": 1, "x": "' + b"x" * 40_000 + b'"}', 413)):
+            with self.subTest(wrong[:40]):
+                self.assert_problem(self.operator.ask("POST", SIMULATIONS, wrong, Content_Type="application/json"), status)
+
+    def test_the_audit_log_has_starts_and_ends(self):
+        place = self.started({"robots": 3, "tasks": 4})
+        self.wait_until(place, "its end", lambda one: one["state"] == "done")
+        self.operator.ask("DELETE", place)
+        rows = self.admin.ask("GET", "/api/v1/audit?limit=20").json["items"]
+        said = [(one["who"], one["action"], one["about"], one["outcome"]) for one in rows]
+        self.assertIn(("olga", f"POST {SIMULATIONS}", "paper, 3 robots, 4 tasks", "done"), said)
+        self.assertIn(("olga", f"DELETE {SIMULATIONS}/{{simulation}}", place.rsplit("/", 1)[1], "done"), said)
+
+
+def is_alive(pid):
+    try:
+        return pathlib.Path(f"/proc/{pid}/stat").read_text().rsplit(") ", 1)[1][0] != "Z"
+    except OSError:
+        return False
+
+
+if __name__ == "__main__":
+    support.main()
