@@ -7,6 +7,7 @@ import { signsIn } from './story_sign_in.mjs';
 import { drives } from './story_control.mjs';
 import { hostileTexts } from './story_hostile.mjs';
 import { paper } from './story_paper.mjs';
+import { plans } from './story_plan.mjs';
 import { connectionLost, everyView, everyViewInFrench, keyboardAlone, stopsAll } from './story_views.mjs';
 
 const settings = JSON.parse(process.argv[2]);
@@ -15,6 +16,7 @@ const stories = [
   ['the paper, section 6.1: a run, a fault, a decision', paper],
   ['an alarm is seen, shelved with a reason, taken back; in a dialog "Stop all" is within reach', alarms],
   ['an admin changes who decides, and is told what is out of bounds', changesSettings],
+  ['an operator plans: two simulations, compared; a third one cancelled', plans],
   ['a robot is driven by hand, stopped, handed over, and stands when its page is gone', drives],
   ['every view in each size and colour: axe, console, origin', everyView],
   ['every view in French', everyViewInFrench],

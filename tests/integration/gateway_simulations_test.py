@@ -178,7 +178,7 @@ class Simulations(GatewayCase):
         self.assertEqual(self.viewer.ask("GET", SIMULATIONS).json["items"], [])
 
     def test_what_is_no_job_is_refused(self):
-        for wrong, status in ((b"", 400), (b"{", 400), (b"[]", 422), (b'{"robots": 1, "robots": 2}', 400), (b'{"robots": "\xff"}', 400),
+        for wrong, status in ((b"", 400), (b"{", 400), (b"[]", 422), (b'{"robots": 1, "robots": 2}', 409), (b'{"robots": "\xff"}', 400),
                               (b'{"robots": 1, "tasks": 1, "x": "' + b"x" * 40_000 + b'"}', 413)):
             with self.subTest(wrong[:40]):
                 self.assert_problem(self.operator.ask("POST", SIMULATIONS, wrong, Content_Type="application/json"), status)
@@ -187,7 +187,7 @@ class Simulations(GatewayCase):
         place = self.started({"robots": 3, "tasks": 4})
         self.wait_until(place, "its end", lambda one: one["state"] == "done")
         self.operator.ask("DELETE", place)
-        rows = self.admin.ask("GET", "/api/v1/audit?limit=20").json["items"]
+        rows = self.admin.ask("GET", "/api/v1/audit?limit=20").json["records"]
         said = [(one["who"], one["action"], one["about"], one["outcome"]) for one in rows]
         self.assertIn(("olga", f"POST {SIMULATIONS}", "paper, 3 robots, 4 tasks", "done"), said)
         self.assertIn(("olga", f"DELETE {SIMULATIONS}/{{simulation}}", place.rsplit("/", 1)[1], "done"), said)

@@ -1,7 +1,11 @@
 #include "services/cloud-gateway/io/simulator_program.hpp"
 
 #include <fcntl.h>
+
+// glibc 2.36 has forgotten that this header may be read by C++.
+extern "C" {
 #include <sys/pidfd.h>
+}
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>

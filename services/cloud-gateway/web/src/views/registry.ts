@@ -24,6 +24,7 @@ export const views: View[] = [
   { path: 'robots', title: 'robot.title', load: () => import('./robot/Robot.svelte') },
   { path: 'control', title: 'control.title', load: () => import('./control/Control.svelte'), isListed: true },
   { path: 'scenarios', title: 'scenarios.title', load: () => import('./scenarios/Scenarios.svelte'), isListed: true },
+  { path: 'plan', title: 'plan.title', load: () => import('./plan/Plan.svelte'), isListed: true },
   { path: 'runs', title: 'runs.title', load: () => import('./runs/Runs.svelte'), isListed: true },
   { path: 'alerts', title: 'alerts.title', load: () => import('./alerts/Alerts.svelte'), isListed: true },
   { path: 'sensors', title: 'sensors.title', load: () => import('./sensors/Sensors.svelte'), isListed: true },

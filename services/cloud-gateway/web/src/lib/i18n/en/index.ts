@@ -6,6 +6,7 @@ import { audit } from './audit';
 import { control } from './control';
 import { hall } from './hall';
 import { messages } from './messages';
+import { plan } from './plan';
 import { robot } from './robot';
 import { runs } from './runs';
 import { scenarios } from './scenarios';
@@ -24,6 +25,7 @@ export const en = {
   ...robot,
   ...alerts,
   ...runs,
+  ...plan,
   ...scenarios,
   ...users,
   ...settings,

@@ -7,6 +7,7 @@ import { audit } from './audit';
 import { control } from './control';
 import { hall } from './hall';
 import { messages } from './messages';
+import { plan } from './plan';
 import { robot } from './robot';
 import { runs } from './runs';
 import { scenarios } from './scenarios';
@@ -25,6 +26,7 @@ export const fr: Words = {
   ...robot,
   ...alerts,
   ...runs,
+  ...plan,
   ...scenarios,
   ...users,
   ...settings,

@@ -1,0 +1,40 @@
+import { describe, expect, it } from 'vitest';
+import { faultCount, FIRST, jobOf, mostFaults, within, type Wish } from './plan_job';
+
+const wish = (more: Partial<Wish>): Wish => ({ ...FIRST, ...more });
+
+describe('a wish as a job', () => {
+  it('has the keys of its protocol alone', () => {
+    expect(jobOf(FIRST)).toEqual({ protocol: 'talkrobots', robots: 5, tasks: 9, task_seconds: 3, link: 'wifi', seed: 1, faults: [] });
+    expect(jobOf(wish({ protocol: 'paper', sensors: 1, interpreted: 5, faults: 2 }))).toEqual(
+      { protocol: 'paper', robots: 5, tasks: 9, task_seconds: 3, interpreted: 5, sensors: 1, rate: 1, faulty: 2 });
+  });
+
+  it('lets robots break in the middle of their first task', () => {
+    expect(jobOf(wish({ faults: 2 })).faults).toEqual([{ at: 4.5, kind: 'fail', node: 'r1' }, { at: 7.5, kind: 'fail', node: 'r2' }]);
+  });
+
+  it('lets who was cut off or killed come back', () => {
+    expect(jobOf(wish({ faults: 1, faultKind: 'cut' })).faults!.map((one) => [one.kind, one.at])).toEqual([['cut', 4.5], ['heal', 14.5]]);
+    expect(jobOf(wish({ faults: 1, faultKind: 'kill' })).faults!.map((one) => one.kind)).toEqual(['kill', 'start']);
+  });
+
+  it('keeps within what may be asked for', () => {
+    expect(within(wish({ robots: 900, tasks: 900, faults: 60 }))).toMatchObject({ robots: 40, tasks: 200, faults: 39 });
+    expect(within(wish({ protocol: 'paper', robots: 900, tasks: 3, faults: 60 }))).toMatchObject({ robots: 900, tasks: 3, faults: 3 });
+    expect(within(wish({ seed: NaN })).seed).toBe(1);
+    expect(within(wish({ seed: -4 })).seed).toBe(0);
+    expect(within(wish({ robots: 2, interpreted: 5 })).interpreted).toBe(2);
+    expect(mostFaults(wish({ robots: 1 }))).toBe(0);
+  });
+
+  it('never has more faults than the gateway takes', () => {
+    expect(jobOf(wish({ robots: 40, faults: 39, faultKind: 'kill' })).faults!.length).toBeLessThanOrEqual(100);
+  });
+
+  it('counts the robots that something happens to', () => {
+    expect(faultCount(jobOf(wish({ faults: 3, faultKind: 'kill' })))).toBe(3);
+    expect(faultCount(jobOf(wish({ protocol: 'paper', faults: 2 })))).toBe(2);
+    expect(faultCount({ robots: 1, tasks: 1 })).toBe(0);
+  });
+});

@@ -1,0 +1,81 @@
+/** What is wished, as a job of the gateway: POST /api/v1/simulations. */
+import type { Schemas } from '../../lib/api/types';
+
+export type Simulation = Schemas['Simulation'];
+export type Job = Schemas['SimulationJob'];
+export type Protocol = NonNullable<Job['protocol']>;
+export type Link = NonNullable<Job['link']>;
+export type FaultKind = 'fail' | 'cut' | 'kill';
+
+export interface Wish {
+  protocol: Protocol;
+  robots: number;
+  tasks: number;
+  taskSeconds: number;
+  /** How many robots something happens to. */
+  faults: number;
+  /** Of the real cores: */
+  faultKind: FaultKind;
+  link: Link;
+  seed: number;
+  /** Of the paper's protocol: robots that are told field by field, and sensors that send once a second. */
+  interpreted: number;
+  sensors: number;
+}
+
+export const PROTOCOLS: Protocol[] = ['talkrobots', 'paper'];
+export const LINKS: Link[] = ['lan', 'wifi', 'vpn'];
+export const FAULT_KINDS: FaultKind[] = ['fail', 'cut', 'kill'];
+/** How long a robot is cut off, or its computer is off, s. */
+export const AWAY_S = 10;
+export const MOST_SEED = 999_999;
+
+export const FIRST: Wish = {
+  protocol: 'talkrobots', robots: 5, tasks: 9, taskSeconds: 3, faults: 0, faultKind: 'fail', link: 'wifi', seed: 1, interpreted: 0, sensors: 0,
+};
+
+/** What the sliders offer: of the real cores no more than a minute may take. */
+export function mostOf(protocol: Protocol): { robots: number; tasks: number } {
+  return protocol === 'paper' ? { robots: 1000, tasks: 2000 } : { robots: 40, tasks: 200 };
+}
+
+/** Of the paper's protocol each fault is at a task of its own, and one robot is left. */
+export function mostFaults(wish: Wish): number {
+  const others = Math.max(0, wish.robots - 1);
+  return wish.protocol === 'paper' ? Math.min(others, wish.tasks) : Math.min(others, 100 / 2);
+}
+
+/** The same wish within the bounds. */
+export function within(wish: Wish): Wish {
+  const most = mostOf(wish.protocol);
+  const out = { ...wish, robots: Math.min(wish.robots, most.robots), tasks: Math.min(wish.tasks, most.tasks) };
+  const seed = Number.isFinite(wish.seed) ? Math.min(Math.max(0, Math.round(wish.seed)), MOST_SEED) : FIRST.seed;
+  return { ...out, seed, faults: Math.min(wish.faults, mostFaults(out)), interpreted: Math.min(wish.interpreted, out.robots) };
+}
+
+export function jobOf(wish: Wish): Job {
+  const { protocol, robots, tasks, taskSeconds, link, seed, interpreted, sensors } = within(wish);
+  const common = { protocol, robots, tasks, task_seconds: taskSeconds };
+  if (protocol === 'paper') return { ...common, interpreted, sensors, rate: 1, faulty: within(wish).faults };
+  return { ...common, link, seed, faults: faultsOf(within(wish)) };
+}
+
+/** Robot 1, 2 ... in the middle of its first task: robot 0 has begun the run, and goes on. */
+function faultsOf(wish: Wish): Schemas['SimulationFault'][] {
+  return Array.from({ length: wish.faults }, (_, i) => i + 1).flatMap((robot): Schemas['SimulationFault'][] => {
+    const node = `r${robot}`;
+    const at = (Math.min(robot, wish.tasks - 1) + 0.5) * wish.taskSeconds;
+    if (wish.faultKind === 'fail') return [{ at, kind: 'fail', node }];
+    const back = wish.faultKind === 'cut' ? 'heal' : 'start';
+    return [{ at, kind: wish.faultKind, node }, { at: at + AWAY_S, kind: back, node }];
+  });
+}
+
+/** Something happens to so many robots. */
+export function faultCount(job: Job): number {
+  return job.faulty ?? job.faults?.filter((fault) => fault.kind === 'fail' || fault.kind === 'cut' || fault.kind === 'kill').length ?? 0;
+}
+
+export function isOver(one: Simulation): boolean {
+  return one.state !== 'queued' && one.state !== 'running';
+}

@@ -1,0 +1,60 @@
+import { describe, expect, it } from 'vitest';
+import { barsOf, compareRows, inIntervalsOf, makespanOf, peakOf, phaseRows, seriesOf, timesOf, withoutUpkeep, type Answer } from './plan_result';
+
+const PHASES = ['boot', 'identification', 'devices', 'task', 'forward', 'sensor', 'fail', 'upkeep'] as const;
+const count = (messages: number) => ({ messages, bytes: messages * 50, between_computers: { messages: messages / 2, bytes: messages * 25 } });
+
+function answer(more: Partial<Answer> = {}): Answer {
+  return {
+    seconds: 9.5, messages: 36, bytes: 1800, between_computers: { messages: 18, bytes: 900 },
+    phases: Object.fromEntries(PHASES.map((phase, i) => [phase, count(i + 1)])) as Answer['phases'],
+    over_time: { interval_s: 1, messages: [9, 0, 0, 20, 0, 0, 7, 0, 0, 0, 0, 0], bytes: [450, 0, 0, 1000, 0, 0, 350, 0, 0, 0, 0, 0] },
+    model: { phases: { boot: 16, identification: 15, devices: 2, task: 36, forward: 8, sensor: 0, fail: 2 }, messages: 79 },
+    tasks: [{ id: 't0', robot: 'r0', begin_s: 1, end_s: 4 }, { id: 't1', robot: 'r1', begin_s: 4 }, { id: 't1', robot: 'r0', begin_s: 6, end_s: 9 }],
+    tasks_not_listed: 0, ...more,
+  };
+}
+const world = { state: 'FINISHED', over_everywhere: true, tasks_done: 2, makespan_s: 8, linked_s: 0.5, submitted_s: 1, events: 5, broken: [] };
+
+describe('the result of a simulation', () => {
+  it('has each phase beside its equation; upkeep has none', () => {
+    const rows = phaseRows(answer());
+    expect(rows.map((one) => one.phase)).toEqual([...PHASES]);
+    expect(rows[3]).toEqual({ phase: 'task', messages: 4, bytes: 200, model: 36, betweenMessages: 2, betweenBytes: 100 });
+    expect(rows[7]!.model).toBeNull();
+    expect(withoutUpkeep(answer(), 'messages')).toBe(28);
+  });
+
+  it('is cut where it ended', () => {
+    expect(seriesOf(answer(), 'messages')).toHaveLength(10);
+    expect(timesOf(3, 2)).toEqual([0, 2, 4]);
+    expect(peakOf(seriesOf(answer(), 'messages'), 1)).toEqual({ at: 3, value: 20 });
+    expect(peakOf([], 1)).toEqual({ at: 0, value: 0 });
+  });
+
+  it('puts a series into longer intervals', () => {
+    expect(inIntervalsOf([1, 2, 3, 4, 5], 1, 2)).toEqual([3, 7, 5]);
+    expect(inIntervalsOf([1, 2], 2, 1)).toEqual([1, 2]);
+    expect(inIntervalsOf([1, 1, 1, 1], 0.1, 0.2)).toEqual([2, 2]);
+  });
+
+  it('draws attempts from the submission on; one that was not done lasts until its robot broke', () => {
+    const bars = barsOf(answer({ world }), { robots: 2, tasks: 2, faults: [{ at: 4.5, kind: 'fail', node: 'r1' }] });
+    expect(bars.map((bar) => [bar.task, bar.robot, bar.state, bar.start, bar.end])).toEqual(
+      [['t0', 'r0', 'FINISHED', 0, 3], ['t1', 'r1', 'FAILED', 3, 4.5], ['t1', 'r0', 'FINISHED', 5, 8]]);
+    expect(barsOf(answer(), { robots: 2, tasks: 2 })[1]).toMatchObject({ start: 4, end: null });
+  });
+
+  it('says how long the tasks took', () => {
+    expect(makespanOf(answer())).toBe(8);
+    expect(makespanOf(answer({ world }))).toBe(8);
+    expect(makespanOf(answer({ world: { ...world, tasks_done: 0, makespan_s: 0 } }))).toBeNull();
+    expect(makespanOf(answer({ tasks_not_listed: 7 }))).toBe(9.5);
+  });
+
+  it('stands beside another one, row by row', () => {
+    const rows = compareRows(answer(), answer({ messages: 40 }));
+    expect(rows.find((row) => row.what === 'messages')).toEqual({ what: 'messages', isPhase: false, a: 36, b: 40 });
+    expect(rows.filter((row) => row.isPhase).map((row) => row.what)).toEqual([...PHASES]);
+  });
+});

@@ -1,0 +1,103 @@
+/** What a simulation has found, as rows, series and bars. */
+import type { Schemas } from '../../lib/api/types';
+import type { Bar } from '../runs/timeline';
+import type { Job } from './plan_job';
+
+export type Answer = Schemas['SimulationAnswer'];
+export type Counted = 'messages' | 'bytes';
+
+export interface PhaseRow {
+  phase: string;
+  messages: number;
+  bytes: number;
+  /** By Equation 12; nothing: it has no term for it. */
+  model: number | null;
+  betweenMessages: number;
+  betweenBytes: number;
+}
+
+export function phaseRows(answer: Answer): PhaseRow[] {
+  const model: Record<string, number> = answer.model.phases;
+  return Object.entries(answer.phases).map(([phase, of]) => ({
+    phase, messages: of.messages, bytes: of.bytes, model: model[phase] ?? null,
+    betweenMessages: of.between_computers.messages, betweenBytes: of.between_computers.bytes,
+  }));
+}
+
+/** All of a fleet's messages but upkeep, which Equation 12 does not know. */
+export function withoutUpkeep(answer: Answer, of: Counted): number {
+  return answer[of] - answer.phases.upkeep[of];
+}
+
+/** Per interval, up to the end: what a simulation might have taken longer is left out. */
+export function seriesOf(answer: Answer, of: Counted): number[] {
+  return answer.over_time[of].slice(0, Math.floor(answer.seconds / answer.over_time.interval_s) + 1);
+}
+
+/** The intervals' beginnings, s; of several series those of the longest, all with the same interval. */
+export function timesOf(count: number, interval: number): number[] {
+  return Array.from({ length: count }, (_, i) => i * interval);
+}
+
+/** Two series of different intervals in one: each in the longer interval. */
+export function inIntervalsOf(values: number[], interval: number, wanted: number): number[] {
+  if (wanted <= interval) return values;
+  const out: number[] = [];
+  values.forEach((value, i) => {
+    const at = Math.floor((i * interval) / wanted + 1e-9);
+    out[at] = (out[at] ?? 0) + value;
+  });
+  return out;
+}
+
+/** The interval in which most of it is. */
+export function peakOf(values: number[], interval: number): { at: number; value: number } {
+  const value = Math.max(0, ...values);
+  return { at: Math.max(0, values.indexOf(value)) * interval, value };
+}
+
+/** Attempts as bars, in s since the run's submission. One without an end lasts until its robot was broken or killed. */
+export function barsOf(answer: Answer, job: Job): Bar[] {
+  const from = answer.world?.submitted_s ?? 0;
+  return answer.tasks.map((task) => {
+    const start = Math.max(0, task.begin_s - from);
+    const fault = job.faults?.find((one) => one.node === task.robot && (one.kind === 'fail' || one.kind === 'kill') && one.at >= start);
+    const isDone = task.end_s !== undefined;
+    return {
+      task: task.id, robot: task.robot, state: isDone ? 'FINISHED' : 'FAILED', ready: null, start,
+      end: isDone ? Math.max(0, task.end_s! - from) : (fault?.at ?? null),
+    };
+  });
+}
+
+export interface CompareRow {
+  /** A phase, or a key of the page's words. */
+  what: string;
+  isPhase: boolean;
+  a: number | null;
+  b: number | null;
+}
+
+export function compareRows(a: Answer, b: Answer): CompareRow[] {
+  const row = (what: string, of: (answer: Answer) => number | null): CompareRow => ({ what, isPhase: false, a: of(a), b: of(b) });
+  const inB = new Map(phaseRows(b).map((one) => [one.phase, one]));
+  return [
+    row('makespan', makespanOf),
+    row('messages', (answer) => answer.messages),
+    row('bytes', (answer) => answer.bytes),
+    row('betweenMessages', (answer) => answer.between_computers.messages),
+    row('betweenBytes', (answer) => answer.between_computers.bytes),
+    row('equation12', (answer) => answer.model.messages),
+    ...phaseRows(a).map((one) => ({ what: one.phase, isPhase: true, a: one.messages, b: inB.get(one.phase)?.messages ?? null })),
+  ];
+}
+
+/** From the first task's begin to the last one's end, s; nothing: none was done. */
+export function makespanOf(answer: Answer): number | null {
+  if (answer.world) return answer.world.tasks_done > 0 ? answer.world.makespan_s : null;
+  return answer.tasks_not_listed > 0 ? answer.seconds : lastEnd(answer) - (answer.tasks[0]?.begin_s ?? 0);
+}
+
+function lastEnd(answer: Answer): number {
+  return answer.tasks.reduce((last, task) => Math.max(last, task.end_s ?? 0), 0);
+}

@@ -1,0 +1,18 @@
+/** A simulation in words. */
+import { formatNumber, t, tOr } from '../../lib/i18n/i18n.svelte';
+import { faultCount, type Job } from './plan_job';
+
+/** "5 robots, 9 tasks, TalkRoBots, Wi-Fi, 1 fault". */
+export function titleOf(job: Job): string {
+  const faults = faultCount(job);
+  return [
+    t('plan.fleet', { robots: job.robots, tasks: job.tasks }), tOr('plan', `protocol_${job.protocol ?? 'paper'}`),
+    job.protocol === 'talkrobots' ? tOr('plan', `link_${job.link ?? 'lan'}`) : '', faults > 0 ? t('plan.withFaults', { count: faults }) : '',
+    job.seed === undefined ? '' : t('plan.ofSeed', { seed: job.seed }),
+  ].filter((part) => part !== '').join(', ');
+}
+
+export function bytesOf(bytes: number): string {
+  if (bytes < 1000) return `${formatNumber(bytes, 0)} B`;
+  return bytes < 1e6 ? `${formatNumber(bytes / 1000, 1)} kB` : `${formatNumber(bytes / 1e6, 1)} MB`;
+}
