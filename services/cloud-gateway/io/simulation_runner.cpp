@@ -150,7 +150,8 @@ void SimulationRunner::end_if_over(Program& program) {
   int status = 0;
   const bool is_known = waitpid(program.pid, &status, WNOHANG) == program.pid;
   const bool is_good = is_known && WIFEXITED(status) && WEXITSTATUS(status) == 0 && !program.text.empty();
-  auto answer = is_good ? Result<Bytes>(std::move(program.text)) : Result<Bytes>(simulator_failure(status, program.text));
+  auto answer =
+      is_good ? Result<Bytes>(std::move(program.text)) : Result<Bytes>(simulator_failure(status, program.text));
   program.progress.close();
   program_.reset();
   desk_.on_gone(std::move(answer), trb::now());

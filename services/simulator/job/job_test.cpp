@@ -89,9 +89,10 @@ TEST_CASE("a job for the real cores becomes a world, and its answer says what be
 }
 
 TEST_CASE("the equations stand beside what was counted, phase by phase") {
-  for (const char* text :
-       {R"({"robots": 5, "tasks": 9, "interpreted": 5, "sensors": 1, "seconds": 180, "remote_requests": 1, "faulty": 1})",
-        R"({"robots": 1, "tasks": 4})", R"({"robots": 3, "tasks": 7, "interpreted": 2, "sensors": 2, "rate": 2})"}) {
+  for (
+      const char* text :
+      {R"({"robots": 5, "tasks": 9, "interpreted": 5, "sensors": 1, "seconds": 180, "remote_requests": 1, "faulty": 1})",
+       R"({"robots": 1, "tasks": 4})", R"({"robots": 3, "tasks": 7, "interpreted": 2, "sensors": 2, "rate": 2})"}) {
     CAPTURE(text);
     ConfigFaults faults;
     const Job job = read_job(text, faults);

@@ -42,12 +42,9 @@ PaperParameters parameters_of(const Job& job) {
 }
 
 Value model_value(const PaperParameters& p) {
-  Value::Object phases{{"boot", Value{model::boot(p)}},
-                       {"identification", Value{model::identification(p)}},
-                       {"devices", Value{model::devices(p)}},
-                       {"task", Value{model::task(p)}},
-                       {"forward", Value{model::forward(p)}},
-                       {"sensor", Value{model::sensor(p)}},
+  Value::Object phases{{"boot", Value{model::boot(p)}},       {"identification", Value{model::identification(p)}},
+                       {"devices", Value{model::devices(p)}}, {"task", Value{model::task(p)}},
+                       {"forward", Value{model::forward(p)}}, {"sensor", Value{model::sensor(p)}},
                        {"fail", Value{model::failures(p)}}};
   return Value{Value::Object{{"phases", Value{std::move(phases)}}, {"messages", Value{model::total(p)}}}};
 }

@@ -37,7 +37,8 @@ class TaskTimes {
   void end(const std::string& robot, double at_s);
 
   std::vector<Attempt> attempts_;
-  std::map<std::string, std::size_t> at_work_;  ///< by robot: the index of its attempt; beyond the list: it is not listed
+  std::map<std::string, std::size_t>
+      at_work_;  ///< by robot: the index of its attempt; beyond the list: it is not listed
   std::size_t begun_ = 0, done_ = 0;
 };
 

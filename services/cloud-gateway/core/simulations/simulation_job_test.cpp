@@ -35,34 +35,36 @@ TEST_CASE("every fault is named by its key, with a cure") {
     const char* text;
     const char* key;
   };
-  for (const Case& one : {
-           Case{R"({"tasks": 9})", "robots"},
-           Case{R"({"robots": 0, "tasks": 9})", "robots"},
-           Case{R"({"robots": 20001, "tasks": 9})", "robots"},
-           Case{R"({"robots": 5, "tasks": 1000001})", "tasks"},
-           Case{R"({"robots": "5", "tasks": 9})", "robots"},
-           Case{R"({"robots": 5, "tasks": 9, "interpreted": 6})", "interpreted"},
-           Case{R"({"robots": 5, "tasks": 9, "faulty": 5})", "faulty"},
-           Case{R"({"robots": 5, "tasks": 9, "task_seconds": 0})", "task_seconds"},
-           Case{R"({"robots": 5, "tasks": 9, "rate": -1})", "rate"},
-           Case{R"({"robots": 5, "tasks": 9, "sensors": 1001})", "sensors"},
-           Case{R"({"robots": 5, "tasks": 9, "local_requests": 1e9})", "local_requests"},
-           Case{R"({"robots": 5, "tasks": 9, "link": "wifi"})", "link"},
-           Case{R"({"robots": 5, "tasks": 9, "trace": "/etc/passwd"})", "trace"},
-           Case{R"({"protocol": "talkrobots", "robots": 5, "tasks": 9, "trace": "x"})", "trace"},
-           Case{R"({"protocol": "mqtt", "robots": 5, "tasks": 9})", "protocol"},
-           Case{R"({"protocol": 1, "robots": 5, "tasks": 9})", "protocol"},
-           Case{R"({"protocol": "talkrobots", "robots": 101, "tasks": 9})", "robots"},
-           Case{R"({"protocol": "talkrobots", "robots": 5, "tasks": 1001})", "tasks"},
-           Case{R"({"protocol": "talkrobots", "robots": 5, "tasks": 9, "link": "string"})", "link"},
-           Case{R"({"protocol": "talkrobots", "robots": 5, "tasks": 9, "seed": -1})", "seed"},
-           Case{R"({"protocol": "talkrobots", "robots": 5, "tasks": 9, "faults": {}})", "faults"},
-           Case{R"({"protocol": "talkrobots", "robots": 5, "tasks": 9, "faults": [7]})", "faults[0]"},
-           Case{R"({"protocol": "talkrobots", "robots": 5, "tasks": 9, "faults": [{"at": 1, "kind": "burn", "node": "r0"}]})",
-                "faults[0].kind"},
-           Case{R"({"protocol": "talkrobots", "robots": 5, "tasks": 9, "faults": [{"at": 1, "kind": "kill"}]})",
-                "faults[0].node"},
-       }) {
+  for (
+      const Case& one : {
+          Case{R"({"tasks": 9})", "robots"},
+          Case{R"({"robots": 0, "tasks": 9})", "robots"},
+          Case{R"({"robots": 20001, "tasks": 9})", "robots"},
+          Case{R"({"robots": 5, "tasks": 1000001})", "tasks"},
+          Case{R"({"robots": "5", "tasks": 9})", "robots"},
+          Case{R"({"robots": 5, "tasks": 9, "interpreted": 6})", "interpreted"},
+          Case{R"({"robots": 5, "tasks": 9, "faulty": 5})", "faulty"},
+          Case{R"({"robots": 5, "tasks": 9, "task_seconds": 0})", "task_seconds"},
+          Case{R"({"robots": 5, "tasks": 9, "rate": -1})", "rate"},
+          Case{R"({"robots": 5, "tasks": 9, "sensors": 1001})", "sensors"},
+          Case{R"({"robots": 5, "tasks": 9, "local_requests": 1e9})", "local_requests"},
+          Case{R"({"robots": 5, "tasks": 9, "link": "wifi"})", "link"},
+          Case{R"({"robots": 5, "tasks": 9, "trace": "/etc/passwd"})", "trace"},
+          Case{R"({"protocol": "talkrobots", "robots": 5, "tasks": 9, "trace": "x"})", "trace"},
+          Case{R"({"protocol": "mqtt", "robots": 5, "tasks": 9})", "protocol"},
+          Case{R"({"protocol": 1, "robots": 5, "tasks": 9})", "protocol"},
+          Case{R"({"protocol": "talkrobots", "robots": 101, "tasks": 9})", "robots"},
+          Case{R"({"protocol": "talkrobots", "robots": 5, "tasks": 1001})", "tasks"},
+          Case{R"({"protocol": "talkrobots", "robots": 5, "tasks": 9, "link": "string"})", "link"},
+          Case{R"({"protocol": "talkrobots", "robots": 5, "tasks": 9, "seed": -1})", "seed"},
+          Case{R"({"protocol": "talkrobots", "robots": 5, "tasks": 9, "faults": {}})", "faults"},
+          Case{R"({"protocol": "talkrobots", "robots": 5, "tasks": 9, "faults": [7]})", "faults[0]"},
+          Case{
+              R"({"protocol": "talkrobots", "robots": 5, "tasks": 9, "faults": [{"at": 1, "kind": "burn", "node": "r0"}]})",
+              "faults[0].kind"},
+          Case{R"({"protocol": "talkrobots", "robots": 5, "tasks": 9, "faults": [{"at": 1, "kind": "kill"}]})",
+               "faults[0].node"},
+      }) {
     CAPTURE(one.text);
     const ConfigFaults faults = faults_of(one.text);
     REQUIRE(faults.size() == 1);
