@@ -1,5 +1,6 @@
 // A request's body as anybody sends it: each member that a route reads is in its bounds, or is refused by its name with
 // a cure, in a problem that is JSON.
+#include "services/cloud-gateway/core/simulations/simulation_job.hpp"
 #include "services/cloud-gateway/io/api/members.hpp"
 #include "services/cloud-gateway/io/api/scenario_body.hpp"
 #include "tests/fuzz/target.hpp"
@@ -50,6 +51,14 @@ void read_scenario(const Value& json) {
   require(!scenario.tasks.empty(), "a scenario that is taken has tasks");
 }
 
+void read_simulation(const Value& json) {
+  ConfigFaults faults;
+  check_simulation_job(json, faults);
+  if (!faults.empty()) return check_problem(faults_reply(faults));
+  require(json.find("trace") == nullptr, "no job writes a file");
+  require(!simulation_in_words(json).empty(), "a job that is taken can be told");
+}
+
 }  // namespace
 
 std::vector<Bytes> seeds() {
@@ -59,6 +68,8 @@ std::vector<Bytes> seeds() {
       R"({"minutes": 1e3, "weights": [1, "2"], "verdict": "Accept", "robot": 7, "stands": "yes"})",
       R"({"scenario": {"name": "n", "tasks": [{"id": "go", "robot": "a", "skill": "go_to", "data": {"place": "dock"}}]}})",
       R"({"name": "n", "tasks": [{"id": "go", "robot": "a", "skill": "s", "after": ["go"]}]})",
+      R"({"protocol": "talkrobots", "robots": 5, "tasks": 9, "seed": 1, "faults": [{"at": 2, "kind": "cut", "node": "r1"}]})",
+      R"({"robots": 5, "tasks": 9, "interpreted": 5, "rate": 1e0, "sensors": 1, "faulty": 4, "trace": "x"})",
       R"([{"robot": "a"}])",
       R"({"robot": "\ud83e\udd16\u0000", "robot": "twice"})"};
 }
@@ -71,6 +82,7 @@ void run(BytesView input) {
   if (!json) return check_refusal(json.error());
   require(json->is_object(), "a body is an object");
   read_scenario(*json);
+  read_simulation(*json);
   const auto members = Members::of(call, {"robot", "reason", "stands", "minutes", "weights", "verdict"});
   if (!members) return check_refusal(members.error());
   read_members(*members);
