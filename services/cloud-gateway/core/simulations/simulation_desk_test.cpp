@@ -35,7 +35,7 @@ struct Bench {
   std::string add(const std::string& job) {
     const auto added = desk.add(job, "olga", now);
     REQUIRE(added.ok());
-    const std::string id = (*added)->id;
+    std::string id = (*added)->id;
     obey();
     return id;
   }
