@@ -5,6 +5,7 @@ Addresses 127.0.232.x, 127.0.233.x.
 import os
 import pathlib
 import signal
+import time
 
 import support
 from gateway_case import CLOUD, GatewayCase
@@ -153,6 +154,16 @@ class Simulations(GatewayCase):
         self.kill_gateway()
         self.fleet.wait("the simulator's end", lambda: not is_alive(pid), 10)
         self.assertEqual(self.viewer.ask("GET", SIMULATIONS).json["items"], [])
+
+    def test_a_gateway_that_is_told_to_end_ends_its_child_and_waits_for_nothing(self):
+        self.started(LARGE)
+        gateway, pid = self.fleet.pid(CLOUD, "cloud-gateway"), self.simulator()
+        began = time.monotonic()
+        os.kill(gateway, signal.SIGTERM)
+        self.fleet.wait("the simulator's end", lambda: not is_alive(pid), 10)
+        self.fleet.wait("the gateway's end", lambda: not is_alive(gateway), 10)
+        self.assertLess(time.monotonic() - began, 2, "it has waited for the simulation")
+        self.fleet.wait("another gateway", lambda: self.fleet.pid(CLOUD, "cloud-gateway") not in (None, gateway) and self.is_ready(), 20)
 
     # ---- what is wrong
 

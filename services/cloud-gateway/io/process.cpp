@@ -87,6 +87,7 @@ Result<int> Process::run(const HttpServerSettings& settings, const std::vector<s
   service_.start(core_);
   add_timers(gateway, sign_ins);
   drive(**person);
+  simulations.stop();
   (*server)->stop();
   loop_.run_for(kLastReplies);
   write_history(trb::now());

@@ -55,12 +55,14 @@ struct SimulationRunner::Program {
 
 SimulationRunner::SimulationRunner(boost::asio::io_context& loop) : loop_(loop), desk_(random_bytes) {}
 
-SimulationRunner::~SimulationRunner() {
+void SimulationRunner::stop() {
+  is_stopped_ = true;
   if (program_ == nullptr) return;
   program_->runner = nullptr;
   kill(program_->pid, SIGKILL);
   waitpid(program_->pid, nullptr, 0);
   for (Descriptor* one : {&program_->exit, &program_->answer, &program_->progress}) one->close();
+  program_.reset();
 }
 
 Result<const Simulation*> SimulationRunner::add(std::string job, std::string by, Now now) {
@@ -84,6 +86,7 @@ void SimulationRunner::tick(Now now) {
 }
 
 void SimulationRunner::obey(Now now) {
+  if (is_stopped_) return;
   while (const auto order = desk_.take_order(now)) {
     if (order->kind == SimulationOrder::Kind::start) start(order->job);
     // It is this process's child, and not waited for yet: the number is nobody else's.

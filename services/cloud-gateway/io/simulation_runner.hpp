@@ -16,8 +16,9 @@ class SimulationRunner {
   explicit SimulationRunner(boost::asio::io_context& loop);
   SimulationRunner(const SimulationRunner&) = delete;
   SimulationRunner& operator=(const SimulationRunner&) = delete;
-  /// Ends the program that plays.
-  ~SimulationRunner();
+  ~SimulationRunner() { stop(); }
+  /// Ends the program that plays, and starts none any more.
+  void stop();
 
   [[nodiscard]] const SimulationDesk& desk() const { return desk_; }
   Result<const Simulation*> add(std::string job, std::string by, Now now);
@@ -36,6 +37,7 @@ class SimulationRunner {
   boost::asio::io_context& loop_;
   SimulationDesk desk_;
   std::shared_ptr<Program> program_;
+  bool is_stopped_ = false;
 };
 
 }  // namespace trb::gateway
