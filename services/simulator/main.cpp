@@ -1,6 +1,7 @@
 // trb-simulator: one simulation, for `trb simulate` and whoever else runs jobs. See README.md.
 #include <unistd.h>
 
+#include <array>
 #include <chrono>
 #include <cstdio>
 #include <string>
@@ -127,6 +128,19 @@ int simulate_counting(const Job& job, bool for_program) {
   return answer(out);
 }
 
+/// The job, or all of standard input: an argument has at most 128 KiB.
+std::string job_text(const std::string& word) {
+  constexpr std::size_t kMost = 4U << 20U;  // read_job refuses more than a part of it
+  if (word != "-") return word;
+  std::string out;
+  std::array<char, 65536> buffer{};
+  for (std::size_t count = 1; count > 0 && out.size() <= kMost;) {
+    count = std::fread(buffer.data(), 1, buffer.size(), stdin);
+    out.append(buffer.data(), count);
+  }
+  return out;
+}
+
 int simulate(const std::string& text, bool for_program) {
   ConfigFaults faults;
   const Job job = read_job(text, faults);
@@ -146,11 +160,12 @@ int main(int count, char** words) {
     std::fputs(
         "usage: trb-simulator [--progress] JOB\n"
         "Plays one simulation and prints what it has found as JSON; `trb simulate` is for people.\n"
+        "JOB: its JSON; - reads it from standard input.\n"
         "--progress: says on standard error how far it is, a line of JSON each.\n"
         "  trb-simulator '{\"robots\": 50, \"tasks\": 100}'\n"
         "  trb-simulator '{\"protocol\": \"talkrobots\", \"robots\": 5, \"tasks\": 9, \"link\": \"wifi\"}'\n",
         count == 2 ? stdout : stderr);
     return count == 2 ? 0 : trb::simulator::kWrongUse;
   }
-  return trb::simulator::simulate(words[count - 1], for_program);
+  return trb::simulator::simulate(trb::simulator::job_text(words[count - 1]), for_program);
 }

@@ -1,6 +1,7 @@
 #include "services/cli/io/simulator.hpp"
 
 #include <fcntl.h>
+#include <sys/mman.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -21,17 +22,31 @@ struct Child {
   int output = -1;
 };
 
+/// Read from its beginning; a fleet's job is longer than an argument may be. Below 0: there is none.
+int memory_file(const std::string& bytes) {
+  const int file = memfd_create("job", MFD_CLOEXEC);
+  if (file < 0) return file;
+  const ssize_t written = write(file, bytes.data(), bytes.size());
+  if (written == static_cast<ssize_t>(bytes.size()) && lseek(file, 0, SEEK_SET) == 0) return file;
+  close(file);
+  return -1;
+}
+
 Result<Child> start(const std::string& program, const std::string& job) {
+  const int input = memory_file(job);
+  if (input < 0) return fail(Errc::io_error, "a file in memory", "close other programs");
   std::array<int, 2> pipe_ends{};
   if (pipe2(pipe_ends.data(), O_CLOEXEC) != 0) return fail(Errc::io_error, "a pipe", "close other programs");
   const pid_t pid = fork();
   if (pid < 0) return fail(Errc::io_error, "a process", "close other programs");
   if (pid == 0) {
     supervisor::die_with_parent();
+    dup2(input, STDIN_FILENO);
     dup2(pipe_ends[1], STDOUT_FILENO);
-    execl(program.c_str(), program.c_str(), job.c_str(), nullptr);
+    execl(program.c_str(), program.c_str(), "-", nullptr);
     _exit(127);
   }
+  close(input);
   close(pipe_ends[1]);
   return Child{pid, pipe_ends[0]};
 }

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "services/simulator/job/fleet_job.hpp"
+
 namespace trb::simulator {
 namespace {
 
@@ -14,6 +16,9 @@ constexpr std::size_t kMaxId = 64;
 
 bool is_node(const WorldPlan& plan, const std::string& id) {
   if (id == "cloud") return true;
+  if (!plan.fleet.empty()) {
+    return std::ranges::any_of(plan.fleet, [&](const world::PlannedRobot& robot) { return robot.id == id; });
+  }
   for (std::uint32_t i = 0; i < plan.robots; ++i) {
     if (id == "r" + std::to_string(i)) return true;
   }
@@ -23,7 +28,8 @@ bool is_node(const WorldPlan& plan, const std::string& id) {
 void check_node(const ObjectReader& reader, const WorldPlan& plan, const char* key, const std::string& id) {
   if (is_node(plan, id)) return;
   reader.faults().add(std::string("faults.") + key, "'" + id + "' is no node",
-                      "use cloud, or r0 to r" + std::to_string(plan.robots - 1));
+                      plan.fleet.empty() ? "use cloud, or r0 to r" + std::to_string(plan.robots - 1)
+                                         : "use cloud, or the id of a robot of the fleet");
 }
 
 void read_fault(ObjectReader& reader, WorldPlan& plan) {
@@ -58,8 +64,13 @@ void read_faults(ObjectReader& reader, WorldPlan& plan) {
 
 WorldPlan read_world(ObjectReader& reader) {
   WorldPlan plan;
-  plan.robots = static_cast<std::uint32_t>(reader.integer("robots", Need::required, 1, world::kMaxRobots).value_or(1));
-  plan.tasks = static_cast<std::uint32_t>(reader.integer("tasks", Need::required, 1, kMaxTasks).value_or(1));
+  if (reader.value("fleet", Need::optional) != nullptr) {
+    read_fleet(reader, plan);
+  } else {
+    plan.robots =
+        static_cast<std::uint32_t>(reader.integer("robots", Need::required, 1, world::kMaxRobots).value_or(1));
+    plan.tasks = static_cast<std::uint32_t>(reader.integer("tasks", Need::required, 1, kMaxTasks).value_or(1));
+  }
   plan.task.mean_s = reader.number("task_seconds", Need::optional, kSeconds).value_or(plan.task.mean_s);
   plan.task.deviation_s = reader.number("deviation", Need::optional, {0, plan.task.mean_s}).value_or(0);
   plan.until_s = reader.number("seconds", Need::optional, {0, world::kMaxUntil}).value_or(0);

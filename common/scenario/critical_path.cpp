@@ -1,0 +1,66 @@
+#include "common/scenario/critical_path.hpp"
+
+#include <algorithm>
+#include <map>
+
+namespace trb {
+namespace {
+
+/// Times come as text with a few digits.
+constexpr double kSame_s = 1e-3;
+
+class Waits {
+ public:
+  explicit Waits(const std::vector<PlayedTask>& tasks) : tasks_(tasks), out_(tasks.size()) {
+    for (std::size_t i = 0; i < tasks.size(); ++i) {
+      by_id_.emplace(tasks[i].id, i);
+      by_robot_[tasks[i].robot].push_back(i);
+    }
+  }
+
+  std::vector<TaskWait> find() {
+    for (std::size_t i = 0; i < tasks_.size(); ++i) find_holder(i);
+    mark_critical();
+    return std::move(out_);
+  }
+
+ private:
+  void consider(std::size_t task, std::size_t holder, bool is_robot_busy) {
+    TaskWait& wait = out_[task];
+    if (holder == task || tasks_[holder].end_s > tasks_[task].begin_s + kSame_s) return;
+    if (wait.holder && tasks_[*wait.holder].end_s >= tasks_[holder].end_s) return;
+    wait.holder = holder;
+    wait.is_robot_busy = is_robot_busy;
+  }
+
+  /// Predecessors first: of two that end together, the one that the scenario names is the reason.
+  void find_holder(std::size_t task) {
+    for (const std::string& before : tasks_[task].after) {
+      if (const auto at = by_id_.find(before); at != by_id_.end()) consider(task, at->second, false);
+    }
+    for (const std::size_t other : by_robot_[tasks_[task].robot]) consider(task, other, true);
+  }
+
+  void mark_critical() {
+    const auto last = std::ranges::max_element(tasks_, {}, &PlayedTask::end_s);
+    if (last == tasks_.end()) return;
+    std::optional<std::size_t> at = static_cast<std::size_t>(last - tasks_.begin());
+    while (at && !out_[*at].is_critical) {
+      out_[*at].is_critical = true;
+      at = out_[*at].holder;
+    }
+  }
+
+  const std::vector<PlayedTask>& tasks_;
+  std::vector<TaskWait> out_;
+  std::map<std::string, std::size_t> by_id_;
+  std::map<std::string, std::vector<std::size_t>> by_robot_;
+};
+
+}  // namespace
+
+std::vector<TaskWait> waits_of(const std::vector<PlayedTask>& tasks) {
+  return Waits(tasks).find();
+}
+
+}  // namespace trb

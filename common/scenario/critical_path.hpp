@@ -1,0 +1,29 @@
+// What each task of a played run waited for, and the chain of waits that made the run as long as it was.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace trb {
+
+/// One finished attempt.
+struct PlayedTask {
+  std::string id;
+  std::string robot;
+  double begin_s = 0;
+  double end_s = 0;
+  std::vector<std::string> after;  ///< the tasks that come before it
+};
+
+struct TaskWait {
+  std::optional<std::size_t> holder{};  ///< the task whose end it waited for last; nullopt: it waited for none
+  bool is_robot_busy = false;           ///< the holder is no predecessor: the robot had it to do
+  bool is_critical = false;             ///< had it been shorter, the run would have been shorter
+};
+
+/// For each task, in the order given. Tasks that are not among them held nothing up.
+std::vector<TaskWait> waits_of(const std::vector<PlayedTask>& tasks);
+
+}  // namespace trb

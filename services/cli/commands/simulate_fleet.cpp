@@ -1,0 +1,226 @@
+#include "services/cli/commands/simulate_fleet.hpp"
+
+#include <algorithm>
+#include <cstdio>
+
+#include "common/base/files.hpp"
+#include "common/scenario/critical_path.hpp"
+#include "proto/body.hpp"
+#include "services/cli/commands/fleet_folders.hpp"
+#include "services/cli/commands/model_terms.hpp"
+#include "services/cli/commands/scenario_check.hpp"
+#include "services/cli/core/table.hpp"
+#include "services/cli/io/print.hpp"
+#include "services/cli/io/simulator.hpp"
+
+namespace trb::cli {
+namespace {
+
+/// A fleet's folders and a scenario, and what is to be played of them.
+struct Hall {
+  std::map<std::string, NodeProfile> robots;
+  Scenario scenario;
+  Value::Object rest;  ///< of the job
+
+  [[nodiscard]] Value job_without(const std::string& left_out) const {
+    Value::List fleet;
+    for (const auto& [id, profile] : robots) {
+      if (id == left_out) continue;
+      fleet.push_back(Value{Value::Object{{"id", Value{id}}, {"profile", *parse_json(to_json(profile))}}});
+    }
+    Value::Object job = rest;
+    job.emplace_back("fleet", Value{std::move(fleet)});
+    return Value{std::move(job)};
+  }
+};
+
+/// A file with JSON in it becomes a key of the job.
+Status add_file(Hall& hall, const Arguments& arguments, const char* option, const char* key) {
+  if (!arguments.has(option)) return Done{};
+  const auto text = read_file(arguments.get(option));
+  if (!text) return text.error();
+  auto json = parse_json(*text);
+  if (!json) return fail(json.error().code, arguments.get(option) + ": " + json.error().what, json.error().hint);
+  hall.rest.emplace_back(key, std::move(*json));
+  return Done{};
+}
+
+Status add_numbers(Hall& hall, const Arguments& arguments) {
+  OptionReader reader(arguments);
+  std::uint64_t seed = 1;
+  double task_s = 3, until_s = 0;
+  reader.read("--seed", seed);
+  reader.read("--task-seconds", task_s);
+  reader.read("--seconds", until_s);
+  if (!reader.status()) return reader.status();
+  hall.rest.emplace_back("seed", Value{static_cast<std::int64_t>(seed)});
+  hall.rest.emplace_back("task_seconds", Value{task_s});
+  if (until_s > 0) hall.rest.emplace_back("seconds", Value{until_s});
+  if (arguments.has("--link")) hall.rest.emplace_back("link", Value{arguments.get("--link")});
+  if (arguments.has("--trace")) hall.rest.emplace_back("trace", Value{arguments.get("--trace")});
+  return Done{};
+}
+
+Status read_rest(Hall& hall, const Arguments& arguments) {
+  hall.rest.emplace_back("protocol", Value{"talkrobots"});
+  if (Status read = add_file(hall, arguments, "--scenario", "scenario"); !read) return read;
+  if (Status read = add_file(hall, arguments, "--times", "times"); !read) return read;
+  if (Status read = add_file(hall, arguments, "--faults", "faults"); !read) return read;
+  return add_numbers(hall, arguments);
+}
+
+std::vector<std::string> ids_before(const Scenario& scenario, const Task& task) {
+  std::vector<std::string> out;
+  for (const std::uint16_t before : task.after) out.push_back(scenario.tasks[before].id);
+  return out;
+}
+
+/// The attempts that were done, by begin; times count from the first one's.
+std::vector<PlayedTask> played_tasks(const Value& answer, const Scenario& scenario) {
+  std::vector<PlayedTask> out;
+  for (const Value& one : answer.find("tasks")->list()) {
+    if (one.find("end_s") == nullptr) continue;
+    const std::string& id = one.find("id")->text();
+    const auto task = std::ranges::find(scenario.tasks, id, &Task::id);
+    if (task == scenario.tasks.end()) continue;
+    out.push_back({id, one.find("robot")->text(), one.find("begin_s")->number(), one.find("end_s")->number(),
+                   ids_before(scenario, *task)});
+  }
+  std::ranges::sort(out, {}, &PlayedTask::begin_s);
+  const double first = out.empty() ? 0 : out.front().begin_s;
+  for (PlayedTask& one : out) one.begin_s -= first, one.end_s -= first;
+  return out;
+}
+
+std::string seconds_text(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.1f", value);
+  return text;
+}
+
+std::string wait_text(const std::vector<PlayedTask>& tasks, const TaskWait& wait) {
+  if (!wait.holder) return "-";
+  const PlayedTask& holder = tasks[*wait.holder];
+  return wait.is_robot_busy ? holder.robot + ", which did " + holder.id : holder.id;
+}
+
+void print_tasks(const std::vector<PlayedTask>& tasks) {
+  std::vector<std::vector<std::string>> rows{{"TASK", "ROBOT", "BEGIN", "END", "WAITED FOR"}};
+  const std::vector<TaskWait> waits = waits_of(tasks);
+  for (std::size_t i = 0; i < tasks.size(); ++i) {
+    rows.push_back({(waits[i].is_critical ? "* " : "  ") + tasks[i].id, tasks[i].robot, seconds_text(tasks[i].begin_s),
+                    seconds_text(tasks[i].end_s), wait_text(tasks, waits[i])});
+  }
+  print(format_table(rows));
+  print_line("* the critical path: the run is shorter only if one of these is");
+}
+
+/// What one robot less would change: a row for each.
+struct OneLess {
+  std::string robot;
+  double makespan_s = 0;
+  std::string why_not;  ///< the run is not accepted, or does not end
+};
+
+OneLess play_without(const Hall& hall, const std::string& robot) {
+  const auto answer = run_simulator(hall.job_without(robot));
+  if (!answer) return {robot, 0, answer.error().what};
+  const Value& world = *answer->find("world");
+  if (world.find("state")->text() != "FINISHED") return {robot, 0, "the run is " + world.find("state")->text()};
+  return {robot, world.find("makespan_s")->number(), ""};
+}
+
+std::vector<OneLess> play_one_less(const Hall& hall) {
+  std::vector<OneLess> out;
+  for (const auto& [robot, profile] : hall.robots) out.push_back(play_without(hall, robot));
+  return out;
+}
+
+void print_one_less(const std::vector<OneLess>& rows) {
+  std::vector<std::vector<std::string>> out{{"WITHOUT", "MAKESPAN", ""}};
+  for (const OneLess& one : rows) {
+    out.push_back({one.robot, one.why_not.empty() ? seconds_text(one.makespan_s) + " s" : "-",
+                   one.why_not.substr(0, one.why_not.find('\n'))});
+  }
+  print_line("");
+  print(format_table(out));
+}
+
+Value waits_json(const std::vector<PlayedTask>& tasks) {
+  const std::vector<TaskWait> waits = waits_of(tasks);
+  Value::List out;
+  for (std::size_t i = 0; i < tasks.size(); ++i) {
+    const auto& holder = waits[i].holder;
+    out.push_back(Value{Value::Object{{"task", Value{tasks[i].id}},
+                                      {"waited_for", Value{holder ? tasks[*holder].id : std::string()}},
+                                      {"robot_busy", Value{waits[i].is_robot_busy}},
+                                      {"critical", Value{waits[i].is_critical}}}});
+  }
+  return Value{std::move(out)};
+}
+
+Value one_less_json(const std::vector<OneLess>& rows) {
+  Value::List out;
+  for (const OneLess& one : rows) {
+    Value::Object row{{"robot", Value{one.robot}}};
+    if (one.why_not.empty())
+      row.emplace_back("makespan_s", Value{one.makespan_s});
+    else
+      row.emplace_back("why_not", Value{one.why_not});
+    out.push_back(Value{std::move(row)});
+  }
+  return Value{std::move(out)};
+}
+
+void print_run(const Value& answer, const std::vector<PlayedTask>& tasks) {
+  print_tasks(tasks);
+  const Value& world = *answer.find("world");
+  const Value& between = *answer.find("between_computers");
+  print_line("\nThe run is " + world.find("state")->text() + ": " +
+             std::to_string(world.find("tasks_done")->integer()) + " tasks in " +
+             seconds_text(world.find("makespan_s")->number()) + " s; " +
+             std::to_string(between.find("messages")->integer()) + " messages, " +
+             std::to_string(between.find("bytes")->integer()) + " bytes between computers");
+  for (const Value& broken : world.find("broken")->list()) print_line("BROKEN: " + broken.text());
+}
+
+}  // namespace
+
+int run_simulate_fleet(const Arguments& arguments) {
+  for (const char* option : {"--robots", "--tasks", "--interpreted", "--sensors", "--rate", "--local-requests",
+                             "--remote-requests", "--faulty", "--csv"}) {
+    if (!arguments.has(option)) continue;
+    return print_error(arguments, fail(Errc::bad_value, std::string(option) + ": the fleet and the scenario say it",
+                                       "leave it out, or leave --fleet out"));
+  }
+  if (arguments.has("--protocol") && arguments.get("--protocol") != "talkrobots") {
+    return print_error(arguments,
+                       fail(Errc::bad_value, "--protocol: a fleet of your own speaks talkrobots", "leave it out"));
+  }
+  Hall hall;
+  ConfigFaults faults;
+  hall.robots = read_fleet_folders(arguments.get("--fleet"), faults);
+  if (!arguments.has("--scenario")) {
+    faults.push_back({"--scenario", "", "is missing", "name the scenario's file, as trb scenario run takes it"});
+  } else {
+    hall.scenario = read_file_scenario(arguments.get("--scenario"), faults);
+  }
+  if (!faults_that_stop(faults).empty()) return print_faults(arguments, faults);
+  if (const Status read = read_rest(hall, arguments); !read) return print_error(arguments, read.error());
+  auto answer = run_simulator(hall.job_without(""));
+  if (!answer) return print_error(arguments, answer.error());
+  const std::vector<PlayedTask> tasks = played_tasks(*answer, hall.scenario);
+  const auto one_less = arguments.has("--one-less") ? play_one_less(hall) : std::vector<OneLess>();
+  if (arguments.has("--json")) {
+    auto& object = std::get<Value::Object>(answer->is);
+    object.emplace_back("waits", waits_json(tasks));
+    if (!one_less.empty()) object.emplace_back("one_less", one_less_json(one_less));
+    print_json(*answer);
+  } else {
+    print_run(*answer, tasks);
+    if (!one_less.empty()) print_one_less(one_less);
+  }
+  return answer->find("world")->find("broken")->list().empty() ? kGood : kFailed;
+}
+
+}  // namespace trb::cli

@@ -1,0 +1,15 @@
+// A hall's own fleet and scenario, as a job for the world.
+#pragma once
+
+#include "common/fleet/object_reader.hpp"
+#include "services/simulator/world/world.hpp"
+
+namespace trb::simulator {
+
+/// Keys, in place of `robots` and `tasks`: `fleet`, [{"id", "profile"}] with what the robots' nodes tell the fleet of
+/// them (NodeProfile as JSON; all robots are taken to be ready); `scenario`, as config/scenarios has it; optional
+/// `times`, {SKILL: seconds, or {"mean", "deviation"}}. Tasks that name no robot are bound as `trb scenario run` binds
+/// them. Conditions are faults: there are no sensors here.
+void read_fleet(ObjectReader& reader, world::WorldPlan& plan);
+
+}  // namespace trb::simulator

@@ -1,0 +1,90 @@
+#include "services/simulator/job/fleet_job.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+
+#include "services/simulator/job/job.hpp"
+
+using namespace trb;
+using namespace trb::simulator;
+
+namespace {
+
+/// Two carts that drive to places, and an arm that grips.
+const std::string kFleet = R"([
+  {"id": "cart1", "profile": {"capabilities": ["drive"], "places": ["dock", "table"], "skills":
+    [{"name": "go_to", "capability": "drive", "parameters": [{"name": "place", "type": "place", "required": true}],
+      "repeatable": true, "timeout_s": 60}]}},
+  {"id": "cart2", "profile": {"capabilities": ["drive"], "places": ["dock", "table"], "skills":
+    [{"name": "go_to", "capability": "drive", "parameters": [{"name": "place", "type": "place", "required": true}],
+      "repeatable": true, "timeout_s": 60}]}},
+  {"id": "arm", "profile": {"capabilities": ["grip"], "skills": [{"name": "pick", "capability": "grip", "timeout_s": 60}]}}
+])";
+const std::string kScenario = R"({"name": "two carts", "tasks": [
+  {"id": "to_table", "requires": ["drive"], "skill": "go_to", "data": {"place": "table"}},
+  {"id": "to_dock", "robot": "cart2", "skill": "go_to", "data": {"place": "dock"}},
+  {"id": "pick", "robot": "arm", "skill": "pick", "after": ["to_table"]}]})";
+
+std::string job_of(const std::string& fleet, const std::string& scenario, const std::string& more = "") {
+  return R"({"protocol": "talkrobots", "fleet": )" + fleet + R"(, "scenario": )" + scenario + more + "}";
+}
+
+}  // namespace
+
+TEST_CASE("a hall's own robots play its own scenario, each skill in its own time") {
+  ConfigFaults faults;
+  const Job job = read_job(job_of(kFleet, kScenario, R"(, "times": {"go_to": 5, "pick": {"mean": 2}})"), faults);
+  REQUIRE_MESSAGE(faults.empty(), to_text(faults));
+  world::World world(*job.world);
+  const world::Played played = world.play();
+  CHECK(played.broken.empty());
+  CHECK(played.over_everywhere);
+  CHECK(played.state == RunState::finished);
+  CHECK(played.tasks_done == 3);
+  // Five and two seconds, and what the cloud takes to choose a cart.
+  CHECK(played.makespan_s > 7);
+  CHECK(played.makespan_s < 10);
+}
+
+TEST_CASE("a robot that breaks is replaced by one that can do the same, if the task names none") {
+  ConfigFaults faults;
+  const std::string scenario = R"({"name": "one", "tasks": [
+      {"id": "to_table", "robot": "cart1", "skill": "go_to", "data": {"place": "table"}}]})";
+  const std::string break_it = R"(, "faults": [{"at": 1, "kind": "fail", "node": "cart1"}])";
+  const Job job = read_job(job_of(kFleet, scenario, break_it), faults);
+  REQUIRE_MESSAGE(faults.empty(), to_text(faults));
+  world::World world(*job.world);
+  const world::Played played = world.play();
+  CHECK(played.broken.empty());
+  CHECK(played.state == RunState::finished);
+  CHECK(world.witness().done("to_table") == 1);
+}
+
+TEST_CASE("what is wrong with a fleet, its scenario or its times is named") {
+  struct Case {
+    std::string text;
+    std::string key;
+  };
+  const std::string twice = R"([{"id": "a", "profile": {}}, {"id": "a", "profile": {}}])";
+  for (const Case& one :
+       {Case{job_of("[]", kScenario), "fleet"}, Case{job_of(twice, kScenario), "fleet[1].id"},
+        Case{job_of(R"([{"id": "cloud", "profile": {}}])", kScenario), "fleet[0].id"},
+        Case{job_of(R"([{"id": "a b", "profile": {}}])", kScenario), "fleet[0].id"},
+        Case{job_of(R"([{"id": "a", "profile": {"skills": 3}}])", kScenario), "fleet[0].profile"},
+        Case{job_of(R"([{"id": "a"}])", kScenario), "fleet[0].profile"},
+        Case{job_of(kFleet, R"({"name": "x"})"), "tasks"},
+        Case{job_of(kFleet, R"({"name": "x", "tasks": [{"id": "t", "robot": "arm", "skill": "fly"}]})"),
+             "tasks[0].skill"},
+        Case{job_of(kFleet, kScenario, R"(, "times": {"pick": -1})"), "times.pick"},
+        Case{job_of(kFleet, kScenario, R"(, "times": {"pick": {"mean": 1, "deviation": 2}})"), "times.pick.deviation"},
+        Case{job_of(kFleet, kScenario, R"(, "robots": 3)"), "robots"},
+        Case{job_of(kFleet, kScenario, R"(, "faults": [{"at": 1, "kind": "kill", "node": "r0"}])"), "faults.node"}}) {
+    CAPTURE(one.text);
+    ConfigFaults faults;
+    static_cast<void>(read_job(one.text, faults));
+    REQUIRE_FALSE(faults.empty());
+    CHECK_MESSAGE(std::ranges::any_of(faults, [&](const ConfigFault& fault) { return fault.key == one.key; }),
+                  to_text(faults));
+  }
+}

@@ -1,0 +1,91 @@
+"""`trb simulate --fleet DIR --scenario FILE`: a fleet's own folders and a scenario, played before anything is started."""
+import json
+import pathlib
+import subprocess
+import tempfile
+import unittest
+
+import support
+import trb_fleet
+
+REPO = pathlib.Path(__file__).resolve().parent.parent.parent
+SCENARIO = REPO / "config/scenarios/paper-nine-tasks.json"
+
+
+class AFleetAsItIs(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        folder = tempfile.TemporaryDirectory(prefix="trb-hall-")
+        cls.addClassCleanup(folder.cleanup)
+        cls.root = pathlib.Path(folder.name)
+        trb_fleet.Fleet(cls.root / "fleet", support.PROGRAMS, block=191, udp_port=50191).make()
+        cls.nodes = cls.root / "fleet" / "nodes"
+
+    def simulate(self, *words, scenario=SCENARIO):
+        command = [support.PROGRAMS / "trb", "simulate", "--fleet", self.nodes, "--scenario", scenario, *words]
+        return subprocess.run(list(map(str, command)), capture_output=True, text=True, timeout=60)
+
+    def answer(self, *words, **more):
+        done = self.simulate(*words, "--json", **more)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        return json.loads(done.stdout)
+
+    def write(self, name, content):
+        path = self.root / name
+        path.write_text(json.dumps(content))
+        return path
+
+    def test_the_paper_s_nine_tasks_are_done_by_their_robots_and_the_critical_path_is_told(self):
+        found = self.answer()
+        self.assertEqual(found["world"]["state"], "FINISHED")
+        self.assertEqual(found["world"]["broken"], [])
+        by_id = {task["id"]: task for task in found["tasks"]}
+        self.assertEqual(len(by_id), 9)
+        self.assertEqual(by_id["take_off"]["robot"], "drone")
+        waits = {row["task"]: row for row in found["waits"]}
+        self.assertEqual(waits["run_conveyor"]["waited_for"], "fetch_box")
+        critical = [row["task"] for row in found["waits"] if row["critical"]]
+        self.assertEqual(critical[:4], ["fetch_box", "run_conveyor", "put_box_down", "go_to_ur3"])
+        # Seven tasks one after the other, three seconds each.
+        self.assertEqual(len(critical), 7)
+        self.assertGreater(found["world"]["makespan_s"], 21)
+        self.assertLess(found["world"]["makespan_s"], 22)
+
+    def test_a_skill_s_own_time_makes_the_run_longer_by_as_much(self):
+        usual = self.answer()["world"]["makespan_s"]
+        longer = self.answer("--times", self.write("times.json", {"run": 13}))["world"]["makespan_s"]
+        self.assertAlmostEqual(longer - usual, 10, delta=0.5)
+
+    def test_without_each_robot_it_is_told_which_runs_could_not_be(self):
+        rows = {row["robot"]: row for row in self.answer("--one-less")["one_less"]}
+        self.assertIn("makespan_s", rows["pioneer1"])  # it has no task
+        self.assertIn("drone", rows["drone"]["why_not"])
+        table = self.simulate("--one-less").stdout
+        self.assertIn("WITHOUT", table)
+        self.assertIn("* fetch_box", table)
+
+    def test_one_seed_is_one_run(self):
+        self.assertEqual(self.answer("--seed", 7), self.answer("--seed", 7))
+
+    def test_what_is_wrong_is_named_before_anything_is_played(self):
+        bad = self.write("bad.json", {"name": "x", "tasks": [{"id": "t", "robot": "drone", "skill": "swim"}]})
+        for words, scenario, wanted in (((), bad, "swim"), ((), self.root / "nowhere.json", "nowhere.json"),
+                                        (("--times", self.write("wrong.json", {"run": 0})), SCENARIO, "times.run"),
+                                        (("--times", self.root / "no.json"), SCENARIO, "no.json"),
+                                        (("--seed", "x"), SCENARIO, "--seed"), (("--robots", "5"), SCENARIO, "--robots"),
+                                        (("--protocol", "paper"), SCENARIO, "--protocol")):
+            with self.subTest(wanted):
+                done = self.simulate(*words, scenario=scenario)
+                self.assertEqual(done.returncode, 1, done.stdout)
+                self.assertIn(wanted, done.stderr)
+        nothing = subprocess.run([support.PROGRAMS / "trb", "simulate", "--fleet", self.root, "--scenario", SCENARIO],
+                                 capture_output=True, text=True, timeout=60)
+        self.assertEqual(nothing.returncode, 1)
+        self.assertIn("no folder of a robot's node", nothing.stderr)
+        alone = subprocess.run([support.PROGRAMS / "trb", "simulate", "--one-less"], capture_output=True, text=True, timeout=60)
+        self.assertEqual(alone.returncode, 1)
+        self.assertIn("--fleet", alone.stderr)
+
+
+if __name__ == "__main__":
+    support.main()
