@@ -1,5 +1,6 @@
 #include "services/scheduler/core/run/compact_start.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "common/base/deflate.hpp"
@@ -10,6 +11,8 @@ namespace trb::scheduler {
 namespace {
 
 constexpr std::size_t kMostInflated = 1U << 19U;  ///< the largest payload of a SignedRecord
+/// Starts become 4 to 12 times as long. What a member sends is to cost its reader no more than its bytes say.
+constexpr std::size_t kMostGrowth = 32;
 
 RunStart rebuilt(RunStart from) {
   return build_run_start(std::move(from.scenario), std::move(from.members), std::move(from.submitter), {from.created},
@@ -44,11 +47,14 @@ std::optional<Blob> compact_start(const SignedRecord& start) {
   for (Member& member : read->members) member.certificate = {};
   read->digest = {};
   read->electorate.clear();
-  return Blob{deflated(encode(*read))};
+  const Bytes bytes = encode(*read);
+  Blob out{deflated(bytes)};
+  if (bytes.size() > kMostGrowth * out.bytes.size()) return std::nullopt;
+  return out;
 }
 
 Result<RunStart> open_compact_start(const Blob& compact) {
-  const auto bytes = inflated(compact.bytes, kMostInflated);
+  const auto bytes = inflated(compact.bytes, std::min(kMostInflated, kMostGrowth * compact.bytes.size()));
   if (!bytes) return bytes.error();
   return decode<RunStart>(*bytes);
 }

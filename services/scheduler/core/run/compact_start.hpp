@@ -25,8 +25,8 @@ class KnownCertificates {
   std::map<std::string, SignedRecord> by_node_;
 };
 
-/// Nullopt if this program would not build the payload as it is, byte for byte: another version has, and it travels
-/// whole.
+/// Nullopt, and it travels whole: this program would not build the payload as it is, byte for byte, for another version
+/// has; or it becomes more than 32 times shorter, which its reader refuses.
 std::optional<Blob> compact_start(const SignedRecord& start);
 
 /// What travelled; complete() it before use. Errors: malformed, too_large, those of decode.

@@ -93,4 +93,14 @@ TEST_CASE("what is no start, or would be too large, is refused") {
   CHECK(open_compact_start({"x"}).error().code == Errc::malformed);
   CHECK_FALSE(open_compact_start({deflated("no start")}).ok());
   CHECK(open_compact_start({deflated(Bytes(10'000'000, 'a'))}).error().code == Errc::too_large);
+  // Few bytes cost their reader little.
+  CHECK(open_compact_start({deflated(Bytes(100'000, 'a'))}).error().code == Errc::too_large);
+}
+
+TEST_CASE("a start that says one thing a thousand times travels whole") {
+  Signers signers;
+  RunStart read = *decode<RunStart>(signers.start(chain({"ur3", "drone"})).payload.bytes);
+  for (Task& task : read.scenario.tasks) task.data = std::string(60'000, 'x');
+  read = build_run_start(read.scenario, read.members, "cloud", {10}, {20}, kKnownRun);
+  CHECK_FALSE(compact_start(signers.sign("cloud", kSignedRunStart, encode(read))));
 }
