@@ -4,6 +4,7 @@ Addresses 127.0.242.x, 127.0.243.x.
 """
 import gzip
 
+import jsonschema
 import support
 from gateway_case import CLOUD, GOOD, ROBOT, SCENARIO, GatewayCase
 
@@ -183,6 +184,12 @@ class Gateway(GatewayCase):
         self.assertEqual(listed["items"][0]["content"]["connection"], "ONLINE")
         skills = self.viewer.ask("GET", f"/api/v1/robots/{ROBOT}/skills")
         self.assertIn("go_to", [skill["name"] for skill in skills.json["content"]["skills"]])
+        schema = skills.json["schemas"]["go_to"]
+        jsonschema.Draft202012Validator.check_schema(schema)
+        jsonschema.validate({"place": "dock"}, schema)
+        for wrong in ({}, {"place": "nowhere"}, {"place": "dock", "speed": 1}):
+            with self.assertRaises(jsonschema.ValidationError):
+                jsonschema.validate(wrong, schema)
         again = self.viewer.ask("GET", f"/api/v1/robots/{ROBOT}/skills", If_None_Match=skills.headers["ETag"])
         self.assertEqual((again.status, again.bytes), (304, b""))
         self.assertEqual({row["node"] for row in self.viewer.ask("GET", "/api/v1/nodes").json["items"]}, {ROBOT, CLOUD})

@@ -2,10 +2,12 @@
 #include "common/operator/order_robots.hpp"
 #include "proto/bodies/robot.hpp"
 #include "services/cloud-gateway/io/api/api.hpp"
+#include "services/cloud-gateway/io/api/conditional.hpp"
 #include "services/cloud-gateway/io/api/lists.hpp"
 #include "services/cloud-gateway/io/api/members.hpp"
 #include "services/cloud-gateway/io/api/once.hpp"
 #include "services/cloud-gateway/io/json_text.hpp"
+#include "services/cloud-gateway/io/skill_schemas.hpp"
 
 namespace trb::gateway {
 namespace {
@@ -97,6 +99,18 @@ Handler once(Gateway& gateway, void (*act)(Gateway&, const CallPtr&)) {
   };
 }
 
+/// The profile's row, and the skills' parameters as JSON Schema beside it.
+void reply_skills(const Gateway& gateway, const CallPtr& call) {
+  const RowKey key = robot_key(RowKind::profile, *call);
+  const Row* row = gateway.book.find(key);
+  const auto* profile = row == nullptr ? nullptr : std::get_if<NodeProfile>(&row->content);
+  if (profile == nullptr) return reply_row(gateway, call, key);  // which says that there is none
+  std::string json = *json_of(*row);
+  json.back() = ',';
+  json += "\"schemas\":" + dump_json(skill_schemas(*profile)) + "}";
+  reply_tagged(call, etag_of(gateway.clients.instance(), row->version), json_reply(std::move(json)));
+}
+
 void returned(Gateway& gateway, const CallPtr& call) {
   tell_robot(gateway, call, TakeIntoUse{"", true, call->who().name});
 }
@@ -109,8 +123,7 @@ void add_robot_routes(Gateway& gateway, HandlerTable& table) {
     table.add(Method::get, path,
               [&](const CallPtr& call) { reply_row(gateway, call, robot_key(RowKind::robot, *call)); });
   }
-  table.add(Method::get, "/api/v1/robots/{robot}/skills",
-            [&](const CallPtr& call) { reply_row(gateway, call, robot_key(RowKind::profile, *call)); });
+  table.add(Method::get, "/api/v1/robots/{robot}/skills", [&](const CallPtr& call) { reply_skills(gateway, call); });
   table.add(Method::post, "/api/v1/robots/{robot}/stop", once(gateway, order_one<Stop>));
   table.add(Method::post, "/api/v1/robots/{robot}/release", once(gateway, order_one<Release>));
   table.add(Method::post, "/api/v1/stop", once(gateway, stop_all));
