@@ -2,19 +2,23 @@
 
 Addresses 127.0.232.x, 127.0.233.x.
 """
+import json
 import os
 import pathlib
 import signal
 import time
 
 import support
-from gateway_case import CLOUD, GatewayCase
+from gateway_case import CLOUD, ROBOT, GatewayCase
 
 SIMULATIONS = "/api/v1/simulations"
 SMALL = {"protocol": "talkrobots", "robots": 5, "tasks": 9, "link": "wifi", "seed": 3}
 COUNTED = {"robots": 5, "tasks": 9, "interpreted": 5, "sensors": 1, "seconds": 180, "remote_requests": 1, "faulty": 1}
 #: Takes more than its minute.
 LARGE = {"protocol": "talkrobots", "robots": 100, "tasks": 1000}
+THERE = {"id": "there", "robot": ROBOT, "skill": "go_to", "data": {"place": "dock"}}
+SCENARIO = {"name": "there and back", "tasks": [THERE, {**THERE, "id": "look"}, {**THERE, "id": "back", "after": ["there"]}]}
+TRIED = {"protocol": "talkrobots", "scenario": SCENARIO, "link": "wifi", "seed": 3, "times": {"go_to": {"mean": 2, "deviation": 0.1}}}
 OVER = ("done", "failed", "cancelled")
 WAIT_S = 60
 
@@ -75,6 +79,32 @@ class Simulations(GatewayCase):
         for phase, messages in answer["model"]["phases"].items():
             self.assertEqual(answer["phases"][phase]["messages"], messages, phase)
         self.assertEqual(len(answer["tasks"]), 9)
+
+    def test_a_scenario_is_played_with_the_fleet_s_own_robots(self):
+        one = self.result(TRIED)
+        self.assertEqual((one["state"], one["job"], one["scenario"], one["robots"], one["tasks"]),
+                         ("done", TRIED, "there and back", 1, 3), one.get("failure"))
+        answer = one["answer"]
+        self.assertEqual((answer["world"]["state"], answer["world"]["broken"]), ("FINISHED", []))
+        self.assertEqual({task["robot"] for task in answer["tasks"]}, {ROBOT})
+        listed = self.viewer.ask("GET", SIMULATIONS).json["items"][0]
+        self.assertEqual(listed["job"], {key: value for key, value in TRIED.items() if key != "scenario"})
+        self.assertEqual(listed["scenario"], "there and back")
+
+    def test_what_its_tasks_waited_for_is_what_trb_says(self):
+        files = {name: self.fleet.root / f"{name}.json" for name in ("scenario", "times")}
+        for name, file in files.items():
+            file.write_text(json.dumps(TRIED[name]))
+        answer = self.result(TRIED)["answer"]
+        told = self.fleet.json("simulate", "--fleet", self.fleet.dir(CLOUD).parent, "--scenario", files["scenario"],
+                               "--times", files["times"], "--link", "wifi", "--seed", 3)
+        self.assertEqual(answer["waits"], told["waits"])
+        self.assertEqual([one["critical"] for one in answer["waits"]], [True] * 3, "one robot does one after the other")
+        self.assertEqual([one["waited_for"] != "" for one in answer["waits"]], [False, True, True])
+
+    def test_a_scenario_longer_than_an_argument_may_be_is_played(self):
+        one = self.result({**TRIED, "scenario": {**SCENARIO, "_comment": "x" * 200_000}})
+        self.assertEqual((one["state"], len(one["answer"]["waits"])), ("done", 3), one.get("failure"))
 
     def test_the_list_has_the_newest_first_without_answers(self):
         places = [self.started({"robots": 2, "tasks": count}) for count in (1, 2)]
@@ -148,6 +178,14 @@ class Simulations(GatewayCase):
         self.assertIn("'nobody' is no node", failed["failure"]["detail"])
         self.assertIn("r0 to r4", failed["failure"]["hint"])
 
+    def test_a_condition_on_a_sensor_has_failed_with_the_simulator_s_words(self):
+        when = {"sensor": "thermometer", "of": ROBOT, "op": ">", "value": 20, "unit": "degC"}
+        tasks = [THERE, {**THERE, "id": "back", "after": ["there"], "when": when}]
+        failed = self.result({**TRIED, "scenario": {"name": "warm", "tasks": tasks}})
+        self.assertEqual((failed["state"], failed["failure"]["code"]), ("failed", "bad_value"))
+        self.assertIn("task 'back' has a condition", failed["failure"]["detail"])
+        self.assertTrue(failed["failure"]["hint"])
+
     def test_a_gateway_that_is_killed_leaves_no_child(self):
         self.started(LARGE)
         pid = self.simulator()
@@ -188,9 +226,29 @@ class Simulations(GatewayCase):
         self.assertFalse(pathlib.Path("/tmp/written-by-nobody").exists())
         self.assertEqual(self.viewer.ask("GET", SIMULATIONS).json["items"], [])
 
+    def test_a_wrong_scenario_is_refused_before_it_waits(self):
+        def pointers(change, **more):
+            plain = self.client()  # what it sends is not as described
+            plain.contract, plain.cookie, plain.csrf = None, self.operator.cookie, self.operator.csrf
+            refused = self.start({**TRIED, "scenario": {"name": "n", "tasks": [{**THERE, **change}]}, **more}, client=plain)
+            self.assert_problem(refused, 422)
+            return [one["pointer"] for one in refused.json["errors"]]
+        self.assertEqual(pointers({"robot": "nobody"}), ["/scenario/tasks/0/robot"])
+        self.assertEqual(pointers({"skill": "fly"}), ["/scenario/tasks/0/skill"])
+        self.assertEqual(pointers({"data": {"place": "nowhere"}}), ["/scenario/tasks/0/data/place"])
+        self.assertEqual(pointers({"after": ["n"]}), ["/scenario/tasks/0/after"])
+        self.assertEqual(pointers({}, fleet=[{"id": "r", "profile": {}}]), ["/fleet"])
+        self.assertEqual(pointers({}, protocol="paper"), ["/protocol"])
+        self.assertEqual(pointers({}, robots=5), ["/robots"])
+        self.assertEqual(pointers({}, times={"go_to": 0}), ["/times/go_to"])
+        self.assertEqual(pointers({}, trace="/tmp/written-by-nobody"), ["/trace"])
+        self.assertEqual(self.viewer.ask("GET", SIMULATIONS).json["items"], [])
+
     def test_what_is_no_job_is_refused(self):
         for wrong, status in ((b"", 400), (b"{", 400), (b"[]", 422), (b'{"robots": 1, "robots": 2}', 409), (b'{"robots": "\xff"}', 400),
-                              (b'{"robots": 1, "tasks": 1, "x": "' + b"x" * 40_000 + b'"}', 413)):
+                              (b'{"robots": 1, "tasks": 1, "x": "' + b"x" * 40_000 + b'"}', 413),
+                              (b'{"protocol": "talkrobots", "scenario": 7}', 422), (b'{"protocol": "talkrobots", "scenario": {}}', 422),
+                              (b'{"scenario": {"name": "' + b"x" * 300_000 + b'"}}', 413)):
             with self.subTest(wrong[:40]):
                 self.assert_problem(self.operator.ask("POST", SIMULATIONS, wrong, Content_Type="application/json"), status)
 

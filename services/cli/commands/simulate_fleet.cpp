@@ -1,10 +1,9 @@
 #include "services/cli/commands/simulate_fleet.hpp"
 
-#include <algorithm>
 #include <cstdio>
 
 #include "common/base/files.hpp"
-#include "common/scenario/critical_path.hpp"
+#include "common/scenario/played_tasks.hpp"
 #include "proto/body.hpp"
 #include "services/cli/commands/fleet_folders.hpp"
 #include "services/cli/commands/model_terms.hpp"
@@ -69,29 +68,6 @@ Status read_rest(Hall& hall, const Arguments& arguments) {
   return add_numbers(hall, arguments);
 }
 
-std::vector<std::string> ids_before(const Scenario& scenario, const Task& task) {
-  std::vector<std::string> out;
-  for (const std::uint16_t before : task.after) out.push_back(scenario.tasks[before].id);
-  return out;
-}
-
-/// The attempts that were done, by begin; times count from the first one's.
-std::vector<PlayedTask> played_tasks(const Value& answer, const Scenario& scenario) {
-  std::vector<PlayedTask> out;
-  for (const Value& one : answer.find("tasks")->list()) {
-    if (one.find("end_s") == nullptr) continue;
-    const std::string& id = one.find("id")->text();
-    const auto task = std::ranges::find(scenario.tasks, id, &Task::id);
-    if (task == scenario.tasks.end()) continue;
-    out.push_back({id, one.find("robot")->text(), one.find("begin_s")->number(), one.find("end_s")->number(),
-                   ids_before(scenario, *task)});
-  }
-  std::ranges::sort(out, {}, &PlayedTask::begin_s);
-  const double first = out.empty() ? 0 : out.front().begin_s;
-  for (PlayedTask& one : out) one.begin_s -= first, one.end_s -= first;
-  return out;
-}
-
 std::string seconds_text(double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%.1f", value);
@@ -144,19 +120,6 @@ void print_one_less(const std::vector<OneLess>& rows) {
   }
   print_line("");
   print(format_table(out));
-}
-
-Value waits_json(const std::vector<PlayedTask>& tasks) {
-  const std::vector<TaskWait> waits = waits_of(tasks);
-  Value::List out;
-  for (std::size_t i = 0; i < tasks.size(); ++i) {
-    const auto& holder = waits[i].holder;
-    out.push_back(Value{Value::Object{{"task", Value{tasks[i].id}},
-                                      {"waited_for", Value{holder ? tasks[*holder].id : std::string()}},
-                                      {"robot_busy", Value{waits[i].is_robot_busy}},
-                                      {"critical", Value{waits[i].is_critical}}}});
-  }
-  return Value{std::move(out)};
 }
 
 Value one_less_json(const std::vector<OneLess>& rows) {
@@ -213,7 +176,7 @@ int run_simulate_fleet(const Arguments& arguments) {
   const auto one_less = arguments.has("--one-less") ? play_one_less(hall) : std::vector<OneLess>();
   if (arguments.has("--json")) {
     auto& object = std::get<Value::Object>(answer->is);
-    object.emplace_back("waits", waits_json(tasks));
+    object.emplace_back("waits", waits_value(tasks));
     if (!one_less.empty()) object.emplace_back("one_less", one_less_json(one_less));
     print_json(*answer);
   } else {

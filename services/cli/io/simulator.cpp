@@ -1,7 +1,6 @@
 #include "services/cli/io/simulator.hpp"
 
 #include <fcntl.h>
-#include <sys/mman.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -10,6 +9,7 @@
 #include <string>
 
 #include "common/base/files.hpp"
+#include "common/supervisor/memory_file.hpp"
 #include "common/supervisor/process.hpp"
 
 namespace trb::cli {
@@ -22,18 +22,8 @@ struct Child {
   int output = -1;
 };
 
-/// Read from its beginning; a fleet's job is longer than an argument may be. Below 0: there is none.
-int memory_file(const std::string& bytes) {
-  const int file = memfd_create("job", MFD_CLOEXEC);
-  if (file < 0) return file;
-  const ssize_t written = write(file, bytes.data(), bytes.size());
-  if (written == static_cast<ssize_t>(bytes.size()) && lseek(file, 0, SEEK_SET) == 0) return file;
-  close(file);
-  return -1;
-}
-
 Result<Child> start(const std::string& program, const std::string& job) {
-  const int input = memory_file(job);
+  const int input = supervisor::memory_file(job);  // a fleet's job is longer than an argument may be
   if (input < 0) return fail(Errc::io_error, "a file in memory", "close other programs");
   std::array<int, 2> pipe_ends{};
   if (pipe2(pipe_ends.data(), O_CLOEXEC) != 0) return fail(Errc::io_error, "a pipe", "close other programs");

@@ -65,7 +65,7 @@ void SimulationRunner::stop() {
   program_.reset();
 }
 
-Result<const Simulation*> SimulationRunner::add(std::string job, std::string by, Now now) {
+Result<const Simulation*> SimulationRunner::add(SimulationJob job, std::string by, Now now) {
   auto added = desk_.add(std::move(job), std::move(by), now);
   if (!added) return added;
   const std::string id = (*added)->id;

@@ -21,7 +21,7 @@ class SimulationRunner {
   void stop();
 
   [[nodiscard]] const SimulationDesk& desk() const { return desk_; }
-  Result<const Simulation*> add(std::string job, std::string by, Now now);
+  Result<const Simulation*> add(SimulationJob job, std::string by, Now now);
   Result<const Simulation*> remove(const std::string& id, Now now);
   void tick(Now now);
 

@@ -14,6 +14,7 @@ extern "C" {
 #include <csignal>
 
 #include "common/base/files.hpp"
+#include "common/supervisor/memory_file.hpp"
 #include "common/supervisor/process.hpp"
 #include "proto/value.hpp"
 
@@ -32,7 +33,7 @@ void close_both(const Pipe& pipe) {
 }
 
 /// Between fork and exec of a process with threads: calls of the kernel alone.
-[[noreturn]] void become(const char* program, const char* job, const Pipe& answer, const Pipe& progress) {
+[[noreturn]] void become(const char* program, int job, const Pipe& answer, const Pipe& progress) {
   sigset_t none;
   sigemptyset(&none);
   sigprocmask(SIG_SETMASK, &none, nullptr);
@@ -40,11 +41,10 @@ void close_both(const Pipe& pipe) {
   supervisor::die_with_parent();
   setpgid(0, 0);
   setpriority(PRIO_PROCESS, 0, kLast);
-  const int nothing = open("/dev/null", O_RDONLY);
-  const bool is_set = nothing >= 0 && dup2(nothing, STDIN_FILENO) >= 0 && dup2(answer[1], STDOUT_FILENO) >= 0 &&
-                      dup2(progress[1], STDERR_FILENO) >= 0;
+  const bool is_set =
+      dup2(job, STDIN_FILENO) >= 0 && dup2(answer[1], STDOUT_FILENO) >= 0 && dup2(progress[1], STDERR_FILENO) >= 0;
   // Sockets of people and robots are none of its business.
-  if (is_set && close_range(STDERR_FILENO + 1, ~0U, 0) == 0) execl(program, program, "--progress", job, nullptr);
+  if (is_set && close_range(STDERR_FILENO + 1, ~0U, 0) == 0) execl(program, program, "--progress", "-", nullptr);
   _exit(kNotStarted);
 }
 
@@ -62,8 +62,10 @@ Result<SimulatorProgram> start_simulator(const std::string& job) {
     close_both(answer);
     return no_room;
   }
-  const pid_t pid = fork();
-  if (pid == 0) become(program.c_str(), job.c_str(), answer, progress);
+  const int input = supervisor::memory_file(job);
+  const pid_t pid = input < 0 ? -1 : fork();
+  if (pid == 0) become(program.c_str(), input, answer, progress);
+  if (input >= 0) close(input);
   const int exit = pid < 0 ? -1 : pidfd_open(pid, 0);
   if (exit < 0) {
     close_both(answer);

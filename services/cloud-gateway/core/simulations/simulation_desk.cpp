@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "common/base/hex.hpp"
+#include "services/cloud-gateway/core/simulations/scenario_job.hpp"
 
 namespace trb::gateway {
 namespace {
@@ -15,7 +16,7 @@ bool is_over(const Simulation& one) {
 
 }  // namespace
 
-Result<const Simulation*> SimulationDesk::add(std::string job, std::string by, Now now) {
+Result<const Simulation*> SimulationDesk::add(SimulationJob job, std::string by, Now now) {
   const bool must_wait = has_program_ || waiting() > 0;
   if (must_wait && waiting() >= kMaxWaitingSimulations) {
     return fail(Errc::queue_full, std::to_string(kMaxWaitingSimulations) + " simulations wait already",
@@ -61,7 +62,7 @@ void SimulationDesk::on_gone(Result<Bytes> answer, Now now) {
   Simulation* one = running();
   if (one == nullptr) return;  // it was cancelled, or has failed already
   if (answer) {
-    one->answer = std::move(*answer);
+    one->answer = one->job.scenario ? with_waits(std::move(*answer), *one->job.scenario) : std::move(*answer);
   } else {
     one->failure = answer.error();
   }
@@ -88,7 +89,7 @@ std::optional<SimulationOrder> SimulationDesk::take_order(Now now) {
   next->began = now.utc;
   deadline_ = now.mono + kLongestSimulation;
   has_program_ = true;
-  return SimulationOrder{SimulationOrder::Kind::start, next->job};
+  return SimulationOrder{SimulationOrder::Kind::start, next->job.input};
 }
 
 const Simulation* SimulationDesk::find(const std::string& id) const {

@@ -12,6 +12,7 @@
 #include "common/base/result.hpp"
 #include "common/base/time.hpp"
 #include "services/cloud-gateway/core/access/hash.hpp"
+#include "services/cloud-gateway/core/simulations/simulation_job.hpp"
 
 namespace trb::gateway {
 
@@ -34,12 +35,12 @@ struct SimulationProgress {
 struct Simulation {
   std::string id;  ///< 16 hexadecimal digits
   SimulationState state{};
-  std::string job;  ///< JSON
+  SimulationJob job;
   std::string by;
   UtcTime asked;
   std::optional<UtcTime> began, ended;
   SimulationProgress progress;
-  Bytes answer;                  ///< JSON; empty: it is not done
+  Bytes answer;                  ///< JSON, of a scenario with its `waits`; empty: it is not done
   std::optional<Error> failure;  ///< why it failed
 };
 
@@ -65,7 +66,7 @@ class SimulationDesk {
   explicit SimulationDesk(RandomBytes random) : random_(std::move(random)) {}
 
   /// Errors: queue_full.
-  Result<const Simulation*> add(std::string job, std::string by, Now now);
+  Result<const Simulation*> add(SimulationJob job, std::string by, Now now);
   /// The cancelled one; nullptr: it was over, and is forgotten. Errors: missing.
   Result<const Simulation*> remove(const std::string& id, Now now);
 

@@ -13,6 +13,10 @@ namespace {
 
 using Kind = SimulationOrder::Kind;
 
+SimulationJob job_of(const std::string& input) {
+  return {input, input, input, 1, 1};
+}
+
 /// A desk, its time, and the program as it sees it.
 struct Bench {
   SimulationDesk desk{[n = std::uint8_t{0}](std::size_t size) mutable { return Bytes(size, static_cast<char>(++n)); }};
@@ -33,7 +37,7 @@ struct Bench {
     }
   }
   std::string add(const std::string& job) {
-    const auto added = desk.add(job, "olga", now);
+    const auto added = desk.add(job_of(job), "olga", now);
     REQUIRE(added.ok());
     std::string id = (*added)->id;
     obey();
@@ -97,7 +101,7 @@ TEST_CASE("the next one begins when the program before it is gone, in the order 
 TEST_CASE("four wait, a fifth is refused with a cure, until one is over") {
   Bench bench;
   for (int i = 0; i < 5; ++i) bench.add("{}");
-  const auto refused = bench.desk.add("{}", "olga", bench.now);
+  const auto refused = bench.desk.add(job_of("{}"), "olga", bench.now);
   REQUIRE_FALSE(refused.ok());
   CHECK(refused.error().code == Errc::queue_full);
   CHECK(refused.error().what == "4 simulations wait already");
@@ -112,7 +116,7 @@ TEST_CASE("four wait while the program of a cancelled one is not gone yet") {
   const std::string first = bench.add("{}");
   REQUIRE(bench.remove(first).ok());
   for (int i = 0; i < 4; ++i) bench.add("{}");
-  CHECK_FALSE(bench.desk.add("{}", "olga", bench.now).ok());
+  CHECK_FALSE(bench.desk.add(job_of("{}"), "olga", bench.now).ok());
   CHECK(bench.started.size() == 1);
 }
 

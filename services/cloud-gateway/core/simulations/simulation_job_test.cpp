@@ -24,7 +24,9 @@ TEST_CASE("every key that the simulator takes passes") {
             "local_requests": 1, "remote_requests": 1, "faulty": 4})",
         R"({"protocol": "talkrobots", "robots": 100, "tasks": 1000, "task_seconds": 3, "deviation": 1, "seconds": 600,
             "seed": 7, "link": "wifi", "faults": [{"at": 2, "kind": "fail", "node": "r1"},
-            {"at": 4.5, "kind": "cut", "node": "r1", "other": "cloud"}]})"}) {
+            {"at": 4.5, "kind": "cut", "node": "r1", "other": "cloud"}]})",
+        R"({"protocol": "talkrobots", "scenario": {}, "times": {"go_to": 3, "pick": {"mean": 2, "deviation": 0.5}},
+            "task_seconds": 3, "deviation": 1, "seconds": 600, "seed": 7, "link": "vpn", "faults": []})"}) {
     CAPTURE(text);
     CHECK(faults_of(text).empty());
   }
@@ -64,6 +66,20 @@ TEST_CASE("every fault is named by its key, with a cure") {
               "faults[0].kind"},
           Case{R"({"protocol": "talkrobots", "robots": 5, "tasks": 9, "faults": [{"at": 1, "kind": "kill"}]})",
                "faults[0].node"},
+          Case{R"({"scenario": {}})", "protocol"},
+          Case{R"({"protocol": "paper", "scenario": {}})", "protocol"},
+          Case{R"({"protocol": "talkrobots", "scenario": {}, "robots": 5})", "robots"},
+          Case{R"({"protocol": "talkrobots", "scenario": {}, "tasks": "9"})", "tasks"},
+          Case{R"({"protocol": "talkrobots", "scenario": {}, "fleet": []})", "fleet"},
+          Case{R"({"protocol": "talkrobots", "robots": 5, "tasks": 9, "fleet": []})", "fleet"},
+          Case{R"({"protocol": "talkrobots", "scenario": {}, "trace": "x"})", "trace"},
+          Case{R"({"protocol": "talkrobots", "robots": 5, "tasks": 9, "times": {"s": 1}})", "times"},
+          Case{R"({"protocol": "talkrobots", "scenario": {}, "times": [3]})", "times"},
+          Case{R"({"protocol": "talkrobots", "scenario": {}, "times": {"go": 0}})", "times.go"},
+          Case{R"({"protocol": "talkrobots", "scenario": {}, "times": {"go": "3"}})", "times.go"},
+          Case{R"({"protocol": "talkrobots", "scenario": {}, "times": {"go": {}}})", "times.go.mean"},
+          Case{R"({"protocol": "talkrobots", "scenario": {}, "times": {"go": {"mean": 1, "deviation": 2}}})",
+               "times.go.deviation"},
       }) {
     CAPTURE(one.text);
     const ConfigFaults faults = faults_of(one.text);
@@ -79,7 +95,7 @@ TEST_CASE("several faults are told at once, and what is no object is refused") {
 }
 
 TEST_CASE("the audit log has a job in words") {
-  CHECK(simulation_in_words(*parse_json(R"({"robots": 5, "tasks": 9})")) == "paper, 5 robots, 9 tasks");
-  CHECK(simulation_in_words(*parse_json(R"({"protocol": "talkrobots", "robots": 2, "tasks": 3})")) ==
+  CHECK(simulation_in_words(counted_job(*parse_json(R"({"robots": 5, "tasks": 9})"))) == "paper, 5 robots, 9 tasks");
+  CHECK(simulation_in_words(counted_job(*parse_json(R"({"protocol": "talkrobots", "robots": 2, "tasks": 3})"))) ==
         "talkrobots, 2 robots, 3 tasks");
 }

@@ -1,5 +1,5 @@
 // simulations: a fleet that is played in virtual time, by trb-simulator.
-#include "services/cloud-gateway/core/simulations/simulation_job.hpp"
+#include "services/cloud-gateway/core/simulations/scenario_job.hpp"
 #include "services/cloud-gateway/io/api/api.hpp"
 #include "services/cloud-gateway/io/api/once.hpp"
 #include "services/cloud-gateway/io/api/scenario_body.hpp"
@@ -15,22 +15,27 @@ std::string json_failure(const Error& error) {
   return out.text("hint", error.hint).done();
 }
 
-JsonObject json_simulation(const Simulation& one) {
+/// `job`: as it was asked for, or in a list without its scenario.
+JsonObject json_simulation(const Simulation& one, const std::string& job) {
   JsonObject out;
   out.text("id", one.id).text("state", name_of(one.state)).text("by", one.by).time("asked", one.asked);
   if (one.began) out.time("began", *one.began);
   if (one.ended) out.time("ended", *one.ended);
   JsonObject progress;
   progress.raw("seconds", dump_json(Value{one.progress.seconds})).number("tasks_done", one.progress.tasks_done);
-  out.raw("progress", progress.done()).raw("job", one.job);
+  out.raw("progress", progress.done()).raw("job", job);
+  out.number("robots", static_cast<std::uint64_t>(one.job.robots));
+  out.number("tasks", static_cast<std::uint64_t>(one.job.tasks));
+  if (one.job.scenario) out.text("scenario", one.job.scenario->name);
   if (one.failure) out.raw("failure", json_failure(*one.failure));
   return out;
 }
 
-/// All of them, without their answers.
+/// All of them, without their answers and scenarios.
 void list_simulations(const Gateway& gateway, const CallPtr& call) {
   JsonList items;
-  for (const Simulation& one : gateway.simulations->desk().all()) items.add(json_simulation(one).done());
+  for (const Simulation& one : gateway.simulations->desk().all())
+    items.add(json_simulation(one, one.job.outline).done());
   call->reply(json_reply(JsonObject().raw("items", items.done()).done()));
 }
 
@@ -39,32 +44,49 @@ void show_simulation(const Gateway& gateway, const CallPtr& call) {
   if (one == nullptr) {
     return call->reply(problem_reply(404, "missing", "there is no such simulation", "GET /api/v1/simulations"));
   }
-  JsonObject out = json_simulation(*one);
+  JsonObject out = json_simulation(*one, one->job.text);
   if (!one->answer.empty()) out.raw("answer", one->answer);
   call->reply(json_reply(out.done()));
 }
 
-void start(const Gateway& gateway, const CallPtr& call, const Value& job) {
-  const auto added = gateway.simulations->add(dump_json(job), call->who().name, gateway.now());
+void start(const Gateway& gateway, const CallPtr& call, SimulationJob job) {
+  const auto added = gateway.simulations->add(std::move(job), call->who().name, gateway.now());
   if (!added) return call->fail(added.error());
-  HttpReply out = json_reply(json_simulation(**added).done(), 202);
+  HttpReply out = json_reply(json_simulation(**added, (*added)->job.text).done(), 202);
   out.headers.emplace_back("Location", "/api/v1/simulations/" + (*added)->id);
   call->reply(std::move(out));
 }
 
+KnownNodes known_nodes(const Gateway& gateway) {
+  KnownNodes out;
+  gateway.book.each(RowKind::profile, [&](const Row& row) {
+    if (const auto* profile = std::get_if<NodeProfile>(&row.content)) out.emplace(row.key.node, *profile);
+  });
+  return out;
+}
+
+/// Errors: too_large.
+Status check_size(const Call& call, std::size_t most) {
+  const std::size_t size = call.request.body.size();
+  if (size <= most) return Done{};
+  return fail(Errc::too_large, "the job has " + std::to_string(size) + " bytes",
+              "send at most " + std::to_string(most));
+}
+
 void start_simulation(Gateway& gateway, const CallPtr& call) {
-  if (call->request.body.size() > kMaxSimulationJob) {
-    return call->reply(problem_reply(413, "too_large",
-                                     "the job has " + std::to_string(call->request.body.size()) + " bytes",
-                                     "send at most " + std::to_string(kMaxSimulationJob)));
-  }
-  const auto job = body_of(*call);
-  if (!job) return call->fail(job.error());
+  if (const Status size = check_size(*call, kMaxScenarioJob); !size) return call->fail(size.error());
+  const auto body = body_of(*call);
+  if (!body) return call->fail(body.error());
+  const bool has_scenario = body->find("scenario") != nullptr;
+  const Status size = check_size(*call, has_scenario ? kMaxScenarioJob : kMaxSimulationJob);
+  if (!size) return call->fail(size.error());
   ConfigFaults faults;
-  check_simulation_job(*job, faults);
+  check_simulation_job(*body, faults);
   if (!faults.empty()) return call->reply(faults_reply(faults));
-  call->about = simulation_in_words(*job);
-  do_once(gateway, call, "simulation: " + call->about, [&gateway, call, job = *job] { start(gateway, call, job); });
+  SimulationJob job = has_scenario ? scenario_job(*body, known_nodes(gateway), faults) : counted_job(*body);
+  if (!faults.empty()) return call->reply(faults_reply(faults));
+  call->about = simulation_in_words(job);
+  do_once(gateway, call, "simulation: " + call->about, [&gateway, call, job] { start(gateway, call, job); });
 }
 
 /// One that is over is forgotten (204), any other one cancelled.
@@ -73,7 +95,8 @@ void remove_simulation(Gateway& gateway, const CallPtr& call) {
   if (!removed) {
     return call->reply(problem_reply(404, "missing", removed.error().what, removed.error().hint));
   }
-  call->reply(*removed == nullptr ? empty_reply() : json_reply(json_simulation(**removed).done()));
+  call->reply(*removed == nullptr ? empty_reply()
+                                  : json_reply(json_simulation(**removed, (*removed)->job.text).done()));
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 // A request's body as anybody sends it: each member that a route reads is in its bounds, or is refused by its name with
 // a cure, in a problem that is JSON.
-#include "services/cloud-gateway/core/simulations/simulation_job.hpp"
+#include "services/cloud-gateway/core/simulations/scenario_job.hpp"
 #include "services/cloud-gateway/io/api/members.hpp"
 #include "services/cloud-gateway/io/api/scenario_body.hpp"
 #include "tests/fuzz/target.hpp"
@@ -56,7 +56,16 @@ void read_simulation(const Value& json) {
   check_simulation_job(json, faults);
   if (!faults.empty()) return check_problem(faults_reply(faults));
   require(json.find("trace") == nullptr, "no job writes a file");
-  require(!simulation_in_words(json).empty(), "a job that is taken can be told");
+  require(json.find("fleet") == nullptr, "the fleet is the gateway's to name");
+  if (json.find("scenario") == nullptr) {
+    return require(!simulation_in_words(counted_job(json)).empty(), "a job that is taken can be told");
+  }
+  NodeProfile robot;
+  robot.robot = "ONLINE";
+  robot.skills.emplace_back().name = "s";
+  const SimulationJob job = scenario_job(json, {{"a", robot}}, faults);
+  if (!faults.empty()) return check_problem(faults_reply(faults));
+  require(job.tasks > 0 && !simulation_in_words(job).empty(), "a scenario that is taken can be told");
 }
 
 }  // namespace
@@ -69,6 +78,7 @@ std::vector<Bytes> seeds() {
       R"({"scenario": {"name": "n", "tasks": [{"id": "go", "robot": "a", "skill": "go_to", "data": {"place": "dock"}}]}})",
       R"({"name": "n", "tasks": [{"id": "go", "robot": "a", "skill": "s", "after": ["go"]}]})",
       R"({"protocol": "talkrobots", "robots": 5, "tasks": 9, "seed": 1, "faults": [{"at": 2, "kind": "cut", "node": "r1"}]})",
+      R"({"protocol": "talkrobots", "scenario": {"name": "n", "tasks": [{"id": "go", "robot": "a", "skill": "s"}]}, "times": {"s": 3}})",
       R"({"robots": 5, "tasks": 9, "interpreted": 5, "rate": 1e0, "sensors": 1, "faulty": 4, "trace": "x"})",
       R"([{"robot": "a"}])",
       R"({"robot": "\ud83e\udd16\u0000", "robot": "twice"})"};

@@ -1,0 +1,90 @@
+#include "services/cloud-gateway/core/simulations/scenario_job.hpp"
+
+#include <utility>
+
+#include "common/scenario/definition.hpp"
+#include "common/scenario/played_tasks.hpp"
+#include "proto/body.hpp"
+
+namespace trb::gateway {
+namespace {
+
+constexpr const char* kKey = "scenario";
+constexpr std::size_t kMaxInput = 1U << 20U;  ///< of trb-simulator's job
+constexpr std::size_t kMaxAnswer = 4U << 20U;
+
+void add_fault(ConfigFaults& faults, const std::string& key, std::string what, std::string hint) {
+  faults.push_back({"job", key, std::move(what), std::move(hint), false});
+}
+
+Scenario checked_scenario(const Value& json, const KnownNodes& nodes, ConfigFaults& faults) {
+  ConfigFaults found;
+  Scenario out = read_scenario(json, kKey, found);
+  if (faults_that_stop(found).empty()) check_scenario(out, nodes, kKey, found);
+  for (const ConfigFault& one : faults_that_stop(found)) {
+    add_fault(faults, one.key.empty() ? kKey : std::string(kKey) + "." + one.key, one.what, one.hint);
+  }
+  return out;
+}
+
+Value::List fleet_of(const KnownNodes& nodes) {
+  Value::List out;
+  for (const auto& [id, profile] : nodes) {
+    if (profile.robot.empty()) continue;
+    out.push_back(Value{Value::Object{{"id", Value{id}}, {"profile", *parse_json(to_json(profile))}}});
+  }
+  return out;
+}
+
+void check_fleet(const Value::List& fleet, ConfigFaults& faults) {
+  if (fleet.empty()) add_fault(faults, kKey, "no robot of the fleet is known yet", "wait until one is shown");
+  if (fleet.size() > static_cast<std::size_t>(kMaxSimulatedRobots)) {
+    add_fault(faults, kKey, "the fleet has " + std::to_string(fleet.size()) + " robots",
+              "trb simulate takes more than " + std::to_string(kMaxSimulatedRobots));
+  }
+}
+
+Value without_scenario(const Value& job) {
+  Value::Object out;
+  for (const auto& [key, value] : std::get<Value::Object>(job.is)) {
+    if (key != kKey) out.emplace_back(key, value);
+  }
+  return Value{std::move(out)};
+}
+
+std::string input_of(const Value& job, Value::List fleet) {
+  Value::Object out = std::get<Value::Object>(job.is);
+  out.emplace_back("fleet", Value{std::move(fleet)});
+  return dump_json(Value{std::move(out)});
+}
+
+}  // namespace
+
+SimulationJob scenario_job(const Value& job, const KnownNodes& nodes, ConfigFaults& faults) {
+  SimulationJob out;
+  Value::List fleet = fleet_of(nodes);
+  check_fleet(fleet, faults);
+  if (!faults.empty()) return out;
+  out.scenario = checked_scenario(*job.find(kKey), nodes, faults);
+  if (!faults.empty()) return out;
+  out.robots = static_cast<std::int64_t>(fleet.size());
+  out.tasks = static_cast<std::int64_t>(out.scenario->tasks.size());
+  out.text = dump_json(job);
+  out.outline = dump_json(without_scenario(job));
+  out.input = input_of(job, std::move(fleet));
+  if (out.input.size() > kMaxInput) {
+    add_fault(faults, kKey, "with the robots' profiles it has " + std::to_string(out.input.size()) + " bytes",
+              "leave descriptions out, or split it: " + std::to_string(kMaxInput) + " bytes are taken");
+  }
+  return out;
+}
+
+Bytes with_waits(Bytes answer, const Scenario& scenario) {
+  auto json = parse_json(answer, {.bytes = kMaxAnswer});
+  if (!json || !json->is_object()) return answer;
+  Value waits = waits_value(played_tasks(*json, scenario));
+  std::get<Value::Object>(json->is).emplace_back("waits", std::move(waits));
+  return dump_json(*json);
+}
+
+}  // namespace trb::gateway

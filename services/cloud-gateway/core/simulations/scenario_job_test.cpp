@@ -1,0 +1,127 @@
+// A scenario as a job of a simulation: with the fleet's own robots, checked, and its waits.
+#include "services/cloud-gateway/core/simulations/scenario_job.hpp"
+
+#include <doctest/doctest.h>
+
+#include "common/scenario/definition.hpp"
+#include "proto/body.hpp"
+
+using namespace trb;
+using namespace trb::gateway;
+
+namespace {
+
+NodeProfile profile(const std::string& robot) {
+  NodeProfile out;
+  out.robot = robot;
+  SkillInfo skill;
+  skill.name = "go_to";
+  out.skills = {skill};
+  return out;
+}
+
+/// A cloud, a robot that is there, and one that is not reached.
+KnownNodes hall() {
+  return {{"arm", profile("OFFLINE")}, {"cart", profile("ONLINE")}, {"cloud", NodeProfile{}}};
+}
+
+const char* const kRight = R"({"protocol": "talkrobots", "seed": 3, "scenario": {"name": "short", "tasks": [
+  {"id": "go", "robot": "cart", "skill": "go_to"},
+  {"id": "back", "robot": "arm", "skill": "go_to", "after": ["go"]}]}})";
+
+ConfigFaults faults_of(const std::string& text, const KnownNodes& nodes) {
+  ConfigFaults out;
+  check_simulation_job(*parse_json(text), out);
+  REQUIRE(out.empty());
+  scenario_job(*parse_json(text), nodes, out);
+  return out;
+}
+
+std::string with_task(const std::string& task) {
+  return R"({"protocol": "talkrobots", "scenario": {"name": "n", "tasks": [)" + task + "]}}";
+}
+
+}  // namespace
+
+TEST_CASE("the gateway puts its robots in, and a list has no scenario") {
+  ConfigFaults faults;
+  const SimulationJob job = scenario_job(*parse_json(kRight), hall(), faults);
+  REQUIRE(faults.empty());
+  CHECK(job.robots == 2);
+  CHECK(job.tasks == 2);
+  CHECK(*parse_json(job.text) == *parse_json(kRight));
+  CHECK(job.outline == R"({"protocol":"talkrobots","seed":3})");
+  const Value input = *parse_json(job.input);
+  CHECK(*input.find("scenario") == *parse_json(kRight)->find("scenario"));
+  const Value::List& fleet = input.find("fleet")->list();
+  REQUIRE(fleet.size() == 2);
+  CHECK(fleet[0].find("id")->text() == "arm");
+  CHECK(fleet[1].find("id")->text() == "cart");
+  const auto read = from_json<NodeProfile>(dump_json(*fleet[1].find("profile")));
+  REQUIRE(read.ok());
+  CHECK(*read == profile("ONLINE"));
+  CHECK(simulation_in_words(job) == "scenario 'short', 2 robots, 2 tasks");
+}
+
+TEST_CASE("a scenario's fault is named by its place in the job") {
+  struct Case {
+    std::string task;
+    const char* key;
+  };
+  for (const Case& one :
+       {Case{R"({"id": "go", "robot": "nobody", "skill": "go_to"})", "scenario.tasks[0].robot"},
+        Case{R"({"id": "go", "robot": "cart", "skill": "fly"})", "scenario.tasks[0].skill"},
+        Case{R"({"id": "Go", "robot": "cart", "skill": "go_to"})", "scenario.tasks[0].id"},
+        Case{R"({"id": "go", "robot": "cart", "skill": "go_to", "after": ["x"]})", "scenario.tasks[0].after"},
+        Case{R"(7)", "scenario.tasks[0]"}}) {
+    CAPTURE(one.task);
+    const ConfigFaults faults = faults_of(with_task(one.task), hall());
+    REQUIRE_FALSE(faults.empty());
+    CHECK(faults[0].key.starts_with(one.key));
+    CHECK_FALSE(faults[0].hint.empty());
+  }
+}
+
+TEST_CASE("what is no scenario is refused") {
+  for (const char* text : {"7", "[]", "null", "{}", R"({"name": "n"})", R"({"name": "n", "tasks": []})"}) {
+    CAPTURE(text);
+    const ConfigFaults faults =
+        faults_of(R"({"protocol": "talkrobots", "scenario": )" + std::string(text) + "}", hall());
+    REQUIRE_FALSE(faults.empty());
+    CHECK(faults[0].key.starts_with("scenario"));
+  }
+}
+
+TEST_CASE("no robot is known, or more than can be simulated, or more than fits") {
+  REQUIRE(faults_of(kRight, {{"cloud", NodeProfile{}}}).size() == 1);
+  KnownNodes many = hall();
+  for (int i = 0; i < 99; ++i) many["r" + std::to_string(i)] = profile("ONLINE");
+  REQUIRE(faults_of(kRight, many).size() == 1);
+  CHECK(faults_of(kRight, many)[0].what == "the fleet has 101 robots");
+  KnownNodes large = hall();
+  for (int i = 0; i < 60; ++i) {
+    NodeProfile& one = large["r" + std::to_string(i)] = profile("ONLINE");
+    for (int k = 0; k < 300; ++k) one.places.push_back(std::to_string(k) + std::string(60, 'p'));
+  }
+  const ConfigFaults faults = faults_of(kRight, large);
+  REQUIRE(faults.size() == 1);
+  CHECK(faults[0].key == "scenario");
+}
+
+TEST_CASE("the answer has what each task waited for; what is none stays as it is") {
+  ConfigFaults faults;
+  const Scenario scenario = read_scenario(*parse_json(kRight)->find("scenario"), "scenario", faults);
+  REQUIRE(faults.empty());
+  const Value answer = *parse_json(with_waits(R"({"seconds": 9, "tasks": [
+      {"id": "go", "robot": "cart", "begin_s": 1, "end_s": 4},
+      {"id": "back", "robot": "arm", "begin_s": 4.1, "end_s": 7}]})",
+                                              scenario));
+  CHECK(answer.find("seconds")->integer() == 9);
+  const Value::List& waits = answer.find("waits")->list();
+  REQUIRE(waits.size() == 2);
+  CHECK(waits[0].find("waited_for")->text().empty());
+  CHECK(waits[1].find("waited_for")->text() == "go");
+  CHECK(waits[1].find("critical")->boolean());
+  CHECK(with_waits("no JSON", scenario) == "no JSON");
+  CHECK(with_waits("[]", scenario) == "[]");
+}
