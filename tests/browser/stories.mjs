@@ -8,6 +8,7 @@ import { drives } from './story_control.mjs';
 import { hostileTexts } from './story_hostile.mjs';
 import { paper } from './story_paper.mjs';
 import { plans } from './story_plan.mjs';
+import { triesAScenario } from './story_try.mjs';
 import { connectionLost, everyView, everyViewInFrench, keyboardAlone, stopsAll } from './story_views.mjs';
 
 const settings = JSON.parse(process.argv[2]);
@@ -17,6 +18,7 @@ const stories = [
   ['an alarm is seen, shelved with a reason, taken back; in a dialog "Stop all" is within reach', alarms],
   ['an admin changes who decides, and is told what is out of bounds', changesSettings],
   ['an operator plans: two simulations, compared; a third one cancelled', plans],
+  ['a scenario from the editor is tried in Plan, changed, compared, run', triesAScenario],
   ['a robot is driven by hand, stopped, handed over, and stands when its page is gone', drives],
   ['every view in each size and colour: axe, console, origin', everyView],
   ['every view in French', everyViewInFrench],

@@ -5,14 +5,9 @@ import { look } from './look.mjs';
 /** Draws `file`, a scenario of `trb`; the editor stays open, and what is drawn says the same. */
 export async function draw(olga, file) {
   const { page } = olga;
-  await olga.go('#/scenarios');
-  await olga.tabTo('main .tool-row button');
-  await page.keyboard.press('Enter');
-  await page.waitForSelector('main section.panel h2:has-text("Skills of the fleet")');
+  await openEditor(olga);
   await look(olga, 'editor-empty');
-  await fill(page.getByLabel('Name', { exact: true }), file.name);
-  await fill(page.getByLabel('Description', { exact: true }), file.description);
-  for (const [at, task] of file.tasks.entries()) await drawTask(olga, task, at);
+  await drawAll(olga, file);
   await undoAndRedo(olga, file.tasks.length);
   await sameAs(olga, file);
   await page.waitForSelector('main :text("can run")');
@@ -20,7 +15,22 @@ export async function draw(olga, file) {
   await walk(olga);
 }
 
-async function drawTask(olga, task, at) {
+export async function openEditor(olga) {
+  await olga.go('#/scenarios');
+  await olga.tabTo('main .tool-row button');
+  await olga.page.keyboard.press('Enter');
+  await olga.page.waitForSelector('main section.panel h2:has-text("Skills of the fleet")');
+}
+
+export async function drawAll(olga, file) {
+  const { page } = olga;
+  await fill(page.getByLabel('Name', { exact: true }), file.name);
+  await fill(page.getByLabel('Description', { exact: true }), file.description);
+  for (const [at, task] of file.tasks.entries()) await drawTask(olga, task, at);
+}
+
+/** `at`: how many are drawn already; the second one is dragged. */
+export async function drawTask(olga, task, at) {
   const { page } = olga;
   const [first, ...others] = task.after ?? [];
   await choose(page, at === 0 ? null : (first ?? null));

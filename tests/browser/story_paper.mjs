@@ -15,6 +15,7 @@ export async function paper(browser, settings, people) {
   await draw(olga, JSON.parse(await order('scenario')));
   await preflight(olga);
   await save(olga);
+  await triesInVain(olga);
   const robot = await order('fail_robot');
   const run = await start(olga);
   await watch(olga, robot);
@@ -38,6 +39,17 @@ async function save(olga) {
   const { page } = olga;
   await page.getByRole('button', { name: 'Save', exact: true }).press('Enter');
   await page.waitForFunction(() => !location.hash.endsWith('/new'));
+}
+
+/** The simulator has no sensors: it says so, and the way back is there. */
+async function triesInVain(olga) {
+  const { page } = olga;
+  await page.waitForSelector('main :text("can run")');
+  await page.getByRole('button', { name: 'Try in Plan' }).press('Enter');
+  await page.waitForSelector("main :text(\"task 'pick_left' has a condition\")", { timeout: SENSOR_MS });
+  await look(olga, 'plan-refused', { short: true });
+  await page.getByRole('link', { name: 'Back to the scenario' }).press('Enter');
+  await page.waitForFunction(() => location.hash.startsWith('#/scenarios/'));
 }
 
 async function start(olga) {

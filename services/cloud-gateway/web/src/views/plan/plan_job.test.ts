@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { faultCount, FIRST, jobOf, mostFaults, within, type Wish } from './plan_job';
+import { faultCount, FIRST, jobOf, jobOfScenario, mostFaults, within, type Wish } from './plan_job';
 
 const wish = (more: Partial<Wish>): Wish => ({ ...FIRST, ...more });
 
@@ -36,5 +36,10 @@ describe('a wish as a job', () => {
     expect(faultCount(jobOf(wish({ faults: 3, faultKind: 'kill' })))).toBe(3);
     expect(faultCount(jobOf(wish({ protocol: 'paper', faults: 2 })))).toBe(2);
     expect(faultCount({ robots: 1, tasks: 1 })).toBe(0);
+  });
+
+  it('takes a scenario as it is drawn, without a number of robots or tasks', () => {
+    const scenario = { name: 'n', tasks: [{ id: 'go', robot: 'a', skill: 's' }] };
+    expect(jobOfScenario(scenario)).toEqual({ protocol: 'talkrobots', scenario, link: 'wifi', seed: 1 });
   });
 });

@@ -1,5 +1,6 @@
 /** What is wished, as a job of the gateway: POST /api/v1/simulations. */
 import type { Schemas } from '../../lib/api/types';
+import type { Scenario } from '../../lib/scenario/scenario_model';
 
 export type Simulation = Schemas['Simulation'];
 export type Job = Schemas['SimulationJob'];
@@ -58,6 +59,11 @@ export function jobOf(wish: Wish): Job {
   const common = { protocol, robots, tasks, task_seconds: taskSeconds };
   if (protocol === 'paper') return { ...common, interpreted, sensors, rate: 1, faulty: within(wish).faults };
   return { ...common, link, seed, faults: faultsOf(within(wish)) };
+}
+
+/** A scenario that is drawn, over Wi-Fi. One seed: what another drawing changes is the drawing's. */
+export function jobOfScenario(scenario: Scenario): Omit<Job, 'scenario'> & { scenario: Scenario } {
+  return { protocol: 'talkrobots', scenario, link: FIRST.link, seed: FIRST.seed };
 }
 
 /** Robot 1, 2 ... in the middle of its first task: robot 0 has begun the run, and goes on. */

@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { barsOf, compareRows, inIntervalsOf, makespanOf, peakOf, phaseRows, seriesOf, timesOf, withoutUpkeep, type Answer } from './plan_result';
+import { barsOf, compareRows, inIntervalsOf, makespanOf, peakOf, phaseRows, seriesOf, timesOf, waitRows, withoutUpkeep, type Answer } from './plan_result';
 
 const PHASES = ['boot', 'identification', 'devices', 'task', 'forward', 'sensor', 'fail', 'upkeep'] as const;
 const count = (messages: number) => ({ messages, bytes: messages * 50, between_computers: { messages: messages / 2, bytes: messages * 25 } });
@@ -56,5 +56,20 @@ describe('the result of a simulation', () => {
     const rows = compareRows(answer(), answer({ messages: 40 }));
     expect(rows.find((row) => row.what === 'messages')).toEqual({ what: 'messages', isPhase: false, a: 36, b: 40 });
     expect(rows.filter((row) => row.isPhase).map((row) => row.what)).toEqual([...PHASES]);
+  });
+
+  it('says what each task of a scenario waited for, in the timeline\'s time', () => {
+    const waits = [{ task: 't0', waited_for: '', robot_busy: false, critical: true }, { task: 't1', waited_for: 't0', robot_busy: true, critical: false }];
+    const rows = waitRows(answer({ world, waits }));
+    expect(rows[0]).toEqual({ task: 't0', robot: 'r0', begin: 0, end: 3, holder: null, busy: null, isCritical: true });
+    expect(rows[1]).toEqual({ task: 't1', robot: 'r0', begin: 5, end: 8, holder: 't0', busy: 'r0', isCritical: false });
+    expect(waitRows(answer())).toEqual([]);
+    expect(waitRows(answer({ waits: [{ task: 'gone', waited_for: '', robot_busy: false, critical: true }] }))).toEqual([]);
+  });
+
+  it('marks the critical path in the timeline: the attempt that was done', () => {
+    const waits = [{ task: 't1', waited_for: '', robot_busy: false, critical: true }];
+    expect(barsOf(answer({ world, waits }), {}).map((bar) => bar.isCritical)).toEqual([false, false, true]);
+    expect(barsOf(answer({ world }), {}).some((bar) => bar.isCritical)).toBe(false);
   });
 });

@@ -59,14 +59,42 @@ export function peakOf(values: number[], interval: number): { at: number; value:
 /** Attempts as bars, in s since the run's submission. One without an end lasts until its robot was broken or killed. */
 export function barsOf(answer: Answer, job: Job): Bar[] {
   const from = answer.world?.submitted_s ?? 0;
+  const critical = new Set((answer.waits ?? []).filter((one) => one.critical).map((one) => one.task));
   return answer.tasks.map((task) => {
     const start = Math.max(0, task.begin_s - from);
     const fault = job.faults?.find((one) => one.node === task.robot && (one.kind === 'fail' || one.kind === 'kill') && one.at >= start);
     const isDone = task.end_s !== undefined;
     return {
       task: task.id, robot: task.robot, state: isDone ? 'FINISHED' : 'FAILED', ready: null, start,
-      end: isDone ? Math.max(0, task.end_s! - from) : (fault?.at ?? null),
+      end: isDone ? Math.max(0, task.end_s! - from) : (fault?.at ?? null), isCritical: isDone && critical.has(task.id),
     };
+  });
+}
+
+/** What held a task up. */
+export interface WaitRow {
+  task: string;
+  robot: string;
+  begin: number;
+  end: number;
+  /** Nothing: it waited for none. */
+  holder: string | null;
+  /** The robot that had to do the holder first; nothing: the holder comes before the task. */
+  busy: string | null;
+  isCritical: boolean;
+}
+
+/** In s since the run's submission, as the timeline; nothing of a simulation without a scenario. */
+export function waitRows(answer: Answer): WaitRow[] {
+  const from = answer.world?.submitted_s ?? 0;
+  const done = new Map(answer.tasks.filter((task) => task.end_s !== undefined).map((task) => [task.id, task]));
+  return (answer.waits ?? []).flatMap((wait) => {
+    const task = done.get(wait.task);
+    if (task === undefined) return [];
+    return [{
+      task: task.id, robot: task.robot, begin: Math.max(0, task.begin_s - from), end: Math.max(0, task.end_s! - from),
+      holder: wait.waited_for || null, busy: wait.robot_busy ? (done.get(wait.waited_for)?.robot ?? task.robot) : null, isCritical: wait.critical,
+    }];
   });
 }
 

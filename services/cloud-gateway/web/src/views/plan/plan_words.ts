@@ -1,12 +1,13 @@
 /** A simulation in words. */
 import { formatNumber, t, tOr } from '../../lib/i18n/i18n.svelte';
-import { faultCount, type Job } from './plan_job';
+import { faultCount, type Simulation } from './plan_job';
 
-/** "5 robots, 9 tasks, TalkRoBots, Wi-Fi, 1 fault". */
-export function titleOf(job: Job): string {
+/** "5 robots, 9 tasks, TalkRoBots, Wi-Fi, 1 fault"; of a scenario its name first. */
+export function titleOf({ job, robots, tasks, scenario }: Simulation): string {
   const faults = faultCount(job);
   return [
-    t('plan.fleet', { robots: job.robots, tasks: job.tasks }), tOr('plan', `protocol_${job.protocol ?? 'paper'}`),
+    scenario === undefined ? '' : t('plan.named', { name: scenario }), t('plan.fleet', { robots, tasks }),
+    tOr('plan', `protocol_${job.protocol ?? 'paper'}`),
     job.protocol === 'talkrobots' ? tOr('plan', `link_${job.link ?? 'lan'}`) : '', faults > 0 ? t('plan.withFaults', { count: faults }) : '',
     job.seed === undefined ? '' : t('plan.ofSeed', { seed: job.seed }),
   ].filter((part) => part !== '').join(', ');

@@ -10,6 +10,8 @@ export interface Bar {
   start: number | null;
   /** Nothing: it goes on, or has not begun. */
   end: number | null;
+  /** The run is shorter only if one of these is. */
+  isCritical?: boolean;
 }
 
 const NS = 1e9;

@@ -10,6 +10,7 @@ export class Draft {
   private past = $state.raw<string[]>([]);
   private future = $state.raw<string[]>([]);
   private isTyping = false;
+  private read: { text: string; scenario: Scenario | null } | undefined;
 
   constructor(text: string, etag = '') {
     this.text = text;
@@ -17,11 +18,22 @@ export class Draft {
     this.etag = etag;
   }
 
-  /** Nothing, while the text is no scenario. */
-  readonly scenario = $derived(parsed(this.text));
-  readonly isChanged = $derived(this.text !== this.saved);
-  readonly canUndo = $derived(this.past.length > 0);
-  readonly canRedo = $derived(this.future.length > 0);
+  // A draft outlives the component that made it: a $derived of its own would end with that one.
+  /** Nothing, while the text is no scenario. The same object for the same text. */
+  get scenario(): Scenario | null {
+    const text = this.text;
+    if (this.read?.text !== text) this.read = { text, scenario: parsed(text) };
+    return this.read.scenario;
+  }
+  get isChanged(): boolean {
+    return this.text !== this.saved;
+  }
+  get canUndo(): boolean {
+    return this.past.length > 0;
+  }
+  get canRedo(): boolean {
+    return this.future.length > 0;
+  }
 
   /** A step of its own. A change that changes nothing is none. */
   change(to: (scenario: Scenario) => Scenario): void {

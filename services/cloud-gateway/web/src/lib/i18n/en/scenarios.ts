@@ -25,6 +25,7 @@ export const scenarios = {
     delete: 'Delete',
     askDelete: '“{name}” is deleted for everybody. Runs under way go on.',
     preflight: 'Ask the robots',
+    tryInPlan: 'Try in Plan',
     run: 'Run',
     good: 'can run',
     fault: 'Fault',

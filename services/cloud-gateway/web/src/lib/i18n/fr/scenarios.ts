@@ -27,6 +27,7 @@ export const scenarios: Pick<Words, 'scenarios' | 'skills'> = {
     delete: 'Supprimer',
     askDelete: '« {name} » est supprimé pour tous. Les exécutions en cours continuent.',
     preflight: 'Interroger les robots',
+    tryInPlan: 'Essayer dans Prévision',
     run: 'Exécuter',
     good: 'exécutable',
     fault: 'Erreur',
