@@ -240,10 +240,11 @@ def main():
         print(f"== the fleet is up after {time.monotonic() - began:.0f} s", flush=True)
         stories = Stories(fleet, {
             "only": arguments.only, "short": arguments.short, "url": preview.url if preview else gateway + "/", "password": gateway_page.PASSWORD,
-            "pictures": str(arguments.pictures.resolve()) if arguments.pictures else ""})
+            "pictures": str(arguments.pictures.resolve()) if arguments.pictures else "", "judged": prism is not None})
         try:
             status = stories.follow()
-            return status or (prism.verdict() if prism else 0)
+            verdict = prism.verdict() if prism else 0
+            return status or verdict
         finally:
             stories.stop()
             for beside in (preview, prism):

@@ -66,6 +66,15 @@ async function stopWithin(olga, dialog) {
   await dialog.getByRole('alert').getByRole('button', { name: 'Close' }).click();
 }
 
+async function refusedAtItsField(admin, moves, save) {
+  await moves.fill('99');
+  admin.expected.push(/status of 422 .*\/api\/v1\/policy$/);
+  await save.press('Enter');
+  await admin.page.locator('main [aria-invalid=true]').waitFor();
+  await look(admin, 'settings-refused');
+  admin.expected.pop();
+}
+
 /** An admin changes who decides; what is out of bounds is told at its field. */
 export async function changesSettings(browser, settings, people) {
   const admin = await Person.arrive(browser, settings, 'admin');
@@ -75,12 +84,8 @@ export async function changesSettings(browser, settings, people) {
   await admin.go('#/settings');
   const moves = page.getByLabel('Moves of one task');
   const save = page.getByRole('button', { name: 'Put the policy in force' });
-  await moves.fill('99');
-  admin.expected.push(/status of 422 .*\/api\/v1\/policy$/);
-  await save.press('Enter');
-  await page.locator('main [aria-invalid=true]').waitFor();
-  await look(admin, 'settings-refused');
-  admin.expected.pop();
+  // Prism would refuse it in the gateway's place, in words of its own.
+  if (!settings.judged) await refusedAtItsField(admin, moves, save);
   await moves.fill('3');
   await save.press('Enter');
   await page.getByText('It is in force.').first().waitFor({ timeout: ALERT_MS });
