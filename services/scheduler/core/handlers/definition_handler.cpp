@@ -7,6 +7,8 @@
 namespace trb::scheduler {
 namespace {
 
+constexpr Duration kRoutesPatience = std::chrono::seconds(1);
+
 Error unexpected() {
   return fail(Errc::unknown_run, "a definition that nothing waits for");
 }
@@ -84,12 +86,10 @@ void DefinitionHandler::handle_compact(const Inbound& from, Step step, bool may_
   if (!lookup_.awaits_definition(claimed->run, from.source) || runs_.find(claimed->run) != nullptr) {
     return refuse(from, unexpected(), step);
   }
-  const auto complete = certificates_.complete(*claimed);
-  if (!complete && may_wait) return wait_for_routes(claimed->run, from, step);
-  whole.start.payload.bytes = complete ? encode(*complete) : Bytes();
-  // A member has a new certificate, which one of the two nodes does not know yet.
-  if (!complete || !runs_.open(whole.start)) return request_whole(claimed->run, from, step);
-  take(whole, *claimed, from, step);
+  if (const auto complete = certificates_.complete(*claimed)) whole.start.payload.bytes = encode(*complete);
+  if (runs_.open(whole.start)) return take(whole, *claimed, from, step);
+  // A member is new or has a new certificate: the own router may know it by now; if not, the sender does.
+  may_wait ? wait_for_routes(claimed->run, from, step) : request_whole(claimed->run, from, step);
 }
 
 void DefinitionHandler::wait_for_routes(const std::string& run, const Inbound& from, Step step) {
@@ -100,10 +100,14 @@ void DefinitionHandler::wait_for_routes(const std::string& run, const Inbound& f
            (older->run == run && one.source == from.source);
   });
   waiting_.push_back(from);
+  // One table answers all; a request that was lost is sent again with the next definition.
+  if (routes_asked_ && step.now.mono < *routes_asked_ + kRoutesPatience) return;
+  routes_asked_ = step.now.mono;
   step.out.request(node_, RouteListRequest{});
 }
 
 void DefinitionHandler::on_routes(const RouteTable& table, Step step) {
+  routes_asked_.reset();
   certificates_.learn(table);
   for (const Inbound& one : std::exchange(waiting_, {})) handle_compact(one, step, false);
 }

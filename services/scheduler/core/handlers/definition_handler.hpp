@@ -39,7 +39,8 @@ class DefinitionHandler {
   RunJournal& journal_;
   RunLookup::Dispatch dispatch_;
   KnownCertificates certificates_;
-  std::vector<Inbound> waiting_;  ///< compact definitions with a member whose certificate is not known yet
+  std::optional<MonotonicTime> routes_asked_;  ///< the own router, which has not answered yet
+  std::vector<Inbound> waiting_;               ///< compact definitions with a member whose certificate is not known yet
 };
 
 }  // namespace trb::scheduler

@@ -115,6 +115,7 @@ struct Compact {
       Route route;
       route.id = node;
       route.certificate = asker.known.signers.fleet[node].certificate;
+      if (node == renewed) route.certificate.signature.bytes[0] ^= 1;
       table.routes.push_back(route);
     }
     Outbox effects;
@@ -130,6 +131,7 @@ struct Compact {
   [[nodiscard]] bool is_known() const { return asker.known.runs.find(kNewRun) != nullptr; }
 
   Intake asker;
+  std::string renewed;  ///< whose certificate is another one yet
   Outbox asked;
   SignedRecord start = asker.new_start();
   Definition answer{start};
@@ -183,7 +185,8 @@ TEST_CASE("with a member that its router does not know, or another certificate, 
     story.tell_routes(story.members());
     Definition forged = story.answer;
     forged.start.signature.bytes[5] ^= 1;
-    asked = sent<NeedDefinition>(story.hear(forged));
+    CHECK(targets<RouteListRequest>(story.hear(forged)) == Targets{story.asker.known.self});
+    asked = sent<NeedDefinition>(story.tell_routes(story.members()));
   }
   REQUIRE(asked.size() == 1);
   CHECK_FALSE(asked[0].compact);
@@ -207,4 +210,17 @@ TEST_CASE("a compact start that nothing waits for, or that is none, is refused; 
   CHECK(story.tell_routes(story.members()).journal.size() == 1);
   CHECK(story.is_known());
   CHECK(refused(story.answer));
+}
+
+TEST_CASE("a certificate that was renewed since is learnt from the own router, once for all that waits") {
+  Compact story;
+  const std::vector<std::string> members = story.members();
+  // Known so far with another certificate, as it was before.
+  story.renewed = members.back();
+  story.tell_routes(members);
+  CHECK(targets<RouteListRequest>(story.hear(story.answer)).size() == 1);
+  CHECK_FALSE(story.is_known());
+  story.renewed.clear();
+  CHECK(sent<NeedDefinition>(story.tell_routes(members)).empty());
+  CHECK(story.is_known());
 }
