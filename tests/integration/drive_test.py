@@ -23,6 +23,9 @@ class DriveFleet(trb_fleet.Fleet):
         return made
 
 
+MOST_BEGUN = 5  # drives, until one moves the robot
+
+
 class HandDrive(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
@@ -57,9 +60,25 @@ class HandDrive(unittest.TestCase):
         speeds = speeds or maker.speeds
         words = ["drive", name, "--part", part or maker.part, "--speeds", ",".join(map(str, speeds)), "--for", "60", "--take",
                  "--json", "--node", self.fleet.dir("cloud")]
-        driver = trb_fleet.Process([support.PROGRAMS / "trb", *words], self.fleet.root / f"drive-{name}.log")
-        self.addCleanup(driver.stop, signal.SIGKILL)
-        robot.wait_speed(math.hypot(*speeds), pick)
+        log = self.fleet.root / f"drive-{name}.log"
+        wanted, begun = math.hypot(*speeds), []
+
+        def drive():
+            begun.append(trb_fleet.Process([support.PROGRAMS / "trb", *words], log))
+            self.addCleanup(begun[-1].stop, signal.SIGKILL)
+
+        def moves():
+            """A refused drive is begun anew: a drone is up before it says so, and a stalled machine ends a drive, as it must."""
+            if begun[-1].child.poll() is not None and len(begun) < MOST_BEGUN:
+                drive()
+            return robot.moves_at(wanted, pick)
+
+        drive()
+        try:
+            self.fleet.wait(f"{name} moves at {wanted} {maker.unit}/s", moves, 15)
+        except TimeoutError as late:
+            raise AssertionError(f"{late}; its drives said: {log.read_text()}") from late
+        driver = begun[-1]
         return robot, driver
 
     def keep(self, name, key, seconds, most):

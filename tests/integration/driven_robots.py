@@ -93,11 +93,13 @@ class Robot:
         after, now = self.at(pick)
         return math.dist(now, start) / (after - before)
 
-    def wait_speed(self, speed=None, pick=None, timeout=15):
-        """Until its ramp is over: it has moved at that speed for a while."""
-        wanted = speed or self.maker.speed
-        self.fleet.wait(f"{self.name} moves at {wanted} {self.maker.unit}/s",
-                        lambda: abs(self.speed(STEADY_S, pick) - wanted) < 0.08 * wanted, timeout)
+    def moves_at(self, speed, pick=None):
+        """Its ramp is over: it has moved at that speed for a while."""
+        return abs(self.speed(STEADY_S, pick) - speed) < 0.08 * speed
+
+    def wait_speed(self, timeout=15):
+        self.fleet.wait(f"{self.name} moves at {self.maker.speed} {self.maker.unit}/s",
+                        lambda: self.moves_at(self.maker.speed, self.maker.pick), timeout)
 
     def moves_on(self, since, timeout=12):
         """How long after `since` it still moved."""
