@@ -1,7 +1,8 @@
 #include "common/model/paper.hpp"
 
-#include <cmath>
 #include <string>
+
+#include "common/model/checks.hpp"
 
 namespace trb::model {
 namespace {
@@ -9,26 +10,6 @@ namespace {
 double real(std::uint64_t count) {
   return static_cast<double>(count);
 }
-
-/// The first fault that is found, named by the paper's variable and the command's option.
-class Checks {
- public:
-  void at_most(std::uint64_t count, std::uint64_t most, const std::string& name) {
-    require(count <= most, Errc::too_large, name + ": " + std::to_string(count) + " is too many",
-            "use at most " + std::to_string(most));
-  }
-  void seconds(double number, const std::string& name) {
-    require(std::isfinite(number) && number >= 0, Errc::bad_value, name + ": is no number from 0", "use 0 or more");
-    require(!(number > kMaxSeconds), Errc::too_large, name + ": is too large", "use at most 1e9");
-  }
-  void require(bool holds, Errc code, const std::string& what, const std::string& hint) {
-    if (!holds && status_.ok()) status_ = fail(code, what, hint);
-  }
-  [[nodiscard]] const Status& status() const { return status_; }
-
- private:
-  Status status_ = Done{};
-};
 
 void check_sizes(const PaperParameters& p, Checks& checks) {
   checks.require(p.n >= 1, Errc::bad_value, "n (--robots): there is no robot", "use at least 1");

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "common/base/result.hpp"
+#include "common/model/checks.hpp"
 
 namespace trb::model {
 
@@ -22,10 +23,6 @@ struct PaperParameters {
   std::uint64_t N_f = 0;    ///< robots that fail
   bool operator==(const PaperParameters&) const = default;
 };
-
-constexpr std::uint64_t kMaxRobots = 100'000;
-constexpr std::uint64_t kMaxCount = 1'000'000'000;
-constexpr double kMaxSeconds = 1e9;
 
 /// What follows for a fleet: every term is then a whole number below 2^53, but for updates at a fractional rate.
 /// Errors: bad_value or too_large, naming the variable and `trb model`'s option.

@@ -5,6 +5,7 @@
 #include "common/fleet/did_you_mean.hpp"
 #include "common/model/scenario_parameters.hpp"
 #include "services/cli/commands/command.hpp"
+#include "services/cli/commands/model_own.hpp"
 #include "services/cli/commands/model_terms.hpp"
 #include "services/cli/commands/scenario_check.hpp"
 #include "services/cli/core/table.hpp"
@@ -96,7 +97,7 @@ Status check_robots(const Scenario& scenario, const std::set<std::string>& named
 }
 
 /// --interpreted names robots if the tasks come from a file, else it is the number of tasks.
-int run_model(const Arguments& given) {
+int run_paper_model(const Arguments& given) {
   Arguments arguments = given;
   PaperParameters p;
   std::vector<std::string> notes;
@@ -119,13 +120,30 @@ int run_model(const Arguments& given) {
   return kGood;
 }
 
+int run_model(const Arguments& arguments) {
+  const std::string protocol = arguments.has("--protocol") ? arguments.get("--protocol") : "paper";
+  if (protocol != "paper" && protocol != "talkrobots") {
+    return print_error(
+        arguments, fail(Errc::bad_value, "--protocol: '" + protocol + "' is none", "use paper or talkrobots"));
+  }
+  const bool own = protocol == "talkrobots";
+  if (const Status fit = check_protocol_options(arguments, own); !fit) return print_error(arguments, fit.error());
+  return own ? run_own_model(arguments) : run_paper_model(arguments);
+}
+
+std::vector<std::string> options_of(std::vector<std::string> options) {
+  for (const std::string& one : own_model_options()) options.push_back(one);
+  return with_model_options(std::move(options));
+}
+
 const std::vector<Command> kCommands = {
     {{"model"},
      {"model",
       "How many messages a run takes by the paper's Equations 1 to 12, term by term. Needs no node.\n"
       "With --scenario the tasks, robots, blocks and requests are read off the file; other options replace what was "
-      "read.",
-      with_model_options(
+      "read. With --protocol talkrobots: what our own protocol sends between computers, by common/model/README.md; the "
+      "options replace what follows from the scenario, or from tasks in turn (--robots 5 --tasks 9).",
+      options_of(
           {"--scenario FILE|a scenario, for example config/scenarios/paper-nine-tasks.json",
            "--robots N|robots of the fleet, n (1)", "--direct N|tasks told in the modes direct or ros, N_d (0)",
            "--interpreted N|tasks told in the mode interpreter, N_i (0); with --scenario: the robots, ROBOT,ROBOT",
@@ -134,7 +152,8 @@ const std::vector<Command> kCommands = {
            "--json|for programs: parameters, terms, notes"}),
       {"trb model --robots 5 --direct 9 --blocks 1 --block-tasks 9 --local-requests 1 --sensors 1 --seconds 180",
        "trb model --robots 5 --interpreted 9 --remote-requests 1 --sensors 1 --seconds 180 --faulty 1",
-       "trb model --scenario config/scenarios/paper-nine-tasks.json --interpreted ridgeback --seconds 180"},
+       "trb model --scenario config/scenarios/paper-nine-tasks.json --interpreted ridgeback --seconds 180",
+       "trb model --protocol talkrobots --robots 5 --tasks 9 --seconds 180"},
       0,
       0},
      run_model}};

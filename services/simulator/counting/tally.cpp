@@ -25,7 +25,14 @@ Tally::Tally(double seconds) {
 }
 
 void Tally::add(double at_s, CostPhase phase, std::uint64_t bytes, bool between_computers) {
-  const Count one{1, bytes};
+  add(at_s, phase, Count{1, bytes}, between_computers);
+}
+
+void Tally::add_bytes(double at_s, CostPhase phase, std::uint64_t bytes) {
+  add(at_s, phase, Count{0, bytes}, true);
+}
+
+void Tally::add(double at_s, CostPhase phase, const Count& one, bool between_computers) {
   trb::counting::add(all_[static_cast<std::size_t>(phase)], one);
   if (between_computers) trb::counting::add(between_[static_cast<std::size_t>(phase)], one);
   const auto interval = static_cast<std::size_t>(at_s / interval_s_);

@@ -25,6 +25,8 @@ class Tally {
     add(message.at_s, message.phase, message.bytes, message.between_computers());
   }
   void add(double at_s, CostPhase phase, std::uint64_t bytes, bool between_computers);
+  /// Between computers, and no message.
+  void add_bytes(double at_s, CostPhase phase, std::uint64_t bytes);
 
   [[nodiscard]] const Count& all(CostPhase phase) const { return all_[static_cast<std::size_t>(phase)]; }
   /// Of these, what crosses between computers.
@@ -36,6 +38,8 @@ class Tally {
   [[nodiscard]] double interval_s() const { return interval_s_; }
 
  private:
+  void add(double at_s, CostPhase phase, const Count& more, bool between_computers);
+
   std::array<Count, kPhases> all_{}, between_{};
   std::vector<Count> over_time_;
   double interval_s_ = 1;

@@ -5,6 +5,7 @@
 #include <functional>
 #include <string_view>
 
+#include "proto/bodies/link.hpp"
 #include "services/simulator/counting/tally.hpp"
 
 namespace trb::world {
@@ -21,6 +22,12 @@ class Meter {
  public:
   explicit Meter(double seconds) : tally_(seconds) {}
 
+  /// Of a connection, before its first message: bytes of the wire, and no message.
+  void on_connection(double at_s, std::uint64_t bytes) {
+    ++connections_;
+    tally_.add_bytes(at_s, phase_of(Hello::kSubtype), bytes);
+  }
+
   void on(const Sending& sending, std::string_view frame) {
     const CostPhase phase = phase_of(sending.subtype);
     tally_.add(sending.at_s, phase, sending.bytes, sending.between_computers);
@@ -32,6 +39,7 @@ class Meter {
     if (trace) trace(sending, phase);
   }
   [[nodiscard]] const counting::Tally& tally() const { return tally_; }
+  [[nodiscard]] std::uint64_t connections() const { return connections_; }
   /// FNV-1a of every message, its ends and its time.
   [[nodiscard]] std::uint64_t digest() const { return digest_; }
 
@@ -45,6 +53,7 @@ class Meter {
   }
 
   counting::Tally tally_;
+  std::uint64_t connections_ = 0;
   std::uint64_t digest_ = 0xCBF29CE484222325U;
 };
 

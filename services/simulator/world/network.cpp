@@ -73,7 +73,7 @@ void Network::connect(const std::string& from, const router::Dial& dial) {
   Host* there = host(to);
   if (there == nullptr || there->link_key() != dial.server_key) return here->on_dial_ended(dial.link, LinkEnd::failed);
   if (!there->admit(here->link_key())) return here->on_dial_ended(dial.link, LinkEnd::refused_key);
-  count(from, to, "hello", kConnectBytes, "");
+  meter_.on_connection(events_.seconds_passed(), kConnectBytes);
   connections_[dial.link] = {{to, {}, {}, {}}, {from, {}, {}, {}}, here->link_key()};
   here->on_dial_connected(dial.link);
 }

@@ -35,10 +35,12 @@ void Robot::take_field(const std::string& field) {
   }
   if (field_ == 0) type_ = field;
   if (field_ == 1) subtype_ = field;
+  if (field_ == 2) source_ = field;
   if (tell_) tell_("ok\n");
   if (++field_ < kFields) return;
   field_ = 0;
   if (type_ == "command") begin();
+  if (type_ == "request") inform(subtype_, "unknown", source_);
 }
 
 void Robot::begin() {
@@ -68,8 +70,8 @@ void Robot::inform_of_fault() {
   for (const std::string& one : plan_.capabilities) inform("fault", one + " CRITICAL broken");
 }
 
-void Robot::inform(const std::string& subtype, const std::string& data) {
-  if (tell_) tell_("information\n" + subtype + "\n\n" + std::to_string(data.size()) + "\n" + data + "\n");
+void Robot::inform(const std::string& subtype, const std::string& data, const std::string& target) {
+  if (tell_) tell_("information\n" + subtype + "\n" + target + "\n" + std::to_string(data.size()) + "\n" + data + "\n");
 }
 
 }  // namespace trb::world

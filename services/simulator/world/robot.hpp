@@ -1,4 +1,5 @@
-// A robot that is told field by field (proto/FIELD_CHANNEL.md): its skills take their time, and it may break.
+// A robot that is told field by field (proto/FIELD_CHANNEL.md): its skills take their time, it has no values, and it may
+// break.
 #pragma once
 
 #include <functional>
@@ -41,7 +42,8 @@ class Robot {
   void begin();
   void end(bool well);
   void inform_of_fault();
-  void inform(const std::string& subtype, const std::string& data);
+  /// `target`: a node; empty: its own.
+  void inform(const std::string& subtype, const std::string& data, const std::string& target = {});
 
   RobotPlan plan_;
   Events& events_;
@@ -50,7 +52,7 @@ class Robot {
   std::shared_ptr<char> work_;  ///< while it works
   std::function<void(std::string)> tell_;
   std::string line_;
-  std::string type_, subtype_;
+  std::string type_, subtype_, source_;
   std::size_t field_ = 0;
   std::string skill_;
   bool broken_ = false;

@@ -1,0 +1,71 @@
+#include "common/model/own_parameters.hpp"
+
+#include <doctest/doctest.h>
+
+#include <utility>
+
+using namespace trb;
+using namespace trb::model;
+
+namespace {
+
+Task task_of(const std::string& robot, std::vector<std::uint16_t> after = {}) {
+  Task out;
+  out.robot = robot;
+  out.skill = "work";
+  out.after = std::move(after);
+  return out;
+}
+
+Scenario scenario_of(std::vector<Task> tasks) {
+  Scenario out{.name = "tasks", .tasks = std::move(tasks)};
+  for (std::size_t i = 0; i < out.tasks.size(); ++i) out.tasks[i].id = "t" + std::to_string(i);
+  return out;
+}
+
+}  // namespace
+
+TEST_CASE("in turn with five robots each is let go between its tasks, with three it is kept") {
+  // Five robots pause for 12 s between their tasks, three for 6 s.
+  CHECK(own_parameters_of(tasks_in_turn(5, 9), {}, 3) ==
+        OwnParameters{.robots = 5, .tasks = 9, .members = 5, .batons = 9, .spells = 9, .seconds = 37});
+  CHECK(own_parameters_of(tasks_in_turn(3, 9), {}, 3) ==
+        OwnParameters{
+            .robots = 3, .tasks = 9, .members = 3, .batons = 9, .spells = 3, .kept = 6, .resumed = 6, .seconds = 37});
+}
+
+TEST_CASE("one robot alone gets one baton, and its tasks follow each other") {
+  CHECK(own_parameters_of(tasks_in_turn(1, 4), {}, 3) ==
+        OwnParameters{.robots = 1, .tasks = 4, .members = 1, .batons = 1, .spells = 1, .seconds = 22});
+}
+
+TEST_CASE("a baton goes once to each robot that follows, when the last task before it is done") {
+  // a and b begin; c waits for both tasks of a and for b's.
+  const Scenario fan = scenario_of({task_of("a"), task_of("b"), task_of("a", {0}), task_of("c", {0, 1, 2})});
+  const OwnParameters p = own_parameters_of(fan, {}, 2);
+  CHECK(p.batons == 4);  // to a, to b, of b to c, of a to c
+  CHECK(p.twice == 0);   // b is done before a
+  CHECK(p.members == 3);
+  CHECK(p.spells == 3);
+  CHECK(p.seconds == 16);
+}
+
+TEST_CASE("a robot that gets its first batons of two at the same moment asks both for the definition") {
+  CHECK(own_parameters_of(scenario_of({task_of("a"), task_of("b"), task_of("c", {0, 1})}), {}, 2).twice == 1);
+}
+
+TEST_CASE("whoever evaluates a condition gets the batons, and gives them to the task's robot") {
+  Scenario scenario = scenario_of({task_of("a"), task_of("b"), task_of("c", {0, 1}), task_of("a", {0, 1})});
+  scenario.tasks[2].when = {Condition{.sensor = "light", .of = "a"}};
+  scenario.tasks[3].when = {Condition{.sensor = "light", .of = "c"}};
+  const OwnParameters p = own_parameters_of(scenario, {}, 1);
+  CHECK(p.batons == 4);  // to a, to b; of b to a, of a to c
+  CHECK(p.remote_requests == 1);
+}
+
+TEST_CASE("a task that names no robot is its robot's that it was given to, else another one's") {
+  Scenario scenario = scenario_of({task_of("a"), task_of("", {0})});
+  scenario.tasks[1].requires_ = {"carry"};
+  CHECK(own_parameters_of(scenario, {"a", "a"}, 1).robots == 1);
+  CHECK(own_parameters_of(scenario, {}, 1).robots == 2);
+}

@@ -1,0 +1,202 @@
+#include "common/model/own_protocol.hpp"
+
+#include <algorithm>
+#include <array>
+#include <string>
+
+namespace trb::model {
+namespace {
+
+constexpr double kFirstBeacons = 3.3;  ///< four in 0.9 s, and half of one: the next may be due or not
+
+double count_of(std::uint64_t count) {
+  return static_cast<double>(count);
+}
+
+double pairs(const OwnParameters& p) {
+  return count_of(p.robots) * (count_of(p.robots) + 1) / 2;
+}
+
+void check_sizes(const OwnParameters& p, Checks& checks) {
+  checks.require(p.robots >= 1, Errc::bad_value, "n (--robots): there is no robot", "use at least 1");
+  checks.at_most(p.robots, kMaxRobots, "n (--robots)");
+  checks.at_most(p.tasks, kMaxCount, "N (--tasks)");
+  checks.at_most(p.batons, kMaxCount, "B (--batons)");
+  checks.at_most(p.spells, kMaxCount, "S (--spells)");
+  checks.at_most(p.crossed, kMaxCount, "D (--crossed)");
+  checks.at_most(p.told, kMaxCount, "L (--told)");
+  checks.at_most(p.sensors, kMaxCount, "P (--sensors)");
+  checks.at_most(p.remote_requests, kMaxCount, "R (--remote-requests)");
+  checks.at_most(p.asked, kMaxCount, "A (--asked)");
+  checks.seconds(p.seconds, "T (--seconds)");
+  checks.seconds(p.updates, "x (--rate)");
+  checks.require(p.updates * p.seconds <= 1e15, Errc::too_large, "x T (--rate, --seconds): over 1e15 updates",
+                 "use a shorter time or a lower rate");
+}
+
+void check_run(const OwnParameters& p, Checks& checks) {
+  const std::string tasks = std::to_string(p.tasks) + " tasks";
+  const auto at_most = [&](std::uint64_t count, std::uint64_t most, const std::string& name, const std::string& of) {
+    checks.require(count <= most, Errc::bad_value, name + ": " + std::to_string(count) + " of " + of,
+                   "use at most " + std::to_string(most));
+  };
+  at_most(p.members, std::min(p.robots, p.tasks), "M (--members)",
+          std::to_string(p.robots) + " robots with " + tasks);
+  at_most(p.spells, p.tasks, "S (--spells)", tasks);
+  at_most(p.kept, p.batons, "K (--kept)", std::to_string(p.batons) + " batons");
+  at_most(p.twice, p.batons, "E (--twice)", std::to_string(p.batons) + " batons");
+  at_most(p.resumed, p.tasks, "G (--resumed)", tasks);
+  checks.require(p.faulty < p.robots || p.robots == 0, Errc::bad_value,
+                 "F (--faulty): " + std::to_string(p.faulty) + " of " + std::to_string(p.robots) + " robots fail",
+                 "use at most n - 1: one has to take over");
+  checks.require(p.faulty == 0 || p.tasks > 0, Errc::bad_value, "F (--faulty): there is no task to take over",
+                 "use --tasks");
+  checks.require(p.faulty > 0 || p.asked == 0, Errc::bad_value, "A (--asked): nobody is asked if no robot fails",
+                 "use --faulty");
+}
+
+constexpr std::array kTerms{
+    OwnTerm{"hello", "n(n + 1) + 2D", hellos},
+    OwnTerm{"beacon", "(n + 1)(T / 5 + 3.3)", beacons, true},
+    OwnTerm{"node_profile", "n(2S + P + F) + L", profiles},
+    OwnTerm{"results", "N + 2F", results},
+    OwnTerm{"values", "2A", values},
+    OwnTerm{"baton", "B + F", batons},
+    OwnTerm{"need_definition", "M + E + F", requests_for_definition},
+    OwnTerm{"definition", "M + E + F", definitions},
+    OwnTerm{"sensor_read", "R", sensor_reads},
+    OwnTerm{"sensor_reading", "R + x T", sensor_readings, true},
+    OwnTerm{"robot_fault", "n F", faults},
+    OwnTerm{"release_tasks", "F", releases},
+    OwnTerm{"run_decision", "M F", decisions},
+    OwnTerm{"baton_journaled", "B + F", batons_journaled},
+    OwnTerm{"results_journaled", "N + 2F", results_journaled},
+    OwnTerm{"decision_journaled", "M F", decisions_journaled},
+    OwnTerm{"task_progress", "2(N + F)", progress},
+    OwnTerm{"run_over", "M", ends},
+    OwnTerm{"ack", "F", acknowledgements},
+    OwnTerm{"goodbye", "2D", goodbyes},
+    OwnTerm{"keep_alive", "n(n + 1)(T / 2.5 - 1/2)", keep_alives, true},
+    OwnTerm{"seal", "keep_alive + hello + L + n(P + 2S + F) + B + K + G + 2N + M - 1 + F(3M + 4) + 2R + x T", seals,
+            true},
+};
+
+}  // namespace
+
+Status check(const OwnParameters& p) {
+  Checks checks;
+  check_sizes(p, checks);
+  check_run(p, checks);
+  return checks.status();
+}
+
+double hellos(const OwnParameters& p) {
+  return 2 * (pairs(p) + count_of(p.crossed));
+}
+
+double beacons(const OwnParameters& p) {
+  return p.seconds > 0 ? (count_of(p.robots) + 1) * (p.seconds / kBeacon_s + kFirstBeacons) : 0;
+}
+
+double profiles(const OwnParameters& p) {
+  return count_of(p.robots) * count_of(2 * p.spells + p.sensors + p.faulty) + count_of(p.told);
+}
+
+double results(const OwnParameters& p) {
+  return count_of(p.tasks + 2 * p.faulty);
+}
+
+double values(const OwnParameters& p) {
+  return count_of(2 * p.asked);
+}
+
+double batons(const OwnParameters& p) {
+  return count_of(p.batons + p.faulty);
+}
+
+double requests_for_definition(const OwnParameters& p) {
+  return count_of(p.members + p.twice + p.faulty);
+}
+
+double definitions(const OwnParameters& p) {
+  return requests_for_definition(p);
+}
+
+double sensor_reads(const OwnParameters& p) {
+  return count_of(p.remote_requests);
+}
+
+double sensor_readings(const OwnParameters& p) {
+  return count_of(p.remote_requests) + p.updates * p.seconds;
+}
+
+double faults(const OwnParameters& p) {
+  return count_of(p.robots) * count_of(p.faulty);
+}
+
+double releases(const OwnParameters& p) {
+  return count_of(p.faulty);
+}
+
+double decisions(const OwnParameters& p) {
+  return count_of(p.members) * count_of(p.faulty);
+}
+
+double batons_journaled(const OwnParameters& p) {
+  return batons(p);
+}
+
+double results_journaled(const OwnParameters& p) {
+  return results(p);
+}
+
+double decisions_journaled(const OwnParameters& p) {
+  return decisions(p);
+}
+
+double progress(const OwnParameters& p) {
+  return count_of(2 * (p.tasks + p.faulty));
+}
+
+double ends(const OwnParameters& p) {
+  return count_of(p.members);
+}
+
+double acknowledgements(const OwnParameters& p) {
+  return releases(p);
+}
+
+double goodbyes(const OwnParameters& p) {
+  return count_of(2 * p.crossed);
+}
+
+double keep_alives(const OwnParameters& p) {
+  return 2 * pairs(p) * std::max(0.0, p.seconds / kKeepAlive_s - 0.5);
+}
+
+double seals(const OwnParameters& p) {
+  const double last = p.members > 0 ? -1 : 0;  // the last actor hears of the end with its result's acknowledgement
+  const double run = count_of(p.batons + p.kept + p.resumed + 2 * p.tasks + p.members) + last;
+  const double told = count_of(p.told) + count_of(p.robots) * count_of(p.sensors + 2 * p.spells + p.faulty);
+  const double failed = count_of(p.faulty) * (3 * count_of(p.members) + 4);
+  const double sensors = count_of(2 * p.remote_requests) + p.updates * p.seconds;
+  return keep_alives(p) + hellos(p) + told + run + failed + sensors;
+}
+
+std::span<const OwnTerm> own_terms() {
+  return kTerms;
+}
+
+double own_messages(CostPhase phase, const OwnParameters& p) {
+  double out = 0;
+  for (const OwnTerm& term : kTerms) out += phase_of(term.subtype) == phase ? term.value(p) : 0;
+  return out;
+}
+
+double own_total(const OwnParameters& p) {
+  double out = 0;
+  for (const OwnTerm& term : kTerms) out += term.value(p);
+  return out;
+}
+
+}  // namespace trb::model
