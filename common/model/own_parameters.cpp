@@ -112,8 +112,8 @@ class Schedule {
   /// No other task of this robot has to come before that one: now it passes it on.
   [[nodiscard]] bool is_last_of(const std::string& robot, TaskIndex task) const {
     const auto& before = scenario_.tasks[task].after;
-    const auto open = std::ranges::count_if(
-        before, [&](TaskIndex one) { return robots_[one] == robot && !done_.contains(one); });
+    const auto open =
+        std::ranges::count_if(before, [&](TaskIndex one) { return robots_[one] == robot && !done_.contains(one); });
     return open == 1;
   }
 

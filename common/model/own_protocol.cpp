@@ -40,8 +40,7 @@ void check_run(const OwnParameters& p, Checks& checks) {
     checks.require(count <= most, Errc::bad_value, name + ": " + std::to_string(count) + " of " + of,
                    "use at most " + std::to_string(most));
   };
-  at_most(p.members, std::min(p.robots, p.tasks), "M (--members)",
-          std::to_string(p.robots) + " robots with " + tasks);
+  at_most(p.members, std::min(p.robots, p.tasks), "M (--members)", std::to_string(p.robots) + " robots with " + tasks);
   at_most(p.spells, p.tasks, "S (--spells)", tasks);
   at_most(p.kept, p.batons, "K (--kept)", std::to_string(p.batons) + " batons");
   at_most(p.twice, p.batons, "E (--twice)", std::to_string(p.batons) + " batons");

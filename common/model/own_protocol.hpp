@@ -84,7 +84,8 @@ double progress(const OwnParameters& p);
 double ends(const OwnParameters& p);
 /// F: one for each release.
 double acknowledgements(const OwnParameters& p);
-/// 2 D: each end closes the second connection. On a slow link fewer: one is closed before the other end has said a word.
+/// 2 D: each end closes the second connection. On a slow link fewer: one is closed before the other end has said a
+/// word.
 double goodbyes(const OwnParameters& p);
 /// n (n + 1)(T / 2.5 - 1/2): each way of each link, every 2.5 s, the first one after 2.5 s. By time.
 double keep_alives(const OwnParameters& p);

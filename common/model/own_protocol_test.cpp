@@ -68,7 +68,8 @@ TEST_CASE("sensors: each that is plugged in is told, a request has an answer, up
 
 TEST_CASE("the phases' messages are all of them, of words that the protocol has") {
   double sum = 0;
-  for (std::size_t i = 0; i < enum_names(CostPhase{}).size(); ++i) sum += own_messages(static_cast<CostPhase>(i), kInTurn);
+  for (std::size_t i = 0; i < enum_names(CostPhase{}).size(); ++i)
+    sum += own_messages(static_cast<CostPhase>(i), kInTurn);
   CHECK(sum == doctest::Approx(own_total(kInTurn)));
   std::set<std::string_view> seen;
   for (const OwnTerm& term : own_terms()) {

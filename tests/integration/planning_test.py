@@ -58,6 +58,37 @@ class Model(unittest.TestCase):
                 self.assertIn(wanted, done.stderr)
 
 
+class OwnModel(unittest.TestCase):
+    """What our own protocol sends between computers. Its terms are held against counts in services/simulator/job."""
+
+    OWN = ("model", "--protocol", "talkrobots")
+
+    def test_each_term_is_printed_and_they_sum_up(self):
+        found = answer_of(*self.OWN, "--robots", 5, "--tasks", 9, "--seconds", 60)
+        terms = {term["term"]: term["messages"] for term in found["terms"]}
+        self.assertEqual([terms[name] for name in ("hello", "node_profile", "results", "baton", "keep_alive")], [30, 90, 9, 9, 705])
+        self.assertAlmostEqual(sum(terms.values()), found["messages"])
+        self.assertAlmostEqual(sum(found["phases"].values()), found["messages"])
+        done = trb(*self.OWN, "--robots", 5, "--tasks", 9, "--seconds", 60)
+        rows = [line.split() for line in done.stdout.splitlines()]
+        self.assertIn(["forward", "baton", "B", "+", "F", "9"], rows)
+
+    def test_a_scenario_gives_the_parameters_and_options_replace_them(self):
+        found = answer_of(*self.OWN, "--scenario", SCENARIO, "--robots", 5, "--batons", 10)["parameters"]
+        self.assertEqual([found[key] for key in ("n", "N", "M", "B", "D")], [5, 9, 4, 10, 0])
+
+    def test_what_cannot_be_is_refused_by_name(self):
+        for words, wanted in ((("--robots", 0), "--robots"), (("--members", 9), "M (--members)"), (("--blocks", 2), "--blocks"),
+                              (("--task-seconds", "-1"), "--task-seconds"), (("--tasks", 1001), "--tasks"),
+                              (("--scenario", "/nowhere.json"), "/nowhere.json")):
+            with self.subTest(words):
+                done = trb(*self.OWN, *words)
+                self.assertEqual(done.returncode, 1)
+                self.assertIn(wanted, done.stderr)
+        for words, wanted in ((("--protocol", "own"), "--protocol: 'own'"), (("--batons", 3), "--batons")):
+            self.assertIn(wanted, trb("model", *words).stderr)
+
+
 class Simulate(unittest.TestCase):
     def test_what_is_counted_is_what_the_equations_say(self):
         for robots, tasks, interpreted in ((1, 1, 0), (1, 7, 1), (5, 9, 2), (50, 100, 0), (200, 60, 100)):

@@ -123,8 +123,8 @@ int run_paper_model(const Arguments& given) {
 int run_model(const Arguments& arguments) {
   const std::string protocol = arguments.has("--protocol") ? arguments.get("--protocol") : "paper";
   if (protocol != "paper" && protocol != "talkrobots") {
-    return print_error(
-        arguments, fail(Errc::bad_value, "--protocol: '" + protocol + "' is none", "use paper or talkrobots"));
+    return print_error(arguments,
+                       fail(Errc::bad_value, "--protocol: '" + protocol + "' is none", "use paper or talkrobots"));
   }
   const bool own = protocol == "talkrobots";
   if (const Status fit = check_protocol_options(arguments, own); !fit) return print_error(arguments, fit.error());

@@ -162,7 +162,7 @@ TEST_CASE("own model and counts agree term by term: tasks in turn") {
 
 TEST_CASE("own model and counts agree term by term: graphs") {
   const std::vector<Scenario> graphs{
-      graph_of("abcda", {{}, {0}, {0}, {1, 2}, {3}}),             // apart, and together again
+      graph_of("abcda", {{}, {0}, {0}, {1, 2}, {3}}),               // apart, and together again
       graph_of("aabbccd", {{}, {0}, {}, {2}, {}, {4}, {1, 3, 5}}),  // three blocks beside each other
   };
   for (const Scenario& scenario : graphs) {

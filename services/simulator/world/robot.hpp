@@ -1,5 +1,5 @@
-// A robot that is told field by field (proto/FIELD_CHANNEL.md): its skills take their time, it has no values, and it may
-// break.
+// A robot that is told field by field (proto/FIELD_CHANNEL.md): its skills take their time, it has no values, and it
+// may break.
 #pragma once
 
 #include <functional>
