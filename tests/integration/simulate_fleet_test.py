@@ -1,6 +1,7 @@
 """`trb simulate --fleet DIR --scenario FILE`: a fleet's own folders and a scenario, played before anything is started."""
 import json
 import pathlib
+import shutil
 import subprocess
 import tempfile
 import unittest
@@ -63,6 +64,23 @@ class AFleetAsItIs(unittest.TestCase):
         table = self.simulate("--one-less").stdout
         self.assertIn("WITHOUT", table)
         self.assertIn("* fetch_box", table)
+
+    def test_the_picking_side_is_chosen_by_the_simulated_thermometer_with_the_unit_of_its_node_s_rule(self):
+        scenario = REPO / "config/scenarios/paper-temperature.json"
+        shutil.copytree(REPO / "config/sensors", self.nodes / "conveyor/sensors")
+        self.addCleanup(shutil.rmtree, self.nodes / "conveyor/sensors")
+        for celsius, done, skipped in ((18, "pick_left", "pick_right"), (25, "pick_right", "pick_left")):
+            with self.subTest(celsius):
+                values = self.write("values.json", [{"node": "conveyor", "name": "temperature", "value": celsius}])
+                found = self.answer("--sensor-values", values, scenario=scenario)
+                self.assertEqual(found["world"]["state"], "FINISHED")
+                self.assertEqual(found["world"]["broken"], [])
+                attempted = {task["id"] for task in found["tasks"]}
+                self.assertIn(done, attempted)
+                self.assertNotIn(skipped, attempted)
+        refused = self.simulate(scenario=scenario)
+        self.assertEqual(refused.returncode, 1)
+        self.assertIn("temperature of conveyor", refused.stderr)
 
     def test_one_seed_is_one_run(self):
         self.assertEqual(self.answer("--seed", 7), self.answer("--seed", 7))

@@ -1,8 +1,8 @@
 // simulate.
 #include <algorithm>
 
-#include "common/base/files.hpp"
 #include "services/cli/commands/command.hpp"
+#include "services/cli/commands/job_file.hpp"
 #include "services/cli/commands/model_terms.hpp"
 #include "services/cli/commands/simulate_fleet.hpp"
 #include "services/cli/core/table.hpp"
@@ -110,13 +110,9 @@ Result<Value> world_job(const Arguments& arguments) {
   if (!reader.status()) return reader.status().error();
   if (arguments.has("--link")) out.emplace_back("link", Value{arguments.get("--link")});
   if (arguments.has("--trace")) out.emplace_back("trace", Value{arguments.get("--trace")});
-  if (!arguments.has("--faults")) return Value{std::move(out)};
-  const auto text = read_file(arguments.get("--faults"));
-  if (!text) return text.error();
-  auto faults = parse_json(*text);
-  if (!faults)
-    return fail(faults.error().code, arguments.get("--faults") + ": " + faults.error().what, faults.error().hint);
-  out.emplace_back("faults", std::move(*faults));
+  for (const auto& [option, key] : {std::pair{"--faults", "faults"}, std::pair{"--sensor-values", "sensor_values"}}) {
+    if (const Status added = add_file(out, arguments, option, key); !added) return added.error();
+  }
   return Value{std::move(out)};
 }
 
@@ -171,7 +167,7 @@ int run_simulate(const Arguments& arguments) {
                                        "add --fleet DIR, the folder with its nodes' folders"));
   }
   if (arguments.has("--protocol") && arguments.get("--protocol") != "paper") return run_world(arguments);
-  for (const char* option : {"--link", "--seed", "--faults"}) {
+  for (const char* option : {"--link", "--seed", "--faults", "--sensor-values"}) {
     if (!arguments.has(option)) continue;
     return print_error(arguments, fail(Errc::bad_value, std::string(option) + ": the paper's protocol has none",
                                        "add --protocol talkrobots"));
@@ -211,6 +207,7 @@ const std::vector<Command> kCommands = {
            "--protocol NAME|paper, or talkrobots: the real cores (paper)",
            "--link NAME|talkrobots: lan, wifi or vpn (lan)", "--seed N|talkrobots: one seed, one run (1)",
            "--faults FILE|talkrobots: a list of what goes wrong and when: fail, cut, heal, kill, start",
+           "--sensor-values FILE|talkrobots: what sensors tell over time, for conditions on them",
            "--fleet DIR|your own: the folder with its nodes' folders; with --scenario",
            "--scenario FILE|what trb scenario run would start: who waits for whom, and the critical path",
            "--times FILE|with --fleet: {SKILL: seconds, or {\"mean\", \"deviation\"}}",

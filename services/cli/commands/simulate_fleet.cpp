@@ -2,12 +2,13 @@
 
 #include <cstdio>
 
-#include "common/base/files.hpp"
 #include "common/scenario/played_tasks.hpp"
 #include "proto/body.hpp"
 #include "services/cli/commands/fleet_folders.hpp"
+#include "services/cli/commands/job_file.hpp"
 #include "services/cli/commands/model_terms.hpp"
 #include "services/cli/commands/scenario_check.hpp"
+#include "services/cli/commands/sensor_values.hpp"
 #include "services/cli/core/table.hpp"
 #include "services/cli/io/print.hpp"
 #include "services/cli/io/simulator.hpp"
@@ -18,6 +19,7 @@ namespace {
 /// A fleet's folders and a scenario, and what is to be played of them.
 struct Hall {
   std::map<std::string, NodeProfile> robots;
+  FolderSensors rules;
   Scenario scenario;
   Value::Object rest;  ///< of the job
 
@@ -32,17 +34,6 @@ struct Hall {
     return Value{std::move(job)};
   }
 };
-
-/// A file with JSON in it becomes a key of the job.
-Status add_file(Hall& hall, const Arguments& arguments, const char* option, const char* key) {
-  if (!arguments.has(option)) return Done{};
-  const auto text = read_file(arguments.get(option));
-  if (!text) return text.error();
-  auto json = parse_json(*text);
-  if (!json) return fail(json.error().code, arguments.get(option) + ": " + json.error().what, json.error().hint);
-  hall.rest.emplace_back(key, std::move(*json));
-  return Done{};
-}
 
 Status add_numbers(Hall& hall, const Arguments& arguments) {
   OptionReader reader(arguments);
@@ -62,9 +53,13 @@ Status add_numbers(Hall& hall, const Arguments& arguments) {
 
 Status read_rest(Hall& hall, const Arguments& arguments) {
   hall.rest.emplace_back("protocol", Value{"talkrobots"});
-  if (Status read = add_file(hall, arguments, "--scenario", "scenario"); !read) return read;
-  if (Status read = add_file(hall, arguments, "--times", "times"); !read) return read;
-  if (Status read = add_file(hall, arguments, "--faults", "faults"); !read) return read;
+  if (Status read = add_file(hall.rest, arguments, "--scenario", "scenario"); !read) return read;
+  if (Status read = add_file(hall.rest, arguments, "--times", "times"); !read) return read;
+  if (Status read = add_file(hall.rest, arguments, "--faults", "faults"); !read) return read;
+  if (Status read = add_file(hall.rest, arguments, "--sensor-values", "sensor_values"); !read) return read;
+  for (auto& [key, value] : hall.rest) {
+    if (key == "sensor_values") value = with_rules(std::move(value), hall.rules);
+  }
   return add_numbers(hall, arguments);
 }
 
@@ -162,7 +157,7 @@ int run_simulate_fleet(const Arguments& arguments) {
   }
   Hall hall;
   ConfigFaults faults;
-  hall.robots = read_fleet_folders(arguments.get("--fleet"), faults);
+  hall.robots = read_fleet_folders(arguments.get("--fleet"), faults, &hall.rules);
   if (!arguments.has("--scenario")) {
     faults.push_back({"--scenario", "", "is missing", "name the scenario's file, as trb scenario run takes it"});
   } else {

@@ -6,6 +6,8 @@
 #include "common/scenario/candidate_index.hpp"
 #include "common/scenario/definition.hpp"
 #include "proto/body.hpp"
+#include "services/simulator/job/plan_nodes.hpp"
+#include "services/simulator/job/sensor_job.hpp"
 
 namespace trb::simulator {
 namespace {
@@ -14,13 +16,11 @@ using world::PlannedRobot;
 using world::WorldPlan;
 
 constexpr std::size_t kMaxTimes = 1000;
-constexpr std::size_t kMaxName = 64;
-constexpr const char* kCloud = "cloud";
 constexpr const char* kFile = "scenario";
 
 void read_robot(ObjectReader& reader, WorldPlan& plan) {
   PlannedRobot robot;
-  robot.id = reader.text("id", Need::required, kMaxName).value_or("");
+  robot.id = reader.text("id", Need::required, kMaxId).value_or("");
   const Value* profile = reader.value("profile", Need::required);
   reader.refuse_unknown_keys();
   if (profile == nullptr || robot.id.empty()) return;
@@ -54,19 +54,11 @@ void read_time(const std::string& skill, const Value& json, WorldPlan& plan, con
   plan.times[skill] = time;
 }
 
-void refuse_conditions(const Scenario& scenario, const FileFaults& faults) {
-  for (const Task& task : scenario.tasks) {
-    if (task.when.empty()) continue;
-    faults.add("scenario", "task '" + task.id + "' has a condition; there are no sensors here",
-               "simulate a copy without its \"when\"");
-  }
-}
-
 void bind(WorldPlan& plan, const FileFaults& faults, ConfigFaults& found) {
   std::map<std::string, NodeProfile> profiles;
   for (const PlannedRobot& robot : plan.fleet) profiles[robot.id] = robot.profile;
   check_scenario(plan.scenario, profiles, kFile, found);
-  refuse_conditions(plan.scenario, faults);
+  check_conditions(plan, faults);
   if (!faults_that_stop(found).empty()) return;
   CandidateIndex candidates(profiles);
   plan.assigned = bind_tasks(plan.scenario, candidates, kCloud, kFile, found);
@@ -80,6 +72,7 @@ void read_fleet(ObjectReader& reader, WorldPlan& plan) {
     ObjectReader one((*robots)[i], "fleet[" + std::to_string(i) + "]", reader.faults());
     read_robot(one, plan);
   }
+  read_sensor_values(reader, plan);
   const Value* scenario = reader.value("scenario", Need::required);
   ConfigFaults found;
   if (scenario != nullptr) plan.scenario = read_scenario(*scenario, kFile, found);

@@ -79,7 +79,8 @@ TEST_CASE("what is wrong with a fleet, its scenario or its times is named") {
         Case{job_of(kFleet, kScenario, R"(, "times": {"pick": -1})"), "times.pick"},
         Case{job_of(kFleet, kScenario, R"(, "times": {"pick": {"mean": 1, "deviation": 2}})"), "times.pick.deviation"},
         Case{job_of(kFleet, kScenario, R"(, "robots": 3)"), "robots"},
-        Case{job_of(kFleet, kScenario, R"(, "faults": [{"at": 1, "kind": "kill", "node": "r0"}])"), "faults.node"}}) {
+        Case{job_of(kFleet, kScenario, R"(, "faults": [{"at": 1, "kind": "kill", "node": "r0"}])"),
+             "faults[0].node"}}) {
     CAPTURE(one.text);
     ConfigFaults faults;
     static_cast<void>(read_job(one.text, faults));

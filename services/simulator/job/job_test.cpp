@@ -55,7 +55,7 @@ TEST_CASE("every fault of a job is named, with a hint") {
               "faults[0].kind"},
           Case{
               R"({"protocol": "talkrobots", "robots": 5, "tasks": 9, "faults": [{"at": 1, "kind": "kill", "node": "r5"}]})",
-              "faults.node"},
+              "faults[0].node"},
           Case{R"({"protocol": "talkrobots", "robots": 5, "tasks": 9, "faults": [{"kind": "kill", "node": "r1"}]})",
                "faults[0].at"},
       }) {

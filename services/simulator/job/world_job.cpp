@@ -3,6 +3,8 @@
 #include <algorithm>
 
 #include "services/simulator/job/fleet_job.hpp"
+#include "services/simulator/job/plan_nodes.hpp"
+#include "services/simulator/job/sensor_job.hpp"
 
 namespace trb::simulator {
 namespace {
@@ -12,25 +14,6 @@ using world::FaultKind;
 using world::WorldPlan;
 
 constexpr std::size_t kMaxFaults = 1000;
-constexpr std::size_t kMaxId = 64;
-
-bool is_node(const WorldPlan& plan, const std::string& id) {
-  if (id == "cloud") return true;
-  if (!plan.fleet.empty()) {
-    return std::ranges::any_of(plan.fleet, [&](const world::PlannedRobot& robot) { return robot.id == id; });
-  }
-  for (std::uint32_t i = 0; i < plan.robots; ++i) {
-    if (id == "r" + std::to_string(i)) return true;
-  }
-  return false;
-}
-
-void check_node(const ObjectReader& reader, const WorldPlan& plan, const char* key, const std::string& id) {
-  if (is_node(plan, id)) return;
-  reader.faults().add(std::string("faults.") + key, "'" + id + "' is no node",
-                      plan.fleet.empty() ? "use cloud, or r0 to r" + std::to_string(plan.robots - 1)
-                                         : "use cloud, or the id of a robot of the fleet");
-}
 
 void read_fault(ObjectReader& reader, WorldPlan& plan) {
   Fault fault;
@@ -43,9 +26,9 @@ void read_fault(ObjectReader& reader, WorldPlan& plan) {
   if (!fault.other.empty()) check_node(reader, plan, "other", fault.other);
   const bool between = kind == FaultKind::cut || kind == FaultKind::heal;
   if (!fault.other.empty() && !between)
-    reader.faults().add("faults.other", "only cut and heal have another end", "leave it out");
+    reader.faults().add(reader.path("other"), "only cut and heal have another end", "leave it out");
   if (kind == FaultKind::fail && fault.node == "cloud")
-    reader.faults().add("faults.node", "the cloud has no robot", "let a robot's node fail");
+    reader.faults().add(reader.path("node"), "the cloud has no robot", "let a robot's node fail");
   if (!kind) return;
   fault.kind = *kind;
   plan.faults.push_back(std::move(fault));
@@ -70,6 +53,7 @@ WorldPlan read_world(ObjectReader& reader) {
     plan.robots =
         static_cast<std::uint32_t>(reader.integer("robots", Need::required, 1, world::kMaxRobots).value_or(1));
     plan.tasks = static_cast<std::uint32_t>(reader.integer("tasks", Need::required, 1, kMaxTasks).value_or(1));
+    read_sensor_values(reader, plan);
   }
   plan.task.mean_s = reader.number("task_seconds", Need::optional, kSeconds).value_or(plan.task.mean_s);
   plan.task.deviation_s = reader.number("deviation", Need::optional, {0, plan.task.mean_s}).value_or(0);

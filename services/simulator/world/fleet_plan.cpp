@@ -53,6 +53,7 @@ Scenario in_turn(std::uint32_t count, const std::vector<PlannedRobot>& robots) {
 Description description_of(const NodeProfile& profile) {
   Description out;
   out.capabilities = profile.capabilities;
+  out.sensors = profile.sensors;
   for (const SkillInfo& info : profile.skills) {
     Skill skill;
     skill.name = skill.subtype = info.name;

@@ -47,6 +47,7 @@ router::RouterConfig router_config(const NodePlan& plan, Dice& dice, std::uint64
   out.seeds = plan.seeds;
   out.services = {"router", "scheduler"};
   out.services.emplace_back(plan.role == Role::cloud ? "resilience" : "mode-adapter");
+  if (!plan.sensors.empty()) out.services.emplace_back("sensor-bus");
   out.beacon = plan.beacon;
   out.random = [&dice] { return dice.next(); };
   return out;
@@ -73,6 +74,7 @@ struct Node::Processes {
   std::optional<resilience::ResilienceCore> resilience_core;
   Person person;
   std::optional<ServiceProcess> scheduler, adapter, resilience, probe;
+  std::optional<SensorProcess> sensors;
   std::shared_ptr<char> life = std::make_shared<char>();
 };
 
@@ -83,18 +85,18 @@ Node::Node(NodePlan plan, const Surroundings& in)
 
 Node::~Node() = default;
 
+void Node::run(std::optional<ServiceProcess>& process, ServiceSettings settings, Core& core) {
+  settings.instance = in_.dice.next();
+  settings.commit = plan_.commit;
+  settings.meddler = in_.meddler;
+  process.emplace(std::move(settings), core, processes_->router.bus(), in_.events, clock_, in_.dice);
+}
+
 void Node::start() {
   ++disk_.boots;
   processes_ = std::make_unique<Processes>(*this, in_.dice);
   Processes& is = *processes_;
   is.router.start();
-  Bus& bus = is.router.bus();
-  const auto run = [&](std::optional<ServiceProcess>& process, ServiceSettings settings, Core& core) {
-    settings.instance = in_.dice.next();
-    settings.commit = plan_.commit;
-    settings.meddler = in_.meddler;
-    process.emplace(std::move(settings), core, bus, in_.events, clock_, in_.dice);
-  };
   const Status restored = is.scheduler_core.restore(disk_.journal.records());
   if (!restored) throw std::logic_error(plan_.id + ": " + restored.error().text());
   run(is.scheduler,
@@ -102,7 +104,14 @@ void Node::start() {
        .subtypes = SchedulerCore::Taken::subtypes(),
        .store = [this](const std::vector<Journal>& records) { write_scheduler(records); }},
       is.scheduler_core);
-  if (robot_) return start_robot();
+  robot_ ? start_robot() : start_cloud();
+  if (plan_.sensors.empty()) return;
+  is.sensors.emplace(SensorSettings{plan_.id, plan_.sensors, in_.run_seconds, in_.dice.next(), in_.meddler},
+                     is.router.bus(), in_.events, clock_, in_.dice);
+}
+
+void Node::start_cloud() {
+  Processes& is = *processes_;
   is.resilience_core.emplace(resilience::CoreSettings{plan_.id, plan_.role, policy(), {}});
   std::vector<Alert> alerts;
   for (const auto& [id, alert] : disk_.alerts) alerts.push_back(alert);
@@ -178,6 +187,7 @@ std::uint64_t Node::malformed() const {
   for (const auto* service : {&processes_->scheduler, &processes_->adapter, &processes_->resilience}) {
     if (*service) out += (*service)->malformed();
   }
+  if (processes_->sensors) out += processes_->sensors->malformed();
   return out;
 }
 

@@ -15,6 +15,7 @@
 #include "services/simulator/world/person.hpp"
 #include "services/simulator/world/robot.hpp"
 #include "services/simulator/world/router_process.hpp"
+#include "services/simulator/world/sensor_process.hpp"
 #include "services/simulator/world/service_process.hpp"
 
 namespace trb::world {
@@ -44,6 +45,7 @@ struct NodePlan {
   Duration clock_ahead{0};
   RobotPlan robot;
   NodeProfile profile;  ///< of the robot
+  std::vector<PlannedSensor> sensors;
 };
 
 /// What the nodes live in.
@@ -53,6 +55,7 @@ struct Surroundings {
   Meter& meter;
   Dice& dice;
   const Meddler* meddler = nullptr;
+  std::function<double()> run_seconds;  ///< since the run's submission; 0 before it
 };
 
 class Node {
@@ -86,6 +89,8 @@ class Node {
   void write_scheduler(const std::vector<Journal>& records);
   void write_resilience(const std::vector<Journal>& records);
   void start_robot();
+  void start_cloud();
+  void run(std::optional<ServiceProcess>& process, ServiceSettings settings, Core& core);
 
   NodePlan plan_;
   Surroundings in_;

@@ -89,7 +89,10 @@ void World::add(const std::string& id, Role role, std::uint32_t number, const No
   plan.commit = kCommit;
   plan.robot = {plan_.task, plan_.times, profile.capabilities};
   plan.profile = profile;
-  auto node = std::make_unique<Node>(std::move(plan), Surroundings{events_, network_, meter_, dice_, &meddler_});
+  std::ranges::copy_if(plan_.sensors, std::back_inserter(plan.sensors),
+                       [&](const PlannedSensor& one) { return one.node == id; });
+  auto node = std::make_unique<Node>(
+      std::move(plan), Surroundings{events_, network_, meter_, dice_, &meddler_, [this] { return run_seconds(); }});
   watch(*node);
   nodes_[id] = std::move(node);
 }
@@ -149,6 +152,10 @@ RunStart World::start() const {
   }
   const UtcTime now = nodes_.at("cloud")->utc();
   return build_run_start(plan_.scenario, std::move(members), "cloud", now, now + kLife, run_, plan_.assigned);
+}
+
+double World::run_seconds() const {
+  return outcome_.submitted_s > 0 ? seconds_passed() - outcome_.submitted_s : 0;
 }
 
 void World::submit() {

@@ -30,6 +30,7 @@ struct WorldPlan {
   LinkKind link = kLinkKinds[0];
   std::uint64_t seed = 1;
   std::vector<Fault> faults;  ///< times count from the run's submission
+  std::vector<PlannedSensor> sensors;
   [[nodiscard]] double limit_s() const;
 };
 
@@ -77,6 +78,7 @@ class World {
   void look_for_links();
   void submit();
   void look_for_end();
+  [[nodiscard]] double run_seconds() const;
   void plan_faults();
   void happen(const Fault& fault);
   [[nodiscard]] bool is_over_everywhere() const;

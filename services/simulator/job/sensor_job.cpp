@@ -1,0 +1,163 @@
+#include "services/simulator/job/sensor_job.hpp"
+
+#include <algorithm>
+
+#include "common/scenario/condition.hpp"
+#include "proto/travel.hpp"
+#include "services/simulator/job/plan_nodes.hpp"
+
+namespace trb::simulator {
+namespace {
+
+using world::Course;
+using world::Measured;
+using world::PlannedSensor;
+using world::WorldPlan;
+
+constexpr const char* kKey = "sensor_values";
+constexpr std::size_t kMaxText = 255;
+constexpr std::size_t kMaxUnit = 16;
+constexpr std::size_t kMaxIdentity = 128;
+constexpr Range kPeriod{0.01, 3600};
+constexpr Range kNumbers{-1e12, 1e12};
+constexpr Range kTimes{0, world::kMaxUntil};
+
+Measured measured_of(const ObjectReader& reader, const Value& value) {
+  if (value.is_number() && kNumbers.holds(value.number())) return value.number();
+  if (value.is_text() && value.text().size() <= kMaxText) return value.text();
+  if (!value.is_null()) {
+    reader.faults().add(reader.path("value"), "is no value", "write a number, a text, or null: it cannot be read");
+  }
+  return {};
+}
+
+Course read_steps(const ObjectReader& of, const Value::List& list) {
+  std::vector<Course::Step> steps;
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    ObjectReader one(list[i], of.path("steps") + "[" + std::to_string(i) + "]", of.faults());
+    Course::Step step;
+    step.at_s = one.number("at", Need::required, kTimes).value_or(0);
+    if (const Value* value = one.value("value", Need::required)) step.value = measured_of(one, *value);
+    one.refuse_unknown_keys();
+    if (!steps.empty() && step.at_s <= steps.back().at_s)
+      of.faults().add(one.path("at"), "is not after the step before it", "write the steps in order of time");
+    steps.push_back(std::move(step));
+  }
+  if (steps.empty()) of.faults().add(of.path("steps"), "there is none", "write at least one");
+  return Course(std::move(steps));
+}
+
+Course read_ramp(const ObjectReader& of, const Value& json) {
+  ObjectReader reader(json, of.path("ramp"), of.faults());
+  const double from = reader.number("from", Need::required, kNumbers).value_or(0);
+  const double to = reader.number("to", Need::required, kNumbers).value_or(0);
+  const double begin = reader.number("begin", Need::optional, kTimes).value_or(0);
+  const double end = reader.number("end", Need::required, kTimes).value_or(begin + 1);
+  reader.refuse_unknown_keys();
+  if (end <= begin) of.faults().add(reader.path("end"), "is not after its begin", "write a later time, in seconds");
+  return Course::ramp(from, to, begin, end);
+}
+
+Course read_course(ObjectReader& reader) {
+  const Value* value = reader.value("value", Need::optional);
+  const Value::List* steps = reader.list("steps", Need::optional, kMaxSteps);
+  const Value* ramp = reader.value("ramp", Need::optional);
+  if ((value != nullptr) + (steps != nullptr) + (ramp != nullptr) != 1) {
+    reader.faults().add(reader.path("value"), "one of value, steps and ramp says what it tells", "write exactly one");
+    return {};
+  }
+  if (steps != nullptr) return read_steps(reader, *steps);
+  return ramp != nullptr ? read_ramp(reader, *ramp) : Course({{0, measured_of(reader, *value)}});
+}
+
+world::PlannedRobot* robot_of(WorldPlan& plan, const std::string& id) {
+  const auto at = std::ranges::find(plan.fleet, id, &world::PlannedRobot::id);
+  return at == plan.fleet.end() ? nullptr : &*at;
+}
+
+/// As the node's profile has it, if it has one of that name.
+SensorInfo known_info(WorldPlan& plan, const std::string& node, const std::string& name) {
+  SensorInfo out;
+  out.name = out.kind = name;
+  const world::PlannedRobot* robot = robot_of(plan, node);
+  if (robot == nullptr) return out;
+  const auto& plugged = robot->profile.plugged;
+  const auto at = std::ranges::find(plugged, name, &SensorInfo::name);
+  return at == plugged.end() ? out : *at;
+}
+
+void check_name(const ObjectReader& reader, const WorldPlan& plan, const PlannedSensor& sensor) {
+  const std::string& name = sensor.info.name;
+  const auto refuse = [&](const std::string& what, const char* hint) {
+    reader.faults().add(reader.path("name"), "'" + name + "' " + what, hint);
+  };
+  if (!world::may_be_sensor(name)) return refuse("is no sensor's name", "use letters, digits and _; no digit first");
+  if (is_reserved(name)) return refuse("is a word of the middleware's", "give it another name");
+  const bool is_taken = std::ranges::any_of(
+      plan.sensors, [&](const PlannedSensor& other) { return other.node == sensor.node && other.info.name == name; });
+  if (is_taken) refuse("is there twice at that node", "give each its own name");
+}
+
+void read_sensor(ObjectReader& reader, WorldPlan& plan) {
+  PlannedSensor out;
+  out.node = reader.text("node", Need::required, kMaxId).value_or(kCloud);
+  check_node(reader, plan, "node", out.node);
+  const std::string name = reader.text("name", Need::required, kMaxId).value_or("x");
+  out.info = known_info(plan, out.node, name);
+  out.info.kind = reader.text("kind", Need::optional, kMaxId).value_or(out.info.kind);
+  out.info.unit = reader.text("unit", Need::optional, kMaxUnit).value_or(out.info.unit);
+  out.info.identity = reader.text("identity", Need::optional, kMaxIdentity).value_or(out.info.identity);
+  out.info.state = SensorState::ok;
+  out.every_s = reader.number("every_s", Need::optional, kPeriod).value_or(out.every_s);
+  out.course = read_course(reader);
+  reader.refuse_unknown_keys();
+  check_name(reader, plan, out);
+  plan.sensors.push_back(std::move(out));
+}
+
+void plug_in(WorldPlan& plan, const PlannedSensor& sensor) {
+  world::PlannedRobot* robot = robot_of(plan, sensor.node);
+  if (robot == nullptr) return;
+  auto& plugged = robot->profile.plugged;
+  std::erase_if(plugged, [&](const SensorInfo& other) { return other.name == sensor.info.name; });
+  plugged.push_back(sensor.info);
+}
+
+bool is_meant(const PlannedSensor& sensor, const Condition& condition) {
+  const bool here = condition.of.empty() || !condition.identity.empty() || condition.of == sensor.node;
+  return here && find_sensor({sensor.info}, condition) != nullptr;
+}
+
+void check_condition(const WorldPlan& plan, const Task& task, const Condition& condition, const FileFaults& faults) {
+  const auto fault = [&](const std::string& what, const std::string& hint) {
+    faults.add("scenario", "task '" + task.id + "' waits for " + sensor_text(condition) + ", " + what, hint);
+  };
+  std::string units;
+  for (const PlannedSensor& one : plan.sensors) {
+    if (!is_meant(one, condition)) continue;
+    if (condition.is_text || one.info.unit == condition.unit) return;
+    units += " '" + one.info.unit + "'";
+  }
+  if (units.empty())
+    return fault("which tells nothing here", R"(add to sensor_values: {"node", "name", "unit", "value"})");
+  fault("whose unit is" + units, "give it the unit '" + condition.unit + "' in sensor_values");
+}
+
+}  // namespace
+
+void read_sensor_values(ObjectReader& reader, WorldPlan& plan) {
+  const Value::List* list = reader.list(kKey, Need::optional, kMaxSensors);
+  for (std::size_t i = 0; list != nullptr && i < list->size(); ++i) {
+    ObjectReader one((*list)[i], std::string(kKey) + "[" + std::to_string(i) + "]", reader.faults());
+    read_sensor(one, plan);
+  }
+  for (const PlannedSensor& one : plan.sensors) plug_in(plan, one);
+}
+
+void check_conditions(const WorldPlan& plan, const FileFaults& faults) {
+  for (const Task& task : plan.scenario.tasks) {
+    for (const Condition& condition : task.when) check_condition(plan, task, condition, faults);
+  }
+}
+
+}  // namespace trb::simulator

@@ -1,0 +1,23 @@
+#include "services/simulator/world/sensor_plan.hpp"
+
+#include <algorithm>
+
+#include "services/sensor-bus/core/bus_value.hpp"
+
+namespace trb::world {
+
+Measured Course::at(double seconds) const {
+  if (steps_.empty()) return {};
+  const auto next = std::ranges::upper_bound(steps_, seconds, {}, &Step::at_s);
+  if (next == steps_.begin()) return steps_.front().value;
+  const Step& last = *(next - 1);
+  if (!is_ramp_ || next == steps_.end()) return last.value;
+  const double part = (seconds - last.at_s) / (next->at_s - last.at_s);
+  return std::get<double>(last.value) + part * (std::get<double>(next->value) - std::get<double>(last.value));
+}
+
+bool may_be_sensor(std::string_view name) {
+  return sensor::is_sensor_name(name);
+}
+
+}  // namespace trb::world
