@@ -7,6 +7,7 @@ import signal
 import subprocess
 import time
 
+import nginx
 import trb_fleet
 
 DATABASE, USER = "hall", "trb"
@@ -102,17 +103,8 @@ class Authority:
         os.chmod(key, 0o600)
 
 
-CONFIG = """
-daemon off;
-master_process off;
-pid {folder}/pid;
-error_log {folder}/error.log;
-events {{ worker_connections 200; }}
-http {{
-  access_log off;
-  client_body_temp_path {folder}/body; proxy_temp_path {folder}/proxy; fastcgi_temp_path {folder}/fastcgi;
-  uwsgi_temp_path {folder}/uwsgi; scgi_temp_path {folder}/scgi;
-  upstream gateways {{ {servers} }}
+SERVED = """
+upstream gateways {{ {servers} }}
   map $http_upgrade $connection_upgrade {{ default upgrade; '' close; }}
   server {{
     listen 127.0.0.1:{port} ssl;
@@ -130,7 +122,6 @@ http {{
       proxy_set_header Connection $connection_upgrade;
     }}
   }}
-}}
 """
 
 
@@ -141,10 +132,8 @@ class Nginx:
         self.folder = pathlib.Path(folder)
         authority.issue(self.folder / "own.crt", self.folder / "own.key")
         servers = " ".join(f"server 127.0.0.1:{gateway} max_fails=1 fail_timeout=1s;" for gateway in gateways)
-        config = self.folder / "nginx.conf"
-        config.write_text(CONFIG.format(folder=self.folder, port=port, servers=servers, authority=authority.certificate))
-        command = ["/usr/sbin/nginx", "-e", self.folder / "error.log", "-p", self.folder, "-c", config]
-        self.child = subprocess.Popen(command, stdin=subprocess.DEVNULL, preexec_fn=trb_fleet.end_with_parent)
+        self.child = nginx.start(self.folder, SERVED.format(folder=self.folder, port=port, servers=servers,
+                                                            authority=authority.certificate))
 
     def stop(self):
         self.child.terminate()

@@ -80,11 +80,10 @@ TEST_CASE("after a restart everything is known again, but that its node is reach
 }
 
 TEST_CASE("what changes takes the place of what was: capabilities, faults that are over, robots that are gone") {
-  const Folder folder;
-  const auto db = opened(folder);
-  Fleet fleet;
-  REQUIRE(fleet.on_route(route_of("a", rich_profile()), at_second(0)));
-  REQUIRE(fleet.on_route(route_of("b", rich_profile()), at_second(0)));
+  KeptFleet kept;
+  auto& [folder, db, fleet] = kept;
+  kept.add("a", rich_profile());
+  kept.add("b", rich_profile());
   fleet.on_fault("a", {"mobile", Severity::critical, "motor"}, at_second(1));
   fleet.on_value("a", "battery", "1", at_second(1));
   REQUIRE(db->write(fleet, at_second(1)));
@@ -108,10 +107,9 @@ TEST_CASE("what changes takes the place of what was: capabilities, faults that a
 }
 
 TEST_CASE("who commands a robot is written without writing anew what it can do") {
-  const Folder folder;
-  const auto db = opened(folder);
-  Fleet fleet;
-  REQUIRE(fleet.on_route(route_of("a", rich_profile()), at_second(0)));
+  KeptFleet kept;
+  auto& [folder, db, fleet] = kept;
+  kept.add("a", rich_profile());
   REQUIRE(db->write(fleet, at_second(0)));
   NodeProfile taken = rich_profile();
   taken.control = "cloud";
@@ -125,10 +123,9 @@ TEST_CASE("who commands a robot is written without writing anew what it can do")
 }
 
 TEST_CASE("the history is told newest first, of one or of all, and is bounded by number and age") {
-  const Folder folder;
-  const auto db = opened(folder);
-  Fleet fleet;
-  REQUIRE(fleet.on_route(route_of("a", mobile_robot()), at_second(0)));
+  KeptFleet kept;
+  auto& [folder, db, fleet] = kept;
+  kept.add("a", mobile_robot());
   REQUIRE(fleet.on_joined("b", at_second(1)));
   REQUIRE(db->write(fleet, at_second(1)));
   const auto all = db->history("", 100);

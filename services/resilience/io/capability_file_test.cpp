@@ -35,10 +35,9 @@ Error refused(const Folder& folder) {
 }  // namespace
 
 TEST_CASE("a full disk: nothing half, nothing lost, and it goes on once there is room") {
-  const Folder folder;
-  const auto db = opened(folder);
-  Fleet fleet;
-  REQUIRE(fleet.on_route(route_of("a", mobile_robot()), at_second(0)));
+  KeptFleet kept;
+  auto& [folder, db, fleet] = kept;
+  kept.add("a", mobile_robot());
   REQUIRE(db->write(fleet, at_second(0)));
   for (int i = 0; i < 200; ++i) REQUIRE(fleet.on_route(route_of("r" + std::to_string(i), carrier()), at_second(1)));
   {

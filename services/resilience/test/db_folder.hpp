@@ -24,6 +24,17 @@ inline std::unique_ptr<CapabilityDb> opened(const Folder& folder) {
   return std::move(*db);
 }
 
+/// A fleet and the database that it is written to.
+struct KeptFleet {
+  Folder folder;
+  std::unique_ptr<CapabilityDb> db = opened(folder);
+  Fleet fleet;
+
+  void add(const std::string& id, const NodeProfile& profile) {
+    REQUIRE(fleet.on_route(route_of(id, profile), at_second(0)));
+  }
+};
+
 inline Fleet loaded(CapabilityDb& db) {
   Fleet fleet;
   const Status done = db.load(fleet);

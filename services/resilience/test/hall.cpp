@@ -1,6 +1,7 @@
 // The fixture's fleet, its scheduler and the run.
 #include <algorithm>
 
+#include "services/resilience/test/add_task.hpp"
 #include "services/resilience/test/fixture.hpp"
 
 namespace trb::resilience::test {
@@ -129,12 +130,7 @@ void Fixture::begin_run() {
     task.skill = row.skill;
     task.data = row.data;
     task.timeout_s = 7 * 24 * 3600;  // only the tests of lateness set it lower
-    TaskView shown;
-    shown.id = task.id;
-    shown.robot = row.robot;
-    shown.skill = row.skill;
-    start.scenario.tasks.push_back(std::move(task));
-    view.tasks.push_back(std::move(shown));
+    add_task(std::move(task), start, view);
   }
   for (const char* id : {"t1", "t2", "t3"}) {
     task(id).state = TaskState::finished;

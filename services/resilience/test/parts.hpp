@@ -8,6 +8,7 @@
 
 #include "services/resilience/core/detection.hpp"
 #include "services/resilience/core/open_alerts.hpp"
+#include "services/resilience/test/add_task.hpp"
 #include "services/resilience/test/fleet_fixture.hpp"
 
 namespace trb::resilience::test {
@@ -97,12 +98,7 @@ class Parts {
       task.robot = id[1] == '1' ? "r1" : "r2";
       task.skill = "go_to";
       task.data = R"({"place": "dock"})";
-      TaskView shown;
-      shown.id = task.id;
-      shown.robot = task.robot;
-      shown.skill = task.skill;
-      start.scenario.tasks.push_back(std::move(task));
-      view.tasks.push_back(std::move(shown));
+      add_task(std::move(task), start, view);
     }
     view.tasks[0].state = TaskState::running;
     RunSummary summary;

@@ -48,6 +48,11 @@ struct TwoEnds {
   }
 };
 
+/// Both know that the other one is there.
+struct Greeted : TwoEnds {
+  Greeted() { greet(); }
+};
+
 }  // namespace
 
 TEST_CASE("a first word proves nothing; one that repeats a nonce proves who is there, and of which boot") {
@@ -73,8 +78,7 @@ TEST_CASE("a first word proves nothing; one that repeats a nonce proves who is t
 }
 
 TEST_CASE("who is dead does not stay, whatever a relay plays again") {
-  TwoEnds two;
-  two.greet();
+  Greeted two;
   const Word kept = two.of_bee();
   two.now = two.now + Seconds(2);
   CHECK(two.to_ant(kept).fresh);
@@ -89,8 +93,7 @@ TEST_CASE("who is dead does not stay, whatever a relay plays again") {
 }
 
 TEST_CASE("words that were held back prove life at the time of what they repeat, and nothing after a lease") {
-  TwoEnds two;
-  two.greet();
+  Greeted two;
   two.to_bee(two.of_ant());
   const Word held = two.of_bee();
   const MonotonicTime said = two.now;
@@ -109,8 +112,7 @@ TEST_CASE("words that were held back prove life at the time of what they repeat,
 }
 
 TEST_CASE("a peer that was started again is a new one: its counts begin anew, what was not confirmed is lost") {
-  TwoEnds two;
-  two.greet();
+  Greeted two;
   const std::uint64_t count = two.ask();
   two.bee = RelayConnection(kBee + 1);
   const Word fresh{two.bee.make_word({}, 5, two.now), kBee + 1, two.bee.next_count()};
@@ -130,8 +132,7 @@ TEST_CASE("a peer that was started again is a new one: its counts begin anew, wh
 }
 
 TEST_CASE("an old boot's words that a relay kept disturb nobody who is there") {
-  TwoEnds two;
-  two.greet();
+  Greeted two;
   RelayAlive said;
   said.nonce = 4711;
   said.echo = said.echo_other = 17;  // which ant sent long ago
@@ -144,8 +145,7 @@ TEST_CASE("an old boot's words that a relay kept disturb nobody who is there") {
 }
 
 TEST_CASE("each count is taken once, in any order within 64") {
-  TwoEnds two;
-  two.greet();
+  Greeted two;
   CHECK(two.bee.take(kAnt, 10, false, two.now));
   CHECK_FALSE(two.bee.take(kAnt, 10, false, two.now));
   CHECK(two.bee.take(kAnt, 12, false, two.now));
@@ -165,8 +165,7 @@ TEST_CASE("each count is taken once, in any order within 64") {
 }
 
 TEST_CASE("what came is confirmed within 0.1 s, and then no longer waited for") {
-  TwoEnds two;
-  two.greet();
+  Greeted two;
   two.now = two.now + Seconds(1);
   const std::uint64_t count = two.ask();
   CHECK(two.bee.take(kAnt, count, true, two.now));
@@ -179,8 +178,7 @@ TEST_CASE("what came is confirmed within 0.1 s, and then no longer waited for") 
 }
 
 TEST_CASE("many that came are confirmed before the window is over") {
-  TwoEnds two;
-  two.greet();
+  Greeted two;
   two.now = two.now + Seconds(1);
   for (std::size_t i = 0; i + 1 < RelayConnection::kAcknowledgeEach; ++i) {
     CHECK(two.bee.take(kAnt, two.ask(), true, two.now));
@@ -191,8 +189,7 @@ TEST_CASE("many that came are confirmed before the window is over") {
 }
 
 TEST_CASE("what a relay lost among others is told at the next word; what nobody confirms after 3 s") {
-  TwoEnds two;
-  two.greet();
+  Greeted two;
   two.now = two.now + Seconds(1);
   const std::uint64_t first = two.ask();
   const std::uint64_t second = two.ask();
@@ -214,8 +211,7 @@ TEST_CASE("what a relay lost among others is told at the next word; what nobody 
 }
 
 TEST_CASE("a word about an earlier boot of ours confirms nothing") {
-  TwoEnds two;
-  two.greet();
+  Greeted two;
   Word word = two.of_bee();
   word.said.heard_boot = kAnt - 1;
   word.said.heard = 1'000'000;
@@ -243,8 +239,7 @@ TEST_CASE("who does not answer is spoken to ever less often, and after two words
 }
 
 TEST_CASE("no flood of words makes this end say more than ten a second") {
-  TwoEnds two;
-  two.greet();
+  Greeted two;
   two.now = two.now + Seconds(1);
   int said = 0;
   const MonotonicTime end = two.now + Seconds(1);
@@ -262,8 +257,7 @@ TEST_CASE("no flood of words makes this end say more than ten a second") {
 }
 
 TEST_CASE("as many questions may wait as have room; the end of the connection gives them all back") {
-  TwoEnds two;
-  two.greet();
+  Greeted two;
   while (two.ant.has_room()) (void)two.ask();
   const auto all = two.ant.take_all();
   CHECK(all.size() == RelayConnection::kMaxUnconfirmed);
@@ -271,8 +265,7 @@ TEST_CASE("as many questions may wait as have room; the end of the connection gi
 }
 
 TEST_CASE("a count that is 64 ahead forgets all that was taken before it, and a count of nothing is none") {
-  TwoEnds two;
-  two.greet();
+  Greeted two;
   CHECK_FALSE(two.bee.take(kAnt, 0, false, two.now));
   CHECK(two.bee.take(kAnt, 20, false, two.now));
   CHECK(two.bee.take(kAnt, 21, false, two.now));
@@ -282,8 +275,7 @@ TEST_CASE("a count that is 64 ahead forgets all that was taken before it, and a 
 }
 
 TEST_CASE("of what is unconfirmed a word speaks for the last 64 counts: what is older is lost") {
-  TwoEnds two;
-  two.greet();
+  Greeted two;
   std::vector<std::uint64_t> counts;
   for (int i = 0; i < 66; ++i) counts.push_back(two.ask());
   for (const std::uint64_t count : counts) CHECK(two.bee.take(kAnt, count, true, two.now));
@@ -296,8 +288,7 @@ TEST_CASE("of what is unconfirmed a word speaks for the last 64 counts: what is 
 }
 
 TEST_CASE("a question that is taken back is that one, and the others wait on") {
-  TwoEnds two;
-  two.greet();
+  Greeted two;
   const std::uint64_t first = two.ask();
   const std::uint64_t second = two.ask();
   REQUIRE(two.ant.withdraw(second).has_value());
@@ -350,8 +341,7 @@ TEST_CASE("a first word without a boot number is answered as any other") {
 
 TEST_CASE(
     "the connection is over a lease after the last sign of life and not before; its next moment is the earliest") {
-  TwoEnds two;
-  two.greet();
+  Greeted two;
   const MonotonicTime said = two.ant.last_sign();
   CHECK_FALSE(two.ant.lapse(said));
   CHECK_FALSE(two.ant.lapse(said + Seconds(10) - milliseconds(1)));

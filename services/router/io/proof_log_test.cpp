@@ -26,6 +26,7 @@ using TempDir = TemporaryFolder;
 
 /// One fleet for all nodes that send in a test.
 const SigningKey& shared_authority() {
+  init_crypto();
   static const SigningKey key = make_signing_key();
   return key;
 }
@@ -125,7 +126,6 @@ TEST_CASE("what was heard is proven from the disk, the tail authenticated, and f
 }
 
 TEST_CASE("the log stays below its bound, the oldest go, and every file can be read alone") {
-  init_crypto();
   const TempDir temp;
   Speaker ant(5);
   const Bytes large(100'000, 'x');
@@ -177,7 +177,6 @@ TEST_CASE("a router that starts again goes on in a new file, within the same bou
 }
 
 TEST_CASE("too much between two seals is left out, counted, and no fault of what comes after it") {
-  init_crypto();
   const TempDir temp;
   Speaker ant(5);
   {
@@ -200,7 +199,6 @@ TEST_CASE("too much between two seals is left out, counted, and no fault of what
 }
 
 TEST_CASE("rubbish of one peer pushes out nothing of another's that has no more than its share") {
-  init_crypto();
   const TempDir temp;
   Speaker ant(5);
   Speaker cat(6, "cat");
@@ -319,7 +317,6 @@ TEST_CASE("files of an earlier version, all peers in one, are read and go by the
 }
 
 TEST_CASE("the half of a record that a crash has left goes at the next start; other damage stays to be seen") {
-  init_crypto();
   const TempDir temp;
   Speaker ant(5);
   {
@@ -370,7 +367,6 @@ TEST_CASE("a folder that cannot be written to is told, and nothing else stops") 
 }
 
 TEST_CASE("a bound of 0 keeps nothing") {
-  init_crypto();
   const TempDir temp;
   Speaker ant(5);
   {

@@ -14,23 +14,15 @@ HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE))
 import fed_gateway  # noqa: E402
 import gateway_page  # noqa: E402
+import nginx  # noqa: E402
 import trb_fleet  # noqa: E402
 
 SERVER, LOAD = 0, 1
 ROBOT = "/api/v1/robots/robot-0000"
 CONNECTIONS = 16
-CONFIG = """
-daemon off;
-master_process off;
-pid {folder}/pid;
-error_log {folder}/error.log;
-events {{ worker_connections 200; }}
-http {{
-  access_log off;
-  sendfile on; tcp_nopush on; keepalive_requests 1000000000;
+SERVED = """
+sendfile on; tcp_nopush on; keepalive_requests 1000000000;
   open_file_cache max=16;
-  client_body_temp_path {folder}/body; proxy_temp_path {folder}/proxy; fastcgi_temp_path {folder}/fastcgi;
-  uwsgi_temp_path {folder}/uwsgi; scgi_temp_path {folder}/scgi;
   default_type application/json;
   server {{
     listen 127.0.0.1:{port} ssl;
@@ -38,13 +30,12 @@ http {{
     ssl_certificate_key {key};
     root {folder}/files;
   }}
-}}
 """
 
 
 def why_not():
     """What is missing; empty: nothing."""
-    for name in ("wrk", "/usr/sbin/nginx"):
+    for name in ("wrk", nginx.PROGRAM):
         if shutil.which(name) is None:
             return f"there is no {name}: apt-get install wrk nginx-light"
     return "" if os.cpu_count() >= 2 else "it needs two cores"
@@ -60,20 +51,14 @@ class Nginx:
         file.write_bytes(body)
         for path in [folder, *(folder / "files").rglob("*")]:
             path.chmod(0o755 if path.is_dir() else 0o644)
-        config = folder / "nginx.conf"
-        config.write_text(CONFIG.format(folder=folder, port=self.port, certificate=fleet.certificate(),
-                                        key=fleet.certificate().with_suffix(".key")))
-        self.log = open(folder / "nginx.log", "wb")
-        command = ["/usr/sbin/nginx", "-e", folder / "error.log", "-p", folder, "-c", config]
-        self.child = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=self.log, stderr=self.log,
-                                      preexec_fn=trb_fleet.end_with_parent)
+        self.child = nginx.start(folder, SERVED.format(folder=folder, port=self.port, certificate=fleet.certificate(),
+                                                       key=fleet.certificate().with_suffix(".key")))
         fleet.wait("nginx answers", lambda: trb_fleet.answers(("127.0.0.1", self.port)), 10)
         pin(self.child.pid, SERVER)
 
     def stop(self):
         self.child.terminate()
         self.child.wait()
-        self.log.close()
 
 
 def pin(pid, core):

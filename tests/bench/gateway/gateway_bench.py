@@ -1,7 +1,6 @@
 #!/usr/bin/env python3
 """The gateway under load: 1,000 robots whose states change, and 50 pages that show them, one of which stalls; and how many
 requests a second it answers beside nginx. What stands in for what: tests/bench/README.md."""
-import argparse
 import json
 import os
 import pathlib
@@ -11,8 +10,9 @@ import tempfile
 import time
 
 HERE = pathlib.Path(__file__).resolve().parent
-sys.path.insert(0, str(HERE))
+sys.path[:0] = [str(HERE), str(HERE.parent), str(HERE.parents[2] / "scripts")]
 import ahead  # noqa: E402
+import bench_options  # noqa: E402
 import beside_nginx  # noqa: E402
 import fed_gateway  # noqa: E402
 import skips  # noqa: E402
@@ -24,17 +24,13 @@ FLAT_MB = 4  # more than an allocator's noise; what a client could leave behind 
 
 
 def parse():
-    parser = argparse.ArgumentParser(prog="scripts/bench gateway", description=__doc__)
-    parser.add_argument("--programs", default=trb_fleet.REPO / "build" / "release" / "bin", type=pathlib.Path)
+    parser = bench_options.parser("gateway", __doc__, 3, "each without and with a stalled page (3)")
     parser.add_argument("--robots", default=1000, type=int)
     parser.add_argument("--changes", default=10, type=float, help="of each robot, a second (10)")
     parser.add_argument("--pages", default=50, type=int)
-    parser.add_argument("--rounds", default=3, type=int, help="each without and with a stalled page (3)")
     parser.add_argument("--seconds", default=10, type=float, help="of a measurement (10)")
     parser.add_argument("--only", choices=("pages", "nginx"), help="one of the two measurements")
     parser.add_argument("--ahead", action="store_true", help=ahead.HELP)
-    parser.add_argument("--quick", action="store_true", help="50 robots, 5 pages, one second: only that it works")
-    parser.add_argument("--json", type=pathlib.Path)
     options = parser.parse_args()
     if options.quick:
         options.robots, options.pages, options.rounds, options.seconds = 50, 5, 1, 1

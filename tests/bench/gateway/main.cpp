@@ -1,15 +1,12 @@
 // trb-bench-gateway: the gateway's robots and its pages, for scripts/bench gateway (tests/bench/README.md).
-#include <signal.h>
-#include <sys/prctl.h>
-
 #include <cstdio>
 #include <cstdlib>
-#include <exception>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "common/transport/signals.hpp"
+#include "tests/bench/bench_main.hpp"
 #include "tests/bench/gateway/feeder.hpp"
 #include "tests/bench/gateway/pages.hpp"
 
@@ -66,12 +63,5 @@ int run(const std::string& role, const Words& words) {
 }  // namespace trb::bench
 
 int main(int argc, char** argv) {
-  try {
-    ::prctl(PR_SET_PDEATHSIG, SIGTERM);
-    trb::init_crypto();
-    return trb::bench::run(argc > 1 ? argv[1] : "", {argv + std::min(argc, 2), argv + argc});
-  } catch (const std::exception& problem) {
-    std::fprintf(stderr, "trb-bench-gateway: %s\n", problem.what());
-    return 1;
-  }
+  return trb::bench::bench_main("trb-bench-gateway", argc, argv, trb::bench::run);
 }

@@ -7,7 +7,6 @@ import json
 import os
 import pathlib
 import statistics
-import subprocess
 import sys
 import tempfile
 import time
@@ -15,11 +14,11 @@ import time
 import zmq
 
 REPO = pathlib.Path(__file__).resolve().parents[3]
-sys.path[:0] = [str(REPO / "tests" / "integration"), str(REPO / "scripts")]
+sys.path[:0] = [str(REPO / each) for each in ("tests/integration", "tests/bench", "scripts")]
 
+import bench_options  # noqa: E402
 import support  # noqa: E402
 import trb_fleet  # noqa: E402
-import wire  # noqa: E402
 from lane_test import Probe  # noqa: E402
 
 FROM, TO = "arm", "cloud"
@@ -114,11 +113,7 @@ class Bench:
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--programs", default=REPO / "build" / "release" / "bin", type=pathlib.Path)
-    parser.add_argument("--rounds", default=5, type=int)
-    parser.add_argument("--quick", action="store_true", help="only that it works")
-    parser.add_argument("--json", type=pathlib.Path)
+    parser = bench_options.parser("lane", __doc__, 5)
     parser.add_argument("--play", nargs="+", help=argparse.SUPPRESS)
     options = parser.parse_args()
     if options.play:

@@ -1,7 +1,6 @@
 #!/usr/bin/env python3
 """The page in Chromium, from a real gateway: what its first view sends, and how long it takes until the hall is shown; and how
 often the map with 1,000 robots is drawn."""
-import argparse
 import json
 import pathlib
 import statistics
@@ -10,8 +9,9 @@ import sys
 import tempfile
 
 HERE = pathlib.Path(__file__).resolve().parent
-sys.path[:0] = [str(HERE.parents[1] / "browser"), str(HERE.parents[2] / "scripts"), str(HERE.parent / "gateway")]
+sys.path[:0] = [str(HERE.parents[1] / "browser"), str(HERE.parents[2] / "scripts"), str(HERE.parent / "gateway"), str(HERE.parent)]
 import ahead  # noqa: E402
+import bench_options  # noqa: E402
 import fed_gateway  # noqa: E402
 import gateway_page  # noqa: E402
 import skips  # noqa: E402
@@ -25,14 +25,10 @@ CHANGES = (1, 10)  # of each robot, a second: one is what a robot's node lets th
 
 
 def parse():
-    parser = argparse.ArgumentParser(prog="scripts/bench page", description=__doc__)
-    parser.add_argument("--programs", default=trb_fleet.REPO / "build" / "release" / "bin", type=pathlib.Path)
-    parser.add_argument("--rounds", default=5, type=int, help="how often it is opened (5)")
+    parser = bench_options.parser("page", __doc__, 5, "how often it is opened (5)")
     parser.add_argument("--robots", default=1000, type=int, help="on the map (1,000)")
     parser.add_argument("--only", choices=("first", "map"), help="one of the two measurements")
     parser.add_argument("--ahead", action="store_true", help=ahead.HELP)
-    parser.add_argument("--quick", action="store_true", help="only that it works")
-    parser.add_argument("--json", type=pathlib.Path)
     options = parser.parse_args()
     if options.quick:
         options.robots = 20

@@ -1,14 +1,10 @@
 // trb-bench-road: the processes of scripts/bench (tests/bench/README.md). Each ends with its parent.
-#include <signal.h>
-#include <sys/prctl.h>
-
 #include <cstdio>
-#include <exception>
 #include <map>
 #include <string>
 #include <vector>
 
-#include "common/security/keys.hpp"
+#include "tests/bench/bench_main.hpp"
 #include "tests/bench/road/drive.hpp"
 #include "tests/bench/road/relay.hpp"
 #include "tests/bench/road/tcp_end.hpp"
@@ -113,12 +109,5 @@ int run(const std::string& role, const Words& words) {
 }  // namespace trb::bench
 
 int main(int argc, char** argv) {
-  try {
-    ::prctl(PR_SET_PDEATHSIG, SIGTERM);
-    trb::init_crypto();
-    return trb::bench::run(argc > 1 ? argv[1] : "", {argv + std::min(argc, 2), argv + argc});
-  } catch (const std::exception& problem) {
-    std::fprintf(stderr, "trb-bench-road: %s\n", problem.what());
-    return 1;
-  }
+  return trb::bench::bench_main("trb-bench-road", argc, argv, trb::bench::run);
 }

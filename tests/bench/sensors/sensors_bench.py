@@ -2,7 +2,6 @@
 """What 200 sensors at 10 Hz and 50 remote streams of them cost the control messages of the same two nodes: their round
 trip idle and beside the sensors, in turns, in one run. Control has one core, the sensors the other: see README.md.
 """
-import argparse
 import json
 import os
 import pathlib
@@ -14,8 +13,9 @@ import time
 import zmq
 
 REPO = pathlib.Path(__file__).resolve().parents[3]
-sys.path[:0] = [str(REPO / "tests" / each) for each in ("support", "integration", "bench/lane")] + [str(REPO / "scripts")]
+sys.path[:0] = [str(REPO / "tests" / each) for each in ("support", "integration", "bench", "bench/lane")] + [str(REPO / "scripts")]
 
+import bench_options  # noqa: E402
 import sensor_side  # noqa: E402
 import skips  # noqa: E402
 import support  # noqa: E402
@@ -115,13 +115,9 @@ def make_fleet(folder, programs):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--programs", default=REPO / "build" / "release" / "bin", type=pathlib.Path)
-    parser.add_argument("--rounds", default=5, type=int)
+    parser = bench_options.parser("sensors", __doc__, 5)
     parser.add_argument("--sensors", default=200, type=int)
     parser.add_argument("--streams", default=50, type=int)
-    parser.add_argument("--quick", action="store_true", help="only that it works, with a tenth of the sensors")
-    parser.add_argument("--json", type=pathlib.Path)
     options = parser.parse_args()
     if options.quick:
         options.rounds, options.sensors, options.streams = 1, options.sensors // 10, options.streams // 10

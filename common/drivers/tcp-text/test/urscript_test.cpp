@@ -21,13 +21,10 @@ TEST_CASE("URScript takes data as literals only") {
   CHECK(fill("f({data})", "true", urscript_literal) == "f(True)");
   CHECK(fill("f({data})", "\"a b\"", urscript_literal) == "f(\"a b\")");
   CHECK(fill("f({0})", "[\"a\"]", urscript_literal) == "f(\"a\")");
-  CHECK(fill("f({data})", "null", urscript_literal) == "bad_value");
-  CHECK(fill("f({data})", "{\"a\": 1}", urscript_literal) == "bad_value");
-  CHECK(fill("f({data})", "[[1]]", urscript_literal) == "bad_value");
-  CHECK(fill("f({1})", "[1]", urscript_literal) == "bad_value");
-  CHECK(fill("f({0})", "1", urscript_literal) == "bad_value");
-  CHECK(fill("f({data})", "", urscript_literal) == "bad_value");
-  CHECK(fill("f({data})", "1); g(", urscript_literal) == "bad_value");
+  const std::pair<const char*, const char*> no_literals[] = {
+      {"f({data})", "null"}, {"f({data})", "{\"a\": 1}"}, {"f({data})", "[[1]]"}, {"f({1})", "[1]"},
+      {"f({0})", "1"},       {"f({data})", ""},           {"f({data})", "1); g("}};
+  for (const auto& [form, data] : no_literals) CHECK(fill(form, data, urscript_literal) == "bad_value");
   for (const char* bad : {R"("a\"b")", R"("a\\b")", R"("a\tb")", "\"\xc3\xbc\"", R"("\u0000")"}) {
     CHECK(fill("f({data})", bad, urscript_literal) == "not_escapable");
   }

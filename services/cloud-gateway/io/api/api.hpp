@@ -14,6 +14,12 @@ namespace trb::gateway {
 
 using Handler = std::function<void(const CallPtr&)>;
 
+/// `act(gateway, call)` as a handler.
+template <class Act>
+Handler of_gateway(Gateway& gateway, Act act) {
+  return [&gateway, act](const CallPtr& call) { act(gateway, call); };
+}
+
 /// Filled once, at the start.
 class HandlerTable {
  public:

@@ -140,17 +140,14 @@ void check(Gateway& gateway, const CallPtr& call) {
 }  // namespace
 
 void add_scenario_routes(Gateway& gateway, HandlerTable& table) {
-  const auto add = [&](Method method, std::string_view path, auto act) {
-    table.add(method, path, [&gateway, act](const CallPtr& call) { act(gateway, call); });
-  };
-  add(Method::get, "/api/v1/scenarios", list_scenarios);
-  add(Method::post, "/api/v1/scenarios", store);
-  add(Method::post, "/api/v1/scenarios/import", import_file);
-  add(Method::post, "/api/v1/scenarios/check", check);
-  add(Method::get, "/api/v1/scenarios/{scenario}", show_scenario);
-  add(Method::put, "/api/v1/scenarios/{scenario}", change_scenario);
-  add(Method::delete_, "/api/v1/scenarios/{scenario}", delete_scenario);
-  add(Method::get, "/api/v1/scenarios/{scenario}/export", export_file);
+  table.add(Method::get, "/api/v1/scenarios", of_gateway(gateway, list_scenarios));
+  table.add(Method::post, "/api/v1/scenarios", of_gateway(gateway, store));
+  table.add(Method::post, "/api/v1/scenarios/import", of_gateway(gateway, import_file));
+  table.add(Method::post, "/api/v1/scenarios/check", of_gateway(gateway, check));
+  table.add(Method::get, "/api/v1/scenarios/{scenario}", of_gateway(gateway, show_scenario));
+  table.add(Method::put, "/api/v1/scenarios/{scenario}", of_gateway(gateway, change_scenario));
+  table.add(Method::delete_, "/api/v1/scenarios/{scenario}", of_gateway(gateway, delete_scenario));
+  table.add(Method::get, "/api/v1/scenarios/{scenario}/export", of_gateway(gateway, export_file));
 }
 
 }  // namespace trb::gateway

@@ -102,13 +102,10 @@ void remove_simulation(Gateway& gateway, const CallPtr& call) {
 }  // namespace
 
 void add_simulation_routes(Gateway& gateway, HandlerTable& table) {
-  const auto add = [&](Method method, std::string_view path, auto act) {
-    table.add(method, path, [&gateway, act](const CallPtr& call) { act(gateway, call); });
-  };
-  add(Method::get, "/api/v1/simulations", list_simulations);
-  add(Method::post, "/api/v1/simulations", start_simulation);
-  add(Method::get, "/api/v1/simulations/{simulation}", show_simulation);
-  add(Method::delete_, "/api/v1/simulations/{simulation}", remove_simulation);
+  table.add(Method::get, "/api/v1/simulations", of_gateway(gateway, list_simulations));
+  table.add(Method::post, "/api/v1/simulations", of_gateway(gateway, start_simulation));
+  table.add(Method::get, "/api/v1/simulations/{simulation}", of_gateway(gateway, show_simulation));
+  table.add(Method::delete_, "/api/v1/simulations/{simulation}", of_gateway(gateway, remove_simulation));
 }
 
 }  // namespace trb::gateway

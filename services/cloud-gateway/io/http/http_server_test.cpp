@@ -19,6 +19,18 @@ HttpServerSettings impatient() {
 
 const std::string kGet = get("/a");
 
+/// One client that was served, and one whose request is under way.
+struct IdleAndBusy {
+  explicit IdleAndBusy(ServerBench& bench) : idle(bench.client()), busy(bench.client()) {
+    idle.say(kGet);
+    idle.hear("/a ");
+    busy.say(get("/later"));
+    REQUIRE(bench.until([&] { return bench.handler.kept.size() == 1; }));
+  }
+  TlsClient idle;
+  TlsClient busy;
+};
+
 }  // namespace
 
 TEST_CASE("server: a request is answered, and the next one on the same connection") {
@@ -220,12 +232,8 @@ TEST_CASE("server: when it is full, the one that waits longest makes room; who i
   HttpServerSettings settings;
   settings.max_connections = 2;
   ServerBench bench(settings);
-  TlsClient idle = bench.client();
-  idle.say(kGet);
-  idle.hear("/a ");
-  TlsClient busy = bench.client();
-  busy.say(get("/later"));
-  REQUIRE(bench.until([&] { return bench.handler.kept.size() == 1; }));
+  IdleAndBusy clients(bench);
+  auto& [idle, busy] = clients;
   TlsClient third = bench.client();
   third.say(get("/later"));
   CHECK(idle.is_dropped());
@@ -291,12 +299,8 @@ TEST_CASE("server: when it stops, a request under way is finished and is the las
 
 TEST_CASE("server: given it goes while requests are under way, then their answers are nothing") {
   ServerBench bench;
-  TlsClient idle = bench.client();
-  idle.say(kGet);
-  idle.hear("/a ");
-  TlsClient busy = bench.client();
-  busy.say(get("/later"));
-  REQUIRE(bench.until([&] { return bench.handler.kept.size() == 1; }));
+  IdleAndBusy clients(bench);
+  auto& [idle, busy] = clients;
   bench.server.reset();
   bench.handler.kept.at(0)({});
   CHECK(idle.is_dropped());

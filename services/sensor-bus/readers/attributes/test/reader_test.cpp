@@ -52,12 +52,11 @@ TEST_CASE("a file that vanishes, is empty or holds no number is an error of its 
   const std::string good = machine.plug_hwmon("hwmon1", "2000\n");
   Running running;
   REQUIRE(running.tells(broken + "#temp1_input", 1));
-  machine.set(broken, "temp1_input", "");
-  running.devices->read_now(broken + "#temp1_input");
-  CHECK(running.fails(broken + "#temp1_input", "there is no number"));
-  machine.set(broken, "temp1_input", "12x\n");
-  running.devices->read_now(broken + "#temp1_input");
-  CHECK(running.fails(broken + "#temp1_input", "'12x' is no number"));
+  for (const auto& [text, error] : {std::pair{"", "there is no number"}, std::pair{"12x\n", "'12x' is no number"}}) {
+    machine.set(broken, "temp1_input", text);
+    running.devices->read_now(broken + "#temp1_input");
+    CHECK(running.fails(broken + "#temp1_input", error));
+  }
   std::filesystem::remove(machine.file(broken + "/temp1_input"));
   running.devices->read_now(broken + "#temp1_input");
   CHECK(running.fails(broken + "#temp1_input", "No such file"));
