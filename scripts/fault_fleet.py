@@ -186,6 +186,7 @@ class FaultFleet(trb_fleet.Fleet):
         """The hall's people: no fault, batteries full."""
         for robot in self.robots:
             self.tell(robot, "clear")
+        self.tell("ur3", "brake_release")  # an emergency stop takes an arm's power
         self.charge()
 
     def charge(self):

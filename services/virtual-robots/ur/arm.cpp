@@ -2,20 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+#include <limits>
+#include <utility>
 
 namespace trb::virtual_robots::ur {
 namespace {
 
-/** How far the base sways in a motion to a pose, so that a watcher sees a motion. */
-constexpr double kPoseSway = 0.001;
 /** The step of a motion by speed, in seconds. */
 constexpr double kStep = 0.004;
-
-double move_duration(double distance, const MoveStep& step, double default_speed, double shortest) {
-  if (step.time > 0) return std::max(step.time, shortest);
-  return std::max(distance / (step.speed > 0 ? step.speed : default_speed), shortest);
-}
 
 template <typename Array>
 Array between(const Array& from, const Array& to, double fraction) {
@@ -24,36 +18,29 @@ Array between(const Array& from, const Array& to, double fraction) {
   return result;
 }
 
-double distance(const Pose& a, const Pose& b) {
-  return std::hypot(a.values[0] - b.values[0], a.values[1] - b.values[1], a.values[2] - b.values[2]);
-}
-
 }  // namespace
 
-double Arm::start(const MoveStep& step, double now) {
+bool Arm::start(const MoveStep& step, double now) {
   halt(now);
-  from_ = to_ = at(now).position;
+  const Joints from = at(now).position;
   speed_.reset();
-  begin_ = now;
-  if (const auto* joints = std::get_if<Joints>(&step.target)) {
-    start_joints(*joints, step, now);
-  } else {
-    start_pose(std::get<Pose>(step.target), step, now);
-  }
-  return end_;
+  auto path = path_of(step, from, frame_of(tool_));
+  path_ = path ? std::move(*path) : Path{{from}, 0};
+  done_ = path ? 0 : 1;
+  since_ = now;
+  return path.has_value();
 }
 
-void Arm::start_joints(const Joints& target, const MoveStep& step, double now) {
-  double farthest = 0;
-  for (std::size_t i = 0; i < kJointCount; ++i) farthest = std::max(farthest, std::abs(target[i] - from_[i]));
-  to_ = target;
-  end_ = now + move_duration(farthest, step, kDefaultJointSpeed, kShortestJointMove);
+double Arm::end() const {
+  if (done_ >= 1) return since_;
+  if (scale_ <= 0) return std::numeric_limits<double>::infinity();
+  return since_ + (1 - done_) * path_.duration / scale_;
 }
 
-void Arm::start_pose(const Pose& target, const MoveStep& step, double now) {
-  pose_to_ = target;
-  sway_ = kPoseSway;
-  end_ = now + move_duration(distance(pose_from_, target), step, kDefaultToolSpeed, kShortestToolMove);
+void Arm::scale(double fraction_of_speed, double now) {
+  done_ = fraction(now);
+  since_ = std::max(since_, now);
+  scale_ = std::clamp(fraction_of_speed, 0.0, 1.0);
 }
 
 double Arm::run(const SpeedStep& step, double now) {
@@ -76,11 +63,9 @@ void Arm::halt(double now) {
     brake(kProgramEnd, now);
     return;
   }
-  const double done = fraction(now);
-  from_ = to_ = at(now).position;
-  pose_from_.values = pose_to_.values = between(pose_from_.values, pose_to_.values, done);
-  sway_ = 0;
-  begin_ = end_ = now;
+  path_ = {{at(now).position}, 0};
+  done_ = 1;
+  since_ = now;
 }
 
 void Arm::settle(double now) {
@@ -92,7 +77,7 @@ Arm::BySpeed& Arm::by_speed(bool tool, double now) {
   if (!speed_) {
     speed_ = BySpeed{};
     speed_->tool = tool;
-    speed_->position = at_target(now).position;
+    speed_->position = at_path(now).position;
     speed_->since = now;
   }
   speed_->advance(now);
@@ -129,27 +114,29 @@ void Arm::BySpeed::advance(double now) {
 }
 
 JointState Arm::at(double now) const {
-  if (!speed_) return at_target(now);
+  if (!speed_) return at_path(now);
   BySpeed motion = *speed_;
   motion.advance(now);
-  return {motion.position, motion.position, motion.joint_speeds()};
+  return {motion.position, motion.joint_speeds()};
 }
 
-JointState Arm::at_target(double now) const {
+JointState Arm::at_path(double now) const {
   const double done = fraction(now);
-  JointState state{between(from_, to_, done), to_, {}};
-  if (done >= 1.0) return state;
-  const double duration = end_ - begin_;
-  for (std::size_t i = 0; i < kJointCount; ++i) state.speed[i] = (to_[i] - from_[i]) / duration;
-  const double angle = std::numbers::pi * done;
-  state.position[0] += sway_ * std::sin(angle);
-  state.speed[0] += sway_ * std::cos(angle) * std::numbers::pi / duration;
+  if (done >= 1) return {path_.points.back(), {}};
+  const std::size_t pieces = path_.points.size() - 1;
+  const double place = done * static_cast<double>(pieces);
+  const auto piece = std::min(static_cast<std::size_t>(place), pieces - 1);
+  const Joints& from = path_.points[piece];
+  const Joints& to = path_.points[piece + 1];
+  JointState state{between(from, to, place - static_cast<double>(piece)), {}};
+  const double pace = static_cast<double>(pieces) * scale_ / path_.duration;
+  for (std::size_t i = 0; i < kJointCount; ++i) state.speed[i] = (to[i] - from[i]) * pace;
   return state;
 }
 
 double Arm::fraction(double now) const {
-  if (end_ <= begin_ || now >= end_) return 1.0;
-  return std::max(0.0, (now - begin_) / (end_ - begin_));
+  if (done_ >= 1 || now >= end()) return 1.0;
+  return done_ + std::max(0.0, now - since_) * scale_ / path_.duration;
 }
 
 }  // namespace trb::virtual_robots::ur

@@ -2,33 +2,36 @@
 
 #include <optional>
 
-#include "services/virtual-robots/ur/kinematics.hpp"
-#include "services/virtual-robots/ur/script.hpp"
+#include "services/virtual-robots/ur/path.hpp"
 
 namespace trb::virtual_robots::ur {
 
-/** The joints' state at one moment. */
+/** The joints' state at one moment. The arm follows its trajectory exactly: what it should do is what it does. */
 struct JointState {
   Joints position{};
-  Joints target{};
   Joints speed{};
 };
 
 /**
- * The motion of six joints: to a target, a straight line in time; or by speed, with an acceleration. A tool's speed is
- * turned into the joints' by the arm's kinematics; a target that is a pose is only remembered.
+ * The motion of six joints: to a target, along a path, evenly in time; or by speed, with an acceleration. A tool's speed
+ * is turned into the joints' by the arm's kinematics.
  */
 class Arm {
  public:
-  static constexpr double kDefaultJointSpeed = 1.05;
-  static constexpr double kShortestJointMove = 0.1;
-  static constexpr double kDefaultToolSpeed = 0.25;
-  static constexpr double kShortestToolMove = 0.2;
   /** How the arm brakes when its program ends while it moves by speed. */
   static constexpr double kProgramEnd = 4;
 
-  /** Starts a motion and returns when it ends. */
-  double start(const MoveStep& step, double now);
+  /** Starts a motion. False: out of reach, the arm stands still. */
+  bool start(const MoveStep& step, double now);
+
+  /** When the motion to a target ends; infinite while the speed slider is at 0. */
+  double end() const;
+
+  /** The speed slider, 0 to 1, scales motions to a target. */
+  void scale(double fraction, double now);
+
+  void set_tool(const Pose& tool) { tool_ = tool; }
+  const Pose& tool() const { return tool_; }
 
   /** Accelerates to a speed from the present one; returns when the function returns: the arm goes on. */
   double run(const SpeedStep& step, double now);
@@ -59,19 +62,15 @@ class Arm {
     Joints joint_speeds() const;
   };
 
-  void start_joints(const Joints& target, const MoveStep& step, double now);
-  void start_pose(const Pose& target, const MoveStep& step, double now);
   double fraction(double now) const;
-  JointState at_target(double now) const;
+  JointState at_path(double now) const;
   BySpeed& by_speed(bool tool, double now);
 
-  Joints from_{0.0, -1.5708, 0.0, -1.5708, 0.0, 0.0};
-  Joints to_ = from_;
-  Pose pose_from_;
-  Pose pose_to_;
-  double sway_ = 0;
-  double begin_ = 0;
-  double end_ = 0;
+  Path path_{{{0.0, -1.5708, 0.0, -1.5708, 0.0, 0.0}}, 0};
+  Pose tool_;
+  double done_ = 1;   ///< the part of the path that was done at `since_`
+  double since_ = 0;
+  double scale_ = 1;
   std::optional<BySpeed> speed_;  ///< goes before the motion to a target
 };
 

@@ -1,6 +1,7 @@
 #include "services/virtual-robots/ur/controller.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "services/virtual-robots/support/text.hpp"
@@ -8,10 +9,12 @@
 namespace trb::virtual_robots::ur {
 namespace {
 
-/** The code of "the robot is not in operation", which is sent with the refusal of a program. */
+/** Sent with the refusal of a program while the robot is not in operation; not one of the maker's. */
 constexpr int kNotRunningCode = 100;
 /** The code of an injected fault; not one of the maker's. */
 constexpr int kInjectedCode = 999;
+/** The maker's "position in singularity": a straight line cannot be followed any further. */
+constexpr int kNoWayCode = 154;
 
 }  // namespace
 
@@ -36,22 +39,66 @@ bool Controller::take_command(std::string_view line, double now) {
   if (line == "stop program") {
     stop_everything(now);
   } else if (line == "power off") {
-    stop_program(now);
-    mode_ = RobotMode::PowerOff;
+    power_off(now);
   } else if (line == "power on") {
-    if (mode_ == RobotMode::PowerOff) mode_ = RobotMode::Idle;
+    power_on(now);
   } else if (line == "set robotmode run") {
-    if (mode_ == RobotMode::Idle) mode_ = RobotMode::Running;
+    release_brakes(now);
   } else if (line == "set unlock protective stop") {
-    if (safety_ == SafetyMode::ProtectiveStop) set_safety(SafetyMode::Normal, now);
+    unlock(now);
   } else {
     return false;
   }
   return true;
 }
 
+bool Controller::power_on(double now) {
+  advance(now);
+  if (safety_ == SafetyMode::EmergencyStop) return false;
+  if (mode_ == RobotMode::PowerOff) mode_ = RobotMode::Idle;
+  return true;
+}
+
+void Controller::power_off(double now) {
+  advance(now);
+  stop_program(now);
+  mode_ = RobotMode::PowerOff;
+}
+
+bool Controller::release_brakes(double now) {
+  if (!power_on(now)) return false;
+  mode_ = RobotMode::Running;
+  return true;
+}
+
+bool Controller::unlock(double now) {
+  if (safety_ != SafetyMode::ProtectiveStop || now - stopped_at_ < kUnlockAfter) return false;
+  set_safety(SafetyMode::Normal, now);
+  return true;
+}
+
+bool Controller::stop(double now) {
+  advance(now);
+  if (!program_) return false;
+  stop_everything(now);
+  return true;
+}
+
+bool Controller::pause(double now) {
+  advance(now);
+  if (!program_ || clock_.paused()) return false;
+  clock_.pause(now);
+  return true;
+}
+
+bool Controller::resume(double now) {
+  if (!program_ || !clock_.paused() || !in_operation()) return false;
+  clock_.resume(now);
+  return true;
+}
+
 bool Controller::refuse_when_not_running() {
-  if (mode_ == RobotMode::Running && safety_ == SafetyMode::Normal) return false;
+  if (in_operation()) return false;
   const int reason = safety_ == SafetyMode::Normal ? static_cast<int>(mode_) : 100 + static_cast<int>(safety_);
   emit(ErrorRaised{kNotRunningCode, reason, ErrorLevel::Violation, "robot_not_running"});
   emit(ScriptRefused{{1, 1, "runtime_error_robot_not_running:"}});
@@ -63,7 +110,16 @@ void Controller::set_safety(SafetyMode mode, double now) {
   if (mode == safety_) return;
   safety_ = mode;
   emit(SafetyChanged{mode});
+  if (mode == SafetyMode::ProtectiveStop) stopped_at_ = now;
   if (mode != SafetyMode::Normal) stop_everything(now);
+  if (mode == SafetyMode::EmergencyStop) mode_ = RobotMode::PowerOff;
+}
+
+void Controller::set_speed_fraction(double fraction, double now) {
+  advance(now);
+  speed_fraction_ = std::clamp(fraction, 0.0, 1.0);
+  arm_.scale(speed_fraction_, clock_.at(now));
+  if (program_ && moves_) step_end_ = arm_.end();
 }
 
 void Controller::raise_error(ErrorLevel level, std::string text, double now) {
@@ -74,10 +130,12 @@ void Controller::raise_error(ErrorLevel level, std::string text, double now) {
 void Controller::start(Program program, double now) {
   // A real controller stops the running program before it takes the next one, and reports that.
   stop_program(now);
+  ++programs_started_;
   emit(ProgramStarted{program.name});
   program_ = std::move(program);
   next_step_ = 0;
-  step_end_ = now;
+  step_end_ = clock_.at(now);
+  moves_ = false;
   advance(now);
 }
 
@@ -88,21 +146,22 @@ void Controller::run_secondary(const Program& program) {
 }
 
 void Controller::advance(double now) {
-  while (program_ && step_end_ <= now) {
+  const double due = clock_.at(now);
+  while (program_ && step_end_ <= due) {
     if (next_step_ == program_->steps.size()) {
-      stop_program(step_end_);
+      end_program(step_end_);
     } else {
+      moves_ = false;
       run_step(program_->steps[next_step_++]);
     }
   }
-  arm_.settle(now);
+  arm_.settle(due);
 }
 
 /** Begins a step where the last one ended, so that delays do not add up over a program. */
 void Controller::run_step(const Step& step) {
   if (const auto* move = std::get_if<MoveStep>(&step)) {
-    emit(MoveStarted{*move});
-    step_end_ = arm_.start(*move, step_end_);
+    run_move(*move);
   } else if (const auto* speed = std::get_if<SpeedStep>(&step)) {
     emit(SpeedStarted{*speed});
     step_end_ = arm_.run(*speed, step_end_);
@@ -115,14 +174,39 @@ void Controller::run_step(const Step& step) {
   } else if (const auto* halt = std::get_if<HaltStep>(&step)) {
     step_end_ = arm_.brake(halt->acceleration, step_end_);
     emit(Stopped{});
+  } else if (const auto* tool = std::get_if<ToolStep>(&step)) {
+    arm_.set_tool(tool->tool);
   }
 }
 
-void Controller::stop_program(double now) {
+void Controller::run_move(const MoveStep& step) {
+  emit(MoveStarted{step});
+  if (arm_.start(step, step_end_)) {
+    moves_ = true;
+    step_end_ = arm_.end();
+    return;
+  }
+  if (step.function == "movel") {
+    emit(ErrorRaised{kNoWayCode, 0, ErrorLevel::Violation, "Position in singularity"});
+  } else {
+    emit(ScriptRefused{{step.line, step.column,
+                        "The robot cannot reach the requested pose. Script function " + step.function +
+                            " is unable to find an inverse kinematics solution."}});
+  }
+  end_program(step_end_);
+}
+
+void Controller::end_program(double program_time) {
   if (!program_) return;
-  arm_.halt(now);
+  arm_.halt(program_time);
   emit(ProgramStopped{program_->name});
   program_.reset();
+  moves_ = false;
+}
+
+void Controller::stop_program(double now) {
+  clock_.resume(now);
+  end_program(clock_.at(now));
 }
 
 void Controller::stop_everything(double now) {
@@ -131,12 +215,15 @@ void Controller::stop_everything(double now) {
 }
 
 std::optional<double> Controller::next_deadline() const {
-  if (!program_) return std::nullopt;
-  return step_end_;
+  if (!program_ || clock_.paused() || !std::isfinite(step_end_)) return std::nullopt;
+  return clock_.when(step_end_);
 }
 
 RobotState Controller::state(double now) const {
-  return {mode_, safety_, program_.has_value(), arm_.at(now)};
+  RobotState state{mode_, safety_, program_.has_value() && !clock_.paused(), clock_.paused(), speed_fraction_,
+                   arm_.at(clock_.at(now)), arm_.tool()};
+  if (clock_.paused()) state.joints.speed = {};
+  return state;
 }
 
 std::vector<Event> Controller::take_events() {

@@ -1,11 +1,13 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string_view>
 #include <vector>
 
 #include "services/virtual-robots/ur/arm.hpp"
 #include "services/virtual-robots/ur/events.hpp"
+#include "services/virtual-robots/ur/program_clock.hpp"
 
 namespace trb::virtual_robots::ur {
 
@@ -18,8 +20,25 @@ class Controller {
   /** A whole program or one line, as split by the intake. */
   void take(std::string_view script, double now);
 
-  /** Events outside of the scripts; Normal clears a stop of either kind. */
+  /** Events outside of the scripts; Normal clears a stop of either kind. An emergency stop takes the arm's power. */
   void set_safety(SafetyMode mode, double now);
+
+  /** What the dashboard and the lines of a script's port ask for. False: refused, nothing has changed. */
+  bool power_on(double now);
+  void power_off(double now);
+  /** Switches the power on first, if it is off. */
+  bool release_brakes(double now);
+  /** A protective stop must have lasted for kUnlockAfter seconds. */
+  bool unlock(double now);
+  /** False: no program runs. */
+  bool stop(double now);
+  bool pause(double now);
+  bool resume(double now);
+
+  /** The speed slider, 0 to 1. */
+  void set_speed_fraction(double fraction, double now);
+
+  static constexpr double kUnlockAfter = 5;
 
   /** An error message of the controller; the arm goes on. */
   void raise_error(ErrorLevel level, std::string text, double now);
@@ -33,15 +52,21 @@ class Controller {
   RobotState state(double now) const;
   /** Of the running program, else `<unnamed>`. */
   std::string program_name() const { return program_ ? program_->name : "<unnamed>"; }
+  /** How many programs have been started so far. */
+  std::uint64_t programs_started() const { return programs_started_; }
   std::vector<Event> take_events();
 
  private:
   bool take_command(std::string_view line, double now);
+  void run_move(const MoveStep& step);
   void start(Program program, double now);
   void run_secondary(const Program& program);
   bool refuse_when_not_running();
   void run_step(const Step& step);
+  /** In the program's time. */
+  void end_program(double program_time);
   void stop_program(double now);
+  bool in_operation() const { return mode_ == RobotMode::Running && safety_ == SafetyMode::Normal; }
   void stop_everything(double now);
   void emit(Event event) { events_.push_back(std::move(event)); }
 
@@ -51,6 +76,11 @@ class Controller {
   std::optional<Program> program_;
   std::size_t next_step_ = 0;
   double step_end_ = 0;
+  bool moves_ = false;  ///< the step under way is a motion to a target: the slider scales it
+  double stopped_at_ = 0;  ///< when the protective stop began
+  ProgramClock clock_;
+  double speed_fraction_ = 1;
+  std::uint64_t programs_started_ = 0;
   std::vector<Event> events_;
 };
 

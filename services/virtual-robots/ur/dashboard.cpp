@@ -5,50 +5,6 @@
 #include "services/virtual-robots/support/text.hpp"
 
 namespace trb::virtual_robots::ur {
-namespace {
-
-std::string mode_name(RobotMode mode) {
-  if (mode == RobotMode::PowerOff) return "POWER_OFF";
-  return mode == RobotMode::Idle ? "IDLE" : "RUNNING";
-}
-
-std::string safety_answer(SafetyMode mode) {
-  if (mode == SafetyMode::Normal) return "NORMAL";
-  return mode == SafetyMode::ProtectiveStop ? "PROTECTIVE_STOP" : "ROBOT_EMERGENCY_STOP";
-}
-
-/** A word of the dashboard, the controller's own line for it, and the answer. */
-struct Order {
-  std::string_view line;
-  std::string_view command;
-  std::string_view answer;
-};
-
-constexpr Order kOrders[] = {
-    {"power on", "power on", "Powering on"},
-    {"power off", "power off", "Powering off"},
-    {"brake release", "set robotmode run", "Brake releasing"},
-    {"stop", "stop program", "Stopped"},
-    {"unlock protective stop", "set unlock protective stop", "Protective stop releasing"},
-};
-
-}  // namespace
-
-std::string dashboard_answer(std::string_view line, Controller& controller, double now) {
-  const RobotState state = controller.state(now);
-  if (line == "running") return state.program_running ? "Program running: true" : "Program running: false";
-  if (line == "programState") return (state.program_running ? "PLAYING " : "STOPPED ") + controller.program_name();
-  if (line == "robotmode") return "Robotmode: " + mode_name(state.mode);
-  if (line == "safetymode") return "Safetymode: " + safety_answer(state.safety);
-  if (line == "quit") return "Disconnected";
-  for (const Order& order : kOrders) {
-    if (line != order.line) continue;
-    controller.take(order.command, now);
-    return std::string(order.answer);
-  }
-  return "could not understand: '" + escape_line(line) + "'";
-}
-
 void Dashboard::add_to_poll(std::vector<pollfd>& polled) {
   poll_begin_ = polled.size();
   polled.push_back({listener_.get(), POLLIN, 0});
@@ -82,7 +38,7 @@ void Dashboard::read_from(Client& client, Controller& controller, double now) {
   for (std::size_t end; !client.leaves && (end = client.input.find('\n')) != std::string::npos;) {
     const std::string line(trim(std::string_view(client.input).substr(0, end)));
     client.input.erase(0, end + 1);
-    client.output += dashboard_answer(line, controller, now) + "\n";
+    client.output += words_.answer(line, controller, now) + "\n";
     client.leaves = line == "quit";
   }
   if (client.input.size() > kLongestLine || client.output.size() > kLargestOutput) client.gone = true;

@@ -7,14 +7,9 @@
 #include <vector>
 
 #include "services/virtual-robots/support/socket.hpp"
-#include "services/virtual-robots/ur/controller.hpp"
+#include "services/virtual-robots/ur/dashboard_words.hpp"
 
 namespace trb::virtual_robots::ur {
-
-constexpr std::string_view kDashboardGreeting = "Connected: Universal Robots Dashboard Server";
-
-/** The dashboard's answer to one line; applies it to the controller. */
-std::string dashboard_answer(std::string_view line, Controller& controller, double now);
 
 /** The dashboard's port: a greeting, then one answer per line. It never waits: the loop around it polls. */
 class Dashboard {
@@ -23,7 +18,7 @@ class Dashboard {
   static constexpr std::size_t kLongestLine = 1024;
   static constexpr std::size_t kLargestOutput = 64 * 1024;
 
-  explicit Dashboard(Fd listener) : listener_(std::move(listener)) {}
+  Dashboard(Fd listener, DashboardWords words) : listener_(std::move(listener)), words_(std::move(words)) {}
 
   std::uint16_t port() const { return port_of(listener_); }
   void add_to_poll(std::vector<pollfd>& polled);
@@ -44,6 +39,7 @@ class Dashboard {
   void flush(Client& client);
 
   Fd listener_;
+  DashboardWords words_;
   std::vector<Client> clients_;
   std::size_t poll_begin_ = 0;
 };

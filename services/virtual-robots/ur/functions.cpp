@@ -51,7 +51,7 @@ std::variant<Joints, Pose> target_of(const Value& value) {
 }
 
 Step make_move(const std::string& function, const Bound& bound) {
-  return MoveStep{function, target_of(*bound[0]), number_or(bound, 2, 0), number_or(bound, 3, 0)};
+  return MoveStep{function, target_of(*bound[0]), number_or(bound, 2, 0), number_or(bound, 3, 0), 1, 1};
 }
 
 /** stopj and stopl brake with this if no acceleration is given. */
@@ -85,6 +85,10 @@ Step make_halt(const std::string&, const Bound& bound) {
   return HaltStep{number_or(bound, 0, kStopAcceleration)};
 }
 
+Step make_tool(const std::string&, const Bound& bound) {
+  return ToolStep{std::get<Pose>(*bound[0])};
+}
+
 Step make_setting(const std::string& function, const Bound&) {
   return SettingStep{function};
 }
@@ -109,7 +113,7 @@ const std::vector<Function>& functions() {
         {"error", Kind::Boolean},
         {"blocking", Kind::Boolean}},
        make_popup},
-      {"set_tcp", {{"pose", Kind::Pose, true}, {"tcp_name", Kind::Text}}, make_setting},
+      {"set_tcp", {{"pose", Kind::Pose, true}, {"tcp_name", Kind::Text}}, make_tool},
       {"set_payload", {{"m", Kind::Number, true}, {"cog", Kind::Any}}, make_setting},
       {"speedj", {{"qd", Kind::Six, true}, {"a", Kind::Positive}, {"t", Kind::Number}}, make_speed},
       {"speedl",
@@ -195,7 +199,13 @@ class Binder {
 
 Step bind_call(const ScriptLine& line, const Call& call) {
   for (const Function& function : functions()) {
-    if (function.name == call.function) return function.make(call.function, Binder(line, call, function).bind());
+    if (function.name != call.function) continue;
+    Step step = function.make(call.function, Binder(line, call, function).bind());
+    if (auto* move = std::get_if<MoveStep>(&step)) {
+      move->line = line.number;
+      move->column = call.column;
+    }
+    return step;
   }
   fail_with(line, call.column, "compile_error_name_not_found:" + call.function + ":");
 }

@@ -8,43 +8,13 @@
 namespace trb::virtual_robots::ur {
 namespace {
 
-using Vector = std::array<double, 3>;
 using Matrix = std::array<std::array<double, 6>, 6>;
 
 constexpr double kRight = std::numbers::pi / 2;
 constexpr double kFastestJoint = std::numbers::pi;  // rad/s
 constexpr double kDamping = 1e-4;
 
-/** Denavit and Hartenberg's parameters of a UR3, as its maker publishes them. */
-struct Link {
-  double a;
-  double d;
-  double alpha;
-};
-constexpr std::array<Link, kJointCount> kLinks{{{0, 0.1519, kRight},
-                                                {-0.24365, 0, 0},
-                                                {-0.21325, 0, 0},
-                                                {0, 0.11235, kRight},
-                                                {0, 0.08535, -kRight},
-                                                {0, 0.0819, 0}}};
-
-/** A frame: its axes, and its origin. */
-struct Frame {
-  Vector x{1, 0, 0};
-  Vector y{0, 1, 0};
-  Vector z{0, 0, 1};
-  Vector origin{};
-};
-
-Vector sum(double a, const Vector& x, double b, const Vector& y) {
-  return {a * x[0] + b * y[0], a * x[1] + b * y[1], a * x[2] + b * y[2]};
-}
-
-Vector cross(const Vector& a, const Vector& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-
-Frame behind(const Frame& frame, const Link& link, double joint) {
+Frame link_end(const Frame& frame, const Link& link, double joint) {
   const double c = std::cos(joint);
   const double s = std::sin(joint);
   const double ca = std::cos(link.alpha);
@@ -61,7 +31,7 @@ Frame behind(const Frame& frame, const Link& link, double joint) {
 /** The frames of the foot and behind each joint. */
 std::array<Frame, kJointCount + 1> frames_of(const Joints& joints) {
   std::array<Frame, kJointCount + 1> frames{};
-  for (std::size_t i = 0; i < kJointCount; ++i) frames[i + 1] = behind(frames[i], kLinks[i], joints[i]);
+  for (std::size_t i = 0; i < kJointCount; ++i) frames[i + 1] = link_end(frames[i], kLinks[i], joints[i]);
   return frames;
 }
 
@@ -104,8 +74,23 @@ Twist solve(Matrix left, Twist right) {
 
 }  // namespace
 
-std::array<double, 3> flange_of(const Joints& joints) {
+const std::array<Link, kJointCount> kLinks{{{0, 0.1519, kRight},
+                                            {-0.24365, 0, 0},
+                                            {-0.21325, 0, 0},
+                                            {0, 0.11235, kRight},
+                                            {0, 0.08535, -kRight},
+                                            {0, 0.0819, 0}}};
+
+Vector flange_of(const Joints& joints) {
   return frames_of(joints)[kJointCount].origin;
+}
+
+Frame flange_frame(const Joints& joints) {
+  return frames_of(joints)[kJointCount];
+}
+
+Vector elbow_of(const Joints& joints) {
+  return frames_of(joints)[2].origin;
 }
 
 Twist twist_of(const Joints& joints, const Joints& speeds) {

@@ -19,6 +19,8 @@ std::vector<Option> options_of(ur::Settings& settings) {
        [&](auto text) { settings.port_base = port_base(text); }},
       speed_option(settings.speed),
       control_option(settings.control),
+      {"--programs", "DIR", "the folder from which the dashboard loads programs (URScript)",
+       [&](auto text) { settings.programs = std::string(text); }},
       {"--start-off", "", "start powered off, not ready to run",
        [&](auto) { settings.mode = ur::RobotMode::PowerOff; }},
   };

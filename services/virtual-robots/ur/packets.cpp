@@ -52,10 +52,10 @@ std::string robot_mode_part(const RobotState& state, std::uint64_t time_us) {
   part.u8(0).u64(time_us);
   part.u8(1).u8(1).u8(powered);
   part.u8(state.safety == SafetyMode::EmergencyStop).u8(state.safety == SafetyMode::ProtectiveStop);
-  part.u8(state.program_running).u8(0);
+  part.u8(state.program_running).u8(state.program_paused);
   part.u8(static_cast<std::uint8_t>(state.mode)).u8(0);
   // The fraction of the target speed, the speed scaling and the limit of the fraction.
-  part.f64(1.0).f64(1.0).f64(1.0).u8(0);
+  part.f64(state.speed_fraction).f64(state.program_paused ? 0.0 : 1.0).f64(1.0).u8(0);
   return part.with_length();
 }
 
@@ -69,7 +69,7 @@ std::string joint_part(const RobotState& state) {
   Bytes part;
   part.u8(1);
   for (std::size_t i = 0; i < kJointCount; ++i) {
-    part.f64(state.joints.position[i]).f64(state.joints.target[i]).f64(state.joints.speed[i]);
+    part.f64(state.joints.position[i]).f64(state.joints.position[i]).f64(state.joints.speed[i]);
     // Current, voltage, motor temperature and board temperature: plausible, always the same.
     part.f32(0.0F).f32(48.0F).f32(30.0F).f32(0.0F).u8(joint_mode(state.mode));
   }

@@ -19,7 +19,10 @@ struct RobotState {
   RobotMode mode = RobotMode::Running;
   SafetyMode safety = SafetyMode::Normal;
   bool program_running = false;
+  bool program_paused = false;
+  double speed_fraction = 1;
   JointState joints;
+  Pose tool;              ///< from the flange to the tool's centre
 };
 
 // Each function returns one complete packet, big-endian, its length first. `time_us` is in microseconds.

@@ -43,7 +43,6 @@ TEST_CASE("robot state packet: mode and joints, one behind the other") {
   state.safety = SafetyMode::ProtectiveStop;
   state.program_running = true;
   state.joints.position = {1.0, 2.0, 0, 0, 0, 0};
-  state.joints.target = {-1.0, 0, 0, 0, 0, 0};
   state.joints.speed = {0.5, 0, 0, 0, 0, 0};
   const std::string bytes = robot_state_packet(state, kTime);
   REQUIRE(bytes.size() == 5 + 47 + 251);
@@ -60,7 +59,7 @@ TEST_CASE("robot state packet: mode and joints, one behind the other") {
   CHECK(hex(bytes.substr(52, 5 + 41)) ==
         "000000fb"
         "01"
-        "3ff0000000000000bff00000000000003fe0000000000000"
+        "3ff00000000000003ff00000000000003fe0000000000000"
         "000000004240000041f0000000000000"
         "fd");
   CHECK(hex(bytes.substr(57 + 41, 8)) == "4000000000000000");

@@ -25,6 +25,8 @@ struct MoveStep {
   std::variant<Joints, Pose> target;
   double speed = 0;
   double time = 0;
+  int line = 1;
+  int column = 1;
 };
 
 /** speedj or speedl: joint speeds, or the tool's twist in the base's frame; a time of 0: until the speed is reached. */
@@ -53,12 +55,17 @@ struct HaltStep {
   double acceleration = 0;
 };
 
-/** set_tcp, set_payload: checked and accepted, without a visible effect. */
+/** set_tcp: from the flange to the tool's centre. */
+struct ToolStep {
+  Pose tool;
+};
+
+/** set_payload: checked and accepted, without a visible effect. */
 struct SettingStep {
   std::string function;
 };
 
-using Step = std::variant<MoveStep, SpeedStep, SleepStep, DigitalOutStep, TextStep, HaltStep, SettingStep>;
+using Step = std::variant<MoveStep, SpeedStep, SleepStep, DigitalOutStep, TextStep, HaltStep, ToolStep, SettingStep>;
 
 struct Program {
   std::string name;

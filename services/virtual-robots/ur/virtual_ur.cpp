@@ -1,6 +1,7 @@
 #include "services/virtual-robots/ur/virtual_ur.hpp"
 
 #include <algorithm>
+#include <fstream>
 
 #include "services/virtual-robots/support/text.hpp"
 
@@ -9,13 +10,26 @@ namespace {
 
 constexpr double kStatePeriod = 0.1;
 
+DashboardWords::Programs programs_in(const std::string& folder) {
+  if (folder.empty()) return {};
+  return [folder](std::string_view name) -> std::optional<std::string> {
+    std::ifstream file(folder + "/" + std::string(name), std::ios::binary);
+    if (!file) return std::nullopt;
+    std::string text(Intake::kLongestProgram + 1, '\0');
+    file.read(text.data(), static_cast<std::streamsize>(text.size()));
+    text.resize(static_cast<std::size_t>(file.gcount()));
+    if (text.size() > Intake::kLongestProgram) return std::nullopt;
+    return text;
+  };
+}
+
 }  // namespace
 
 VirtualUr::VirtualUr(const Settings& settings)
     : clock_(settings.speed),
       controller_(settings.mode),
       server_(settings.address, settings.port_base),
-      dashboard_(server_.take_dashboard()),
+      dashboard_(server_.take_dashboard(), DashboardWords(programs_in(settings.programs))),
       console_(settings.control) {}
 
 void VirtualUr::run(const Fd& end) {
@@ -61,6 +75,8 @@ void VirtualUr::take_console_line(const std::string& line) {
     controller_.set_safety(SafetyMode::EmergencyStop, clock_.now());
   } else if (line == "clear") {
     controller_.set_safety(SafetyMode::Normal, clock_.now());
+  } else if (line == "brake_release") {
+    controller_.release_brakes(clock_.now());
   } else {
     print_line("unknown_line");
   }

@@ -19,6 +19,7 @@ struct Settings {
   double speed = 1.0;
   std::optional<Endpoint> control;
   RobotMode mode = RobotMode::Running;
+  std::string programs;  ///< the folder of what the dashboard loads; empty: none
 };
 
 /** The controller, its server and the clock in one loop. */

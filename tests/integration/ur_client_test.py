@@ -1,0 +1,137 @@
+"""The virtual Universal Robot as its maker's own clients find it. Address 127.0.155.10."""
+import pathlib
+import subprocess
+import tempfile
+import time
+import unittest
+
+import support
+import trb_fleet
+from ur_client import Dashboard, Primary, joints_of, robot_mode_of
+
+ADDRESS = "127.0.155.10"
+SPEED = 10
+HOME = "movej([0, -1.57, 0, -1.57, 0, 0])"
+
+
+class Controller(unittest.TestCase):
+    OPTIONS = []
+
+    def setUp(self):
+        self.robot = trb_fleet.Process(
+            [support.PROGRAMS / "trb-virtual-ur", "--address", ADDRESS, "--port-base", "auto", "--speed", str(SPEED),
+             *self.options()], pathlib.Path("/dev/null"), stdin=subprocess.PIPE)
+        self.addCleanup(self.robot.stop)
+        ready, _ = self.robot.wait_line("ready", 10)
+        self.ports = list(map(int, ready.split()[1:]))
+
+    def options(self):
+        return []
+
+    def kept(self, client):
+        self.addCleanup(client.close)
+        return client
+
+    def primary(self):
+        return self.kept(Primary(ADDRESS, self.ports[0]))
+
+    def secondary(self):
+        return self.kept(Primary(ADDRESS, self.ports[1]))
+
+    def dashboard(self):
+        return self.kept(Dashboard(ADDRESS, self.ports[2]))
+
+    def wait_answer(self, dashboard, line, wanted):
+        deadline = time.monotonic() + 20
+        while (answer := dashboard.ask(line)) != wanted:
+            self.assertLess(time.monotonic(), deadline, f"{line}: {answer}")
+        return answer
+
+
+class Power(Controller):
+    def test_brake_release_from_power_off_switches_the_power_on_by_itself(self):
+        dashboard = self.dashboard()
+        for way in (lambda: dashboard.ask("brake release"), lambda: self.primary().send("set robotmode run")):
+            dashboard.ask("power off")
+            self.wait_answer(dashboard, "robotmode", "Robotmode: POWER_OFF")
+            way()
+            self.wait_answer(dashboard, "robotmode", "Robotmode: RUNNING")
+
+    def test_an_emergency_stop_takes_the_power_and_refuses_it(self):
+        dashboard, primary = self.dashboard(), self.primary()
+        self.robot.say("estop")
+        self.wait_answer(dashboard, "safetystatus", "Safetystatus: ROBOT_EMERGENCY_STOP")
+        self.assertEqual(dashboard.ask("robotmode"), "Robotmode: POWER_OFF")
+        for line in ("power on", "brake release"):
+            self.assertEqual(dashboard.ask(line), "Failed to execute: " + line)
+        primary.send("power on\nset robotmode run")
+        parts = primary.until(lambda parts: robot_mode_of(parts)[1])
+        self.assertEqual(robot_mode_of(parts), (0, 1, 0, 0, 0, 3))
+        self.assertEqual(dashboard.ask("robotmode"), "Robotmode: POWER_OFF")
+        self.robot.say("clear")
+        self.wait_answer(dashboard, "safetystatus", "Safetystatus: NORMAL")
+        self.assertEqual(dashboard.ask("robotmode"), "Robotmode: POWER_OFF")
+        self.assertEqual(dashboard.ask("power on"), "Powering on")
+        self.assertEqual(dashboard.ask("robotmode"), "Robotmode: IDLE")
+
+    def test_a_protective_stop_is_unlocked_after_5_s_and_not_before(self):
+        dashboard, primary = self.dashboard(), self.primary()
+        self.robot.say("protective_stop")
+        self.wait_answer(dashboard, "safetystatus", "Safetystatus: PROTECTIVE_STOP")
+        self.assertEqual(dashboard.ask("close safety popup"), "closing safety popup")
+        refused = dashboard.ask("unlock protective stop")
+        self.assertEqual(refused, "Cannot unlock protective stop until 5s after occurrence. Always inspect cause of protective "
+                                  "stop before unlocking")
+        primary.send("set unlock protective stop")
+        self.assertEqual(dashboard.ask("safetystatus"), "Safetystatus: PROTECTIVE_STOP")
+        self.wait_answer(dashboard, "unlock protective stop", "Protective stop releasing")
+        self.assertEqual(dashboard.ask("safetystatus"), "Safetystatus: NORMAL")
+
+
+class Talk(Controller):
+    def options(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        (pathlib.Path(folder.name) / "wait.urp").write_text("def wait():\n  sleep(1000)\nend\n")
+        return ["--programs", folder.name]
+
+    def test_the_dashboard_answers_in_the_makers_words(self):
+        dashboard = self.dashboard()
+        self.assertEqual(dashboard.greeting, "Connected: Universal Robots Dashboard Server")
+        self.assertRegex(dashboard.ask("PolyscopeVersion"), r"^URSoftware \d+\.\d+\.\d+\.\d+ \(.*\)$")
+        for line, answer in (("popup hello", "showing popup"), ("close popup", "closing popup"), ("is in remote control", "true"),
+                             ("get robot model", "UR3"), ("addToLog it began", "Added log message"),
+                             ("get loaded program", "No program loaded"), ("play", "Failed to execute: play"),
+                             ("load none.urp", "File not found: none.urp"), ("load wait.urp", "Loading program: wait.urp"),
+                             ("get loaded program", "Loaded program: /programs/wait.urp"), ("play", "Starting program"),
+                             ("programState", "PLAYING wait.urp"), ("pause", "Pausing program"), ("programState", "PAUSED wait.urp"),
+                             ("play", "Starting program"), ("running", "Program running: true"), ("stop", "Stopped"),
+                             ("programState", "STOPPED wait.urp"), ("quit", "Disconnected")):
+            self.assertEqual(dashboard.ask(line), answer, line)
+        self.assertRegex(self.dashboard().ask("get serial number"), r"^\d{11}$")
+
+
+class Reach(Controller):
+    def test_the_target_of_the_joints_follows_the_trajectory(self):
+        secondary = self.secondary()
+        secondary.send("movej([3.0, -1.57, 0, -1.57, 0, 0], t=10)")
+        parts = secondary.until(lambda parts: robot_mode_of(parts)[3])
+        actual, target, _ = joints_of(parts)
+        self.assertLess(target[0], 2.5)
+        self.assertAlmostEqual(target[0], actual[0], delta=0.01)
+
+    def test_a_pose_out_of_reach_fails_at_once(self):
+        primary = self.primary()
+        primary.send("def far():\n  movej(p[10,0,0,0,0,0])\nend")
+        source, _, body = primary.message(10)
+        self.assertEqual(body[:8], (2).to_bytes(4, "big") + (3).to_bytes(4, "big"))
+        self.assertIn(b"movej is unable to find an inverse kinematics solution", body)
+        primary.send("movel(p[10,0,0,0,0,0])")
+        _, _, body = primary.message(6)
+        self.assertEqual(int.from_bytes(body[:4], "big"), 154)
+        parts = primary.until(lambda parts: not robot_mode_of(parts)[3])
+        self.assertAlmostEqual(joints_of(parts)[0][0], 0, delta=0.01)
+
+
+if __name__ == "__main__":
+    support.main()
