@@ -1,5 +1,7 @@
 """The virtual Universal Robot as its maker's own clients find it. Address 127.0.155.10."""
+import math
 import pathlib
+import struct
 import subprocess
 import tempfile
 import time
@@ -131,6 +133,45 @@ class Reach(Controller):
         self.assertEqual(int.from_bytes(body[:4], "big"), 154)
         parts = primary.until(lambda parts: not robot_mode_of(parts)[3])
         self.assertAlmostEqual(joints_of(parts)[0][0], 0, delta=0.01)
+
+
+class Packets(Controller):
+    SIZES = {0: 47, 1: 251, 2: 37, 3: 75, 4: 101, 5: 225, 6: 445, 7: 61, 8: 9, 9: 53, 10: 43, 11: 26, 12: 8}
+
+    def test_a_state_has_thirteen_parts_of_the_documents_sizes_on_both_ports(self):
+        for client in (self.primary(), self.secondary()):
+            self.assertEqual({part: len(body) + 5 for part, body in client.state().items()}, self.SIZES)
+
+    def test_a_client_reads_the_calibration_the_configuration_and_the_tools_pose(self):
+        parts = self.primary().state()
+        calibration = struct.unpack(">6I24dI", parts[5])
+        theta, a, d, alpha = (calibration[6 + i * 6:12 + i * 6] for i in range(4))
+        self.assertEqual((theta, a[1:3]), ((0,) * 6, (-0.24365, -0.21325)))
+        self.assertAlmostEqual(alpha[0], math.pi / 2)
+        configuration = struct.unpack(">12d12d4dd24d4i", parts[6])
+        self.assertAlmostEqual(configuration[1], 2 * math.pi)
+        self.assertEqual(configuration[24:28], (1.05, 1.4, 0.25, 1.2))
+        self.assertEqual((configuration[29:35], configuration[35:41]), (a, d))
+        self.assertEqual(configuration[55], 3)  # a UR3
+        pose = struct.unpack(">12d", parts[4])
+        self.assertAlmostEqual(pose[1], -0.19425, delta=0.001)  # straight up, as the maker shows it
+        self.assertAlmostEqual(pose[2], 0.69415, delta=0.001)
+
+    def test_inputs_outputs_the_tool_and_the_safety_mode_are_told(self):
+        primary = self.primary()
+        self.robot.say("input 3 on")
+        primary.send("def io():\n  set_standard_digital_out(5, True)\n  set_tcp(p[0,0,0.2,0,0,0])\nend")
+        parts = primary.until(lambda parts: struct.unpack(">2I", parts[3][:8]) == (8, 32))
+        primary.until(lambda parts: struct.unpack(">12d", parts[4])[8] == 0.2)
+        self.assertEqual(parts[3][60], 1)
+        self.robot.say("protective_stop")
+        primary.until(lambda parts: parts[3][60] == 3)
+
+    def test_a_key_message_comes_from_the_controllers_interface(self):
+        primary = self.primary()
+        primary.send("def one():\n  sleep(0.1)\nend")
+        source, _, body = primary.message(7)
+        self.assertEqual((source, body[9:]), (0xfe, b"PROGRAM_XXX_STARTEDone"))
 
 
 if __name__ == "__main__":

@@ -13,8 +13,8 @@ struct JointState {
 };
 
 /**
- * The motion of six joints: to a target, along a path, evenly in time; or by speed, with an acceleration. A tool's speed
- * is turned into the joints' by the arm's kinematics.
+ * The motion of six joints: to a target, along a path, evenly in time; or by speed, with an acceleration. A tool's
+ * speed is turned into the joints' by the arm's kinematics.
  */
 class Arm {
  public:
@@ -68,7 +68,7 @@ class Arm {
 
   Path path_{{{0.0, -1.5708, 0.0, -1.5708, 0.0, 0.0}}, 0};
   Pose tool_;
-  double done_ = 1;   ///< the part of the path that was done at `since_`
+  double done_ = 1;  ///< the part of the path that was done at `since_`
   double since_ = 0;
   double scale_ = 1;
   std::optional<BySpeed> speed_;  ///< goes before the motion to a target

@@ -168,6 +168,7 @@ void Controller::run_step(const Step& step) {
   } else if (const auto* sleep = std::get_if<SleepStep>(&step)) {
     step_end_ += std::max(0.0, sleep->seconds);
   } else if (const auto* out = std::get_if<DigitalOutStep>(&step)) {
+    set_output(out->index, out->on);
     emit(DigitalOutSet{*out});
   } else if (const auto* text = std::get_if<TextStep>(&step)) {
     emit(TextSaid{text->text});
@@ -196,6 +197,16 @@ void Controller::run_move(const MoveStep& step) {
   end_program(step_end_);
 }
 
+void Controller::set_output(int index, bool on) {
+  const std::uint64_t bit = std::uint64_t{1} << (index & 63);
+  io_.outputs = on ? io_.outputs | bit : io_.outputs & ~bit;
+}
+
+void Controller::set_input(int index, bool on) {
+  const std::uint64_t bit = std::uint64_t{1} << (index & 63);
+  io_.inputs = on ? io_.inputs | bit : io_.inputs & ~bit;
+}
+
 void Controller::end_program(double program_time) {
   if (!program_) return;
   arm_.halt(program_time);
@@ -220,8 +231,14 @@ std::optional<double> Controller::next_deadline() const {
 }
 
 RobotState Controller::state(double now) const {
-  RobotState state{mode_, safety_, program_.has_value() && !clock_.paused(), clock_.paused(), speed_fraction_,
-                   arm_.at(clock_.at(now)), arm_.tool()};
+  RobotState state{mode_,
+                   safety_,
+                   program_.has_value() && !clock_.paused(),
+                   clock_.paused(),
+                   speed_fraction_,
+                   arm_.at(clock_.at(now)),
+                   io_,
+                   arm_.tool()};
   if (clock_.paused()) state.joints.speed = {};
   return state;
 }

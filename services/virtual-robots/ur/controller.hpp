@@ -38,6 +38,10 @@ class Controller {
   /** The speed slider, 0 to 1. */
   void set_speed_fraction(double fraction, double now);
 
+  /** Numbered as the bits of Io. */
+  void set_output(int index, bool on);
+  void set_input(int index, bool on);
+
   static constexpr double kUnlockAfter = 5;
 
   /** An error message of the controller; the arm goes on. */
@@ -76,9 +80,10 @@ class Controller {
   std::optional<Program> program_;
   std::size_t next_step_ = 0;
   double step_end_ = 0;
-  bool moves_ = false;  ///< the step under way is a motion to a target: the slider scales it
+  bool moves_ = false;     ///< the step under way is a motion to a target: the slider scales it
   double stopped_at_ = 0;  ///< when the protective stop began
   ProgramClock clock_;
+  Io io_;
   double speed_fraction_ = 1;
   std::uint64_t programs_started_ = 0;
   std::vector<Event> events_;

@@ -192,7 +192,7 @@ TEST_CASE("controller: stop program halts the arm where it is") {
   CHECK(bench.lines() == Lines{"program one stopped", "stopped"});
   bench.wait(5);
   CHECK(bench.joint(0) == doctest::Approx(0.21));
-    CHECK_FALSE(bench.running());
+  CHECK_FALSE(bench.running());
 }
 
 TEST_CASE("controller: power off, power on, run") {

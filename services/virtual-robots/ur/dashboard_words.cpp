@@ -28,14 +28,9 @@ struct Phrase {
   std::string_view answer;
 };
 constexpr Phrase kPhrases[] = {
-    {"quit", "Disconnected"},
-    {"close popup", "closing popup"},
-    {"close safety popup", "closing safety popup"},
-    {"is in remote control", "true"},
-    {"get robot model", "UR3"},
-    {"get serial number", "20175399999"},
-    {"get operational mode", "NONE"},
-    {"version", kSoftwareVersion},
+    {"quit", "Disconnected"},         {"close popup", "closing popup"}, {"close safety popup", "closing safety popup"},
+    {"is in remote control", "true"}, {"get robot model", "UR3"},       {"get serial number", "20175399999"},
+    {"get operational mode", "NONE"}, {"version", kSoftwareVersion},
 };
 
 /** What the controller may refuse. */

@@ -46,9 +46,7 @@ double dot(const Vector& a, const Vector& b) {
 }
 
 Frame compose(const Frame& outer, const Frame& inner) {
-  const auto out = [&](const Vector& v) {
-    return sum(1, sum(v[0], outer.x, v[1], outer.y), v[2], outer.z);
-  };
+  const auto out = [&](const Vector& v) { return sum(1, sum(v[0], outer.x, v[1], outer.y), v[2], outer.z); };
   return {out(inner.x), out(inner.y), out(inner.z), sum(1, outer.origin, 1, out(inner.origin))};
 }
 

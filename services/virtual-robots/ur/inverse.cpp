@@ -69,8 +69,8 @@ void offer_elbows(const Frame& flange, double base, double wrist_2, double wrist
   const auto bend = arc_cosine((square - upper * upper - fore * fore) / (2 * upper * fore));
   if (!bend) return;
   for (const double elbow : {*bend, -*bend}) {
-    const double shoulder = std::atan2(point[1], point[0]) -
-                            std::atan2(fore * std::sin(elbow), upper + fore * std::cos(elbow));
+    const double shoulder =
+        std::atan2(point[1], point[0]) - std::atan2(fore * std::sin(elbow), upper + fore * std::cos(elbow));
     const Frame arm = compose(joint_frame(1, shoulder), joint_frame(2, elbow));
     const Frame rest = compose(inverse(arm), plane);
     nearest.offer({base, shoulder, elbow, std::atan2(rest.x[1], rest.x[0]), wrist_2, wrist_3});
@@ -88,8 +88,8 @@ void offer_wrists(const Frame& flange, double base, Nearest& nearest) {
       offer_elbows(flange, base, wrist_2, nearest.near()[5], nearest);
       continue;
     }
-    const double wrist_3 = std::atan2((-flange.y[0] * s + flange.y[1] * c) / sine,
-                                      (flange.x[0] * s - flange.x[1] * c) / sine);
+    const double wrist_3 =
+        std::atan2((-flange.y[0] * s + flange.y[1] * c) / sine, (flange.x[0] * s - flange.x[1] * c) / sine);
     offer_elbows(flange, base, wrist_2, wrist_3, nearest);
   }
 }

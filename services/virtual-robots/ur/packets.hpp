@@ -14,6 +14,14 @@ enum class SafetyMode : std::uint8_t { Normal = 1, ProtectiveStop = 3, Emergency
 
 enum class ErrorLevel : std::uint8_t { Warning = 2, Violation = 3, Fault = 4 };
 
+/** Digital inputs and outputs: bits 0 to 7 standard, 8 to 15 configurable, 16 and 17 the tool's. */
+struct Io {
+  std::uint64_t inputs = 0;
+  std::uint64_t outputs = 0;
+  std::array<double, 2> analog_outputs{};    ///< 0 to 1 of the range
+  std::array<std::uint8_t, 2> tool_modes{};  ///< of the tool's digital outputs
+};
+
 /** The contents of a RobotState packet. */
 struct RobotState {
   RobotMode mode = RobotMode::Running;
@@ -22,8 +30,14 @@ struct RobotState {
   bool program_paused = false;
   double speed_fraction = 1;
   JointState joints;
-  Pose tool;              ///< from the flange to the tool's centre
+  Io io;
+  Pose tool;  ///< from the flange to the tool's centre
 };
+
+/** What one joint says of itself, as the maker numbers it. */
+int joint_mode(RobotMode mode);
+/** Where the tool's centre is. */
+Pose tcp_of(const RobotState& state);
 
 // Each function returns one complete packet, big-endian, its length first. `time_us` is in microseconds.
 

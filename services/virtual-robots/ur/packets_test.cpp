@@ -2,6 +2,8 @@
 
 #include <doctest/doctest.h>
 
+#include <vector>
+
 #include "services/virtual-robots/ur/events.hpp"
 
 using namespace trb::virtual_robots::ur;
@@ -45,8 +47,8 @@ TEST_CASE("robot state packet: mode and joints, one behind the other") {
   state.joints.position = {1.0, 2.0, 0, 0, 0, 0};
   state.joints.speed = {0.5, 0, 0, 0, 0, 0};
   const std::string bytes = robot_state_packet(state, kTime);
-  REQUIRE(bytes.size() == 5 + 47 + 251);
-  CHECK(hex(bytes.substr(0, 5)) == "0000012f10");
+  REQUIRE(bytes.size() == 5 + 47 + 251 + 37 + 75 + 101 + 225 + 445 + 61 + 9 + 53 + 43 + 26 + 8);
+  CHECK(hex(bytes.substr(0, 5)) == "0000056a10");
   CHECK(hex(bytes.substr(5, 47)) ==
         "0000002f"
         "00"
@@ -74,12 +76,28 @@ TEST_CASE("robot state packet: emergency stop, power off") {
   CHECK(static_cast<unsigned char>(bytes[57 + 40]) == 239);
 }
 
+TEST_CASE("robot state packet: thirteen parts, walked by their lengths, with the sizes of the maker's table") {
+  RobotState state;
+  state.io.outputs = 0x10005;
+  state.tool.values[2] = 0.1;
+  const std::string bytes = robot_state_packet(state, 0);
+  std::vector<std::size_t> sizes;
+  for (std::size_t at = 5; at < bytes.size(); at += sizes.back()) {
+    REQUIRE(hex(bytes.substr(at + 4, 1)) == hex(std::string(1, static_cast<char>(sizes.size()))));
+    sizes.push_back(std::stoul(hex(bytes.substr(at, 4)), nullptr, 16));
+  }
+  CHECK(sizes == std::vector<std::size_t>{47, 251, 37, 75, 101, 225, 445, 61, 9, 53, 43, 26, 8});
+  CHECK(hex(bytes.substr(5 + 47 + 251 + 37 + 5, 8)) == "0000000000010005");  // inputs, outputs
+  const std::size_t cartesian = 5 + 47 + 251 + 37 + 75;
+  CHECK(hex(bytes.substr(cartesian + 5 + 64, 8)) == "3fb999999999999a");  // the tool's z
+}
+
 TEST_CASE("key packet: the golden bytes") {
   CHECK(hex(key_packet("PROGRAM_XXX_STARTED", "pick", kTime)) ==
         "0000002f"
         "14"
         "0102030405060708"
-        "fd"
+        "fe"
         "07"
         "00000000"
         "00000000"

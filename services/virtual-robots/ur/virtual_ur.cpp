@@ -75,11 +75,22 @@ void VirtualUr::take_console_line(const std::string& line) {
     controller_.set_safety(SafetyMode::EmergencyStop, clock_.now());
   } else if (line == "clear") {
     controller_.set_safety(SafetyMode::Normal, clock_.now());
+  } else if (order == "input") {
+    take_input(words);
   } else if (line == "brake_release") {
     controller_.release_brakes(clock_.now());
   } else {
     print_line("unknown_line");
   }
+}
+
+/** `input N on|off` */
+void VirtualUr::take_input(std::string_view words) {
+  constexpr long long kInputs = 18;
+  const auto index = parse_integer(take_word(words));
+  const bool known = index && *index >= 0 && *index < kInputs && (words == "on" || words == "off");
+  if (!known) return print_line("unknown_line");
+  controller_.set_input(static_cast<int>(*index), words == "on");
 }
 
 /** An arm's controller has no capabilities: a fault stops the whole arm, or is only a warning. */

@@ -33,6 +33,7 @@ class VirtualUr {
  private:
   void serve(const std::vector<pollfd>& polled);
   void take_console_line(const std::string& line);
+  void take_input(std::string_view words);
   void take_fault(const FaultOrder& order);
   void send_state();
   void tell_events();
