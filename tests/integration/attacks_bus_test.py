@@ -13,7 +13,7 @@ import private_bus
 import wire
 import zmq
 from attack_fleet import FRIEND, SANITIZED, SLOWEST_S, TARGET, Case, Honest, PlayedFleet, Service, resident
-from strangers_test import to_z85
+from router_client import to_z85
 
 ESCAPES = "\x1b]0;owned\x07\x1b[2J"
 

@@ -13,7 +13,7 @@ import zmq
 import support
 import trb_fleet
 import wire
-from strangers_test import PLAIN_GREETING, WAIT, to_z85
+from router_client import PLAIN_GREETING, WAIT, to_z85
 
 BLOCK = 136
 UDP_PORT = 50136

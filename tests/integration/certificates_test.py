@@ -19,7 +19,7 @@ import authority
 import support
 import trb_fleet
 import wire
-from strangers_test import Client, Member
+from router_client import Client, Member
 
 BLOCK = 110
 UDP_PORT = 50110

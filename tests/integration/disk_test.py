@@ -13,7 +13,7 @@ from zmq.utils import z85
 import own_world
 import support
 import trb_fleet
-from strangers_test import Member
+from router_client import Member
 
 CONFIGURATION = {"node.json", "network.json", "profile.json", "commands.json", "places.json", "robots", "keys"}
 

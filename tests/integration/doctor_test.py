@@ -10,7 +10,7 @@ import zmq
 import support
 import trb_fleet
 import wire
-from strangers_test import Client, Member
+from router_client import Client, Member
 
 BLOCK = 44
 UDP_PORT = 50044

@@ -16,7 +16,7 @@ import zmq
 
 import support
 import wire
-from strangers_test import Client, Member
+from router_client import Client, Member
 
 BLOCK = 130
 UDP_PORT = 50130

@@ -18,7 +18,7 @@ from zmq.utils.monitor import parse_monitor_message
 import support
 import trb_fleet
 import wire
-from strangers_test import PLAIN_GREETING, Client, Member
+from router_client import PLAIN_GREETING, Client, Member
 
 BLOCK = 160
 UDP_PORT = 50160

@@ -16,7 +16,7 @@ import support
 import trb_fleet
 import wire
 from doors_test import PORT, TARGET, UDP_PORT, Pressure, sources
-from strangers_test import Member
+from router_client import Member
 
 SODIUM = ctypes.CDLL(ctypes.util.find_library("sodium"))
 FEW = 400

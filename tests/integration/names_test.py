@@ -13,7 +13,7 @@ from zmq.utils import z85
 import own_world
 import support
 import wire
-from strangers_test import Client, Member
+from router_client import Client, Member
 
 BLOCK = 177
 SERVER = f"127.0.{BLOCK}.53"

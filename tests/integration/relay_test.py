@@ -12,7 +12,7 @@ import authority
 import support
 import wire
 from authority import SECOND, Authority, sign_with
-from strangers_test import Client, Member
+from router_client import Client, Member
 
 BLOCK = 120
 UDP_PORT = 50120

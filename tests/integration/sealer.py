@@ -13,7 +13,7 @@ import authority
 import support
 import trb_fleet
 import wire
-from strangers_test import Client, Member
+from router_client import Client, Member
 
 BLOCK = 100
 UDP_PORT = 50100
