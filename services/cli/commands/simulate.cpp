@@ -206,7 +206,8 @@ const std::vector<Command> kCommands = {
            "--trace FILE|every message, a JSON object a line; at most a million",
            "--protocol NAME|paper, or talkrobots: the real cores (paper)",
            "--link NAME|talkrobots: lan, wifi or vpn (lan)", "--seed N|talkrobots: one seed, one run (1)",
-           "--faults FILE|talkrobots: a list of what goes wrong and when: fail, cut, heal, kill, start",
+           "--faults FILE|talkrobots: what goes wrong and when: links, partitions, nodes, robots, batteries, clocks, "
+           "disks",
            "--sensor-values FILE|talkrobots: what sensors tell over time, for conditions on them",
            "--fleet DIR|your own: the folder with its nodes' folders; with --scenario",
            "--scenario FILE|what trb scenario run would start: who waits for whom, and the critical path",

@@ -23,7 +23,7 @@ const std::string kHall = R"("fleet": [
   {"id": "right", "robot": "arm", "skill": "place", "after": ["run"],
    "when": {"sensor": "temperature", "of": "belt", "op": ">", "value": 20, "unit": "degC"}}]})";
 
-std::string job_of(const std::string& more) {
+std::string hall_job(const std::string& more) {
   return R"({"protocol": "talkrobots", )" + kHall + more + "}";
 }
 
@@ -39,7 +39,7 @@ struct Sides {
 
 Sides sides_at(const std::string& course) {
   ConfigFaults faults;
-  const Job job = read_job(job_of(thermometer(course)), faults);
+  const Job job = read_job(hall_job(thermometer(course)), faults);
   REQUIRE_MESSAGE(faults.empty(), to_text(faults));
   world::World world(*job.world);
   const world::Played played = world.play();
@@ -50,7 +50,7 @@ Sides sides_at(const std::string& course) {
 
 std::vector<std::string> keys_of(const std::string& more) {
   ConfigFaults faults;
-  static_cast<void>(read_job(job_of(more), faults));
+  static_cast<void>(read_job(hall_job(more), faults));
   std::vector<std::string> out;
   for (const ConfigFault& fault : faults) out.push_back(fault.key);
   return out;

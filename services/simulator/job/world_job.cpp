@@ -1,52 +1,12 @@
 #include "services/simulator/job/world_job.hpp"
 
-#include <algorithm>
-
+#include "services/simulator/job/fault_job.hpp"
 #include "services/simulator/job/fleet_job.hpp"
-#include "services/simulator/job/plan_nodes.hpp"
 #include "services/simulator/job/sensor_job.hpp"
 
 namespace trb::simulator {
-namespace {
-
-using world::Fault;
-using world::FaultKind;
-using world::WorldPlan;
-
-constexpr std::size_t kMaxFaults = 1000;
-
-void read_fault(ObjectReader& reader, WorldPlan& plan) {
-  Fault fault;
-  fault.at_s = reader.number("at", Need::required, {0, world::kMaxUntil}).value_or(0);
-  const auto kind = reader.one_of<FaultKind>("kind", Need::required);
-  fault.node = reader.text("node", Need::required, kMaxId).value_or("cloud");
-  fault.other = reader.text("other", Need::optional, kMaxId).value_or("");
-  reader.refuse_unknown_keys();
-  check_node(reader, plan, "node", fault.node);
-  if (!fault.other.empty()) check_node(reader, plan, "other", fault.other);
-  const bool between = kind == FaultKind::cut || kind == FaultKind::heal;
-  if (!fault.other.empty() && !between)
-    reader.faults().add(reader.path("other"), "only cut and heal have another end", "leave it out");
-  if (kind == FaultKind::fail && fault.node == "cloud")
-    reader.faults().add(reader.path("node"), "the cloud has no robot", "let a robot's node fail");
-  if (!kind) return;
-  fault.kind = *kind;
-  plan.faults.push_back(std::move(fault));
-}
-
-void read_faults(ObjectReader& reader, WorldPlan& plan) {
-  const Value::List* list = reader.list("faults", Need::optional, kMaxFaults);
-  if (list == nullptr) return;
-  for (std::size_t i = 0; i < list->size(); ++i) {
-    ObjectReader one((*list)[i], "faults[" + std::to_string(i) + "]", reader.faults());
-    read_fault(one, plan);
-  }
-}
-
-}  // namespace
-
-WorldPlan read_world(ObjectReader& reader) {
-  WorldPlan plan;
+world::WorldPlan read_world(ObjectReader& reader) {
+  world::WorldPlan plan;
   if (reader.value("fleet", Need::optional) != nullptr) {
     read_fleet(reader, plan);
   } else {

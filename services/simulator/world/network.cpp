@@ -7,10 +7,7 @@ namespace {
 
 constexpr Duration kResend = std::chrono::milliseconds(200);  ///< TCP's least time-out
 constexpr int kRoundTrips = 4;                                ///< TCP, ZMTP, and CURVE's two
-
-std::pair<std::string, std::string> pair_of(const std::string& one, const std::string& other) {
-  return one < other ? std::pair(one, other) : std::pair(other, one);
-}
+constexpr std::uint64_t kWindow = 14'600;  ///< ten packets: what TCP sends before it hears that anything came
 
 }  // namespace
 
@@ -35,20 +32,15 @@ Host* Network::host(const std::string& id) {
   return at == hosts_.end() ? nullptr : at->second;
 }
 
-bool Network::is_cut(const std::string& one, const std::string& other) const {
-  return cuts_.contains(pair_of(one, other));
-}
-
-void Network::cut(const std::string& one, const std::string& other) {
-  cuts_.insert(pair_of(one, other));
-}
-
-void Network::heal(const std::string& one, const std::string& other) {
-  cuts_.erase(pair_of(one, other));
+void Network::heal(const std::string& from, const std::string& to) {
+  if (cuts_.erase({from, to}) == 0) return;
   for (auto& [link, is] : connections_) {
-    if (pair_of(is.there.to, is.back.to) != pair_of(one, other)) continue;
+    const bool between = (is.there.to == to && is.back.to == from) || (is.there.to == from && is.back.to == to);
+    if (!between) continue;
     for (const bool there : {true, false}) {
-      for (Parcel& parcel : std::exchange((there ? is.there : is.back).held, {})) post(link, there, std::move(parcel));
+      Way& way = there ? is.there : is.back;
+      way.unproven = 0;
+      for (Parcel& parcel : std::exchange(way.held, {})) post(link, there, std::move(parcel));
     }
   }
 }
@@ -69,7 +61,7 @@ void Network::connect(const std::string& from, const router::Dial& dial) {
   if (here == nullptr) return;
   const auto place = addresses_.find(dial.address);
   const std::string to = place == addresses_.end() ? "" : place->second;
-  if (is_cut(from, to)) return;  // no answer comes: the router's own time-out ends it
+  if (is_cut(from, to) || is_cut(to, from)) return;  // no answer comes: the router's own time-out ends it
   Host* there = host(to);
   if (there == nullptr || there->link_key() != dial.server_key) return here->on_dial_ended(dial.link, LinkEnd::failed);
   if (!there->admit(here->link_key())) return here->on_dial_ended(dial.link, LinkEnd::refused_key);
@@ -104,11 +96,19 @@ void Network::post(LinkId connection, bool there, Parcel parcel) {
   });
 }
 
+bool Network::is_stopped(Way& way, const std::string& from, const Parcel& parcel) {
+  if (is_cut(from, way.to)) return true;
+  if (!is_cut(way.to, from)) return false;
+  way.unproven += on_wire(parcel.frame.size());
+  return way.unproven > kWindow;
+}
+
 void Network::arrive(LinkId connection, bool there, Parcel parcel) {
   const auto at = connections_.find(connection);
   if (at == connections_.end()) return;
   Way& way = there ? at->second.there : at->second.back;
-  if (is_cut(at->second.there.to, at->second.back.to)) return way.held.push_back(std::move(parcel));
+  const std::string& from = there ? at->second.back.to : at->second.there.to;
+  if (is_stopped(way, from, parcel)) return way.held.push_back(std::move(parcel));
   hand_over(connection, std::string(way.to), std::move(parcel));
 }
 

@@ -54,9 +54,11 @@ class Network {
   void close(LinkId connection, const std::string& by);
   void broadcast(const std::string& from, const Bytes& plain);
 
-  /// Nothing arrives any more between these two, and nobody is told. What waits arrives when it is healed.
-  void cut(const std::string& one, const std::string& other);
-  void heal(const std::string& one, const std::string& other);
+  /// Nothing that `from` sends arrives at `to` any more, and nobody is told. What waits arrives when it is healed. No
+  /// connection is made then, and on an existing one only a window's bytes go the other way: TCP hears of none that
+  /// they came.
+  void cut(const std::string& from, const std::string& to) { cuts_.insert({from, to}); }
+  void heal(const std::string& from, const std::string& to);
 
  private:
   struct Parcel {
@@ -66,13 +68,16 @@ class Network {
   struct Way {
     std::string to;
     MonotonicTime free, last;
-    std::deque<Parcel> held;  ///< while it is cut
+    std::deque<Parcel> held;     ///< while it is cut
+    std::uint64_t unproven = 0;  ///< bytes that came while the other way was cut
   };
   struct Connection {
     Way there, back;  ///< to the acceptor, to the dialler
     Bytes key;        ///< the dialler's
   };
-  [[nodiscard]] bool is_cut(const std::string& one, const std::string& other) const;
+  [[nodiscard]] bool is_cut(const std::string& from, const std::string& to) const { return cuts_.contains({from, to}); }
+  /// A parcel on this way does not arrive.
+  bool is_stopped(Way& way, const std::string& from, const Parcel& parcel);
   [[nodiscard]] Host* host(const std::string& id);
   void connect(const std::string& from, const router::Dial& dial);
   void post(LinkId connection, bool there, Parcel parcel);
@@ -89,7 +94,7 @@ class Network {
   std::map<std::string, Host*> hosts_;
   std::map<std::string, std::string> addresses_;  ///< HOST:PORT -> id
   std::map<LinkId, Connection> connections_;
-  std::set<std::pair<std::string, std::string>> cuts_;
+  std::set<std::pair<std::string, std::string>> cuts_;  ///< from, to
 };
 
 }  // namespace trb::world

@@ -29,7 +29,7 @@ ResilienceSettings policy() {
   return out;
 }
 
-router::RouterConfig router_config(const NodePlan& plan, Dice& dice, std::uint64_t boot) {
+router::RouterConfig router_config(const NodePlan& plan, Dice& dice, const Disk& disk) {
   router::RouterConfig out;
   out.id = plan.id;
   out.role = plan.role;
@@ -39,7 +39,7 @@ router::RouterConfig router_config(const NodePlan& plan, Dice& dice, std::uint64
   out.identity = plan.identity;
   out.link_key = plan.link_key;
   out.address = plan.address;
-  out.boot = boot;
+  out.boot = disk.boots;
   out.instance = dice.next();
   out.pid = 1;
   out.first_slot = static_cast<std::uint16_t>(dice.next());
@@ -49,6 +49,8 @@ router::RouterConfig router_config(const NodePlan& plan, Dice& dice, std::uint64
   out.services.emplace_back(plan.role == Role::cloud ? "resilience" : "mode-adapter");
   if (!plan.sensors.empty()) out.services.emplace_back("sensor-bus");
   out.beacon = plan.beacon;
+  out.relay = plan.relay;
+  out.utc_bound = disk.utc_bound;
   out.random = [&dice] { return dice.next(); };
   return out;
 }
@@ -64,8 +66,8 @@ std::vector<std::string> adapter_subtypes() {
 /// Members end in reverse: the services before their bus.
 struct Node::Processes {
   Processes(Node& node, Dice& dice)
-      : router(router_config(node.plan_, dice, node.disk_.boots), node.in_.events, node.clock_, node.in_.network,
-               node.in_.meter),
+      : router(router_config(node.plan_, dice, node.disk_), node.disk_.utc_bound, node.in_.events, node.clock_,
+               node.in_.network, node.in_.meter),
         scheduler_core({node.plan_.id, node.plan_.authority, node.plan_.role == Role::robot}, node.disk_.archive) {}
 
   RouterProcess router;
@@ -78,8 +80,7 @@ struct Node::Processes {
   std::shared_ptr<char> life = std::make_shared<char>();
 };
 
-Node::Node(NodePlan plan, const Surroundings& in)
-    : plan_(std::move(plan)), in_(in), clock_(in.events, plan_.clock_ahead) {
+Node::Node(NodePlan plan, const Surroundings& in) : plan_(std::move(plan)), in_(in), clock_(in.events) {
   if (plan_.role == Role::robot) robot_.emplace(plan_.robot, in.events, in.dice);
 }
 
@@ -87,7 +88,7 @@ Node::~Node() = default;
 
 void Node::run(std::optional<ServiceProcess>& process, ServiceSettings settings, Core& core) {
   settings.instance = in_.dice.next();
-  settings.commit = plan_.commit;
+  settings.commit = &disk_.commit;
   settings.meddler = in_.meddler;
   process.emplace(std::move(settings), core, processes_->router.bus(), in_.events, clock_, in_.dice);
 }

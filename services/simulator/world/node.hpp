@@ -27,6 +27,8 @@ struct Disk {
   std::map<std::string, Alert> alerts;
   std::map<std::string, resilience::StoredDecision> decisions;  ///< by alert
   bool fenced = false;
+  Duration commit = std::chrono::milliseconds(2);  ///< what writing takes
+  UtcTime utc_bound;                               ///< of its router
   std::vector<adapter::Kept> out_of_use;
   std::uint64_t boots = 0;
 };
@@ -41,8 +43,7 @@ struct NodePlan {
   SignedRecord certificate;
   std::vector<router::SeedAddress> seeds;
   bool beacon = true;
-  Duration commit{0};
-  Duration clock_ahead{0};
+  bool relay = false;
   RobotPlan robot;
   NodeProfile profile;  ///< of the robot
   std::vector<PlannedSensor> sensors;
@@ -72,6 +73,8 @@ class Node {
 
   [[nodiscard]] const NodePlan& plan() const { return plan_; }
   [[nodiscard]] const Disk& disk() const { return disk_; }
+  void set_clock(const ClockFault& fault) { clock_.set(fault); }
+  void set_commit(Duration takes) { disk_.commit = takes; }
   [[nodiscard]] Robot* robot() { return robot_ ? &*robot_ : nullptr; }
   [[nodiscard]] std::size_t linked() const;
   [[nodiscard]] UtcTime utc() const { return clock_.now().utc; }

@@ -1,5 +1,7 @@
 #include "services/simulator/world/robot.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace trb::world {
@@ -14,6 +16,7 @@ void Robot::connect(std::function<void(std::string)> tell) {
   line_.clear();
   field_ = 0;
   if (tell_ && broken_) inform_of_fault();
+  if (tell_ && battery_) inform_of_charge();
 }
 
 void Robot::hear(std::string_view bytes) {
@@ -64,6 +67,35 @@ void Robot::fail() {
   broken_ = true;
   inform_of_fault();
   if (work_) end(false);
+}
+
+void Robot::repair() {
+  if (!broken_) return;
+  broken_ = false;
+  for (const std::string& one : plan_.capabilities) inform("fault", one + " OVER");
+}
+
+void Robot::set_battery(const Battery& battery) {
+  const bool drains_already = battery_.has_value();
+  battery_ = battery;
+  inform_of_charge();
+  if (!drains_already) drain();
+}
+
+void Robot::drain() {
+  constexpr Duration kLook = std::chrono::milliseconds(100);
+  constexpr double kPart = 0.1;  // of a second
+  events_.after(kLook, life_, [this] {
+    const double before = battery_->percent;
+    if (work_) battery_->percent = std::max(0.0, before - kPart * battery_->per_second);
+    if (std::floor(battery_->percent) != std::floor(before)) inform_of_charge();
+    if (battery_->percent <= 0 && before > 0) fail();
+    drain();
+  });
+}
+
+void Robot::inform_of_charge() {
+  inform(std::string(kBattery), std::to_string(static_cast<int>(battery_->percent)));
 }
 
 void Robot::inform_of_fault() {

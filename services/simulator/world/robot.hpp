@@ -11,9 +11,13 @@
 
 #include "services/simulator/world/dice.hpp"
 #include "services/simulator/world/events.hpp"
+#include "services/simulator/world/faults.hpp"
 #include "services/simulator/world/fleet_plan.hpp"
 
 namespace trb::world {
+
+/// The value by which a robot tells its charge, in percent.
+constexpr std::string_view kBattery = "battery";
 
 struct RobotPlan {
   SkillTime usual;                         ///< of skills without a time of their own
@@ -33,6 +37,10 @@ class Robot {
   void connect(std::function<void(std::string bytes)> tell);
   /// From now on it does nothing any more, and says so.
   void fail();
+  /// It can do all again, and says so.
+  void repair();
+  /// From now on it has this charge and tells it; if that is used up, it breaks.
+  void set_battery(const Battery& battery);
 
   std::function<void()> on_begin, on_end;  ///< for whoever watches
   std::uint64_t overlaps = 0;              ///< commands that came while it was working
@@ -42,6 +50,8 @@ class Robot {
   void begin();
   void end(bool well);
   void inform_of_fault();
+  void inform_of_charge();
+  void drain();
   /// `target`: a node; empty: its own.
   void inform(const std::string& subtype, const std::string& data, const std::string& target = {});
 
@@ -56,6 +66,7 @@ class Robot {
   std::size_t field_ = 0;
   std::string skill_;
   bool broken_ = false;
+  std::optional<Battery> battery_;
 };
 
 }  // namespace trb::world

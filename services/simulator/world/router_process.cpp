@@ -9,9 +9,10 @@ using router::FrameOrders;
 using router::Routing;
 using To = Routing::To;
 
-RouterProcess::RouterProcess(router::RouterConfig config, Events& events, const Clock& clock, Network& network,
-                             Meter& meter)
-    : events_(events),
+RouterProcess::RouterProcess(router::RouterConfig config, UtcTime& utc_bound, Events& events, const Clock& clock,
+                             Network& network, Meter& meter)
+    : utc_bound_(utc_bound),
+      events_(events),
       clock_(clock),
       network_(network),
       meter_(meter),

@@ -15,7 +15,9 @@ namespace trb::world {
 
 class RouterProcess final : public Host, public BusServer {
  public:
-  RouterProcess(router::RouterConfig config, Events& events, const Clock& clock, Network& network, Meter& meter);
+  /// `utc_bound`: on the node's disk.
+  RouterProcess(router::RouterConfig config, UtcTime& utc_bound, Events& events, const Clock& clock, Network& network,
+                Meter& meter);
   RouterProcess(const RouterProcess&) = delete;
   RouterProcess& operator=(const RouterProcess&) = delete;
   ~RouterProcess();
@@ -57,7 +59,7 @@ class RouterProcess final : public Host, public BusServer {
   void carry_out(router::StoreUpdate&) { stored(router::Kept::update); }
   void carry_out(router::StoreCertificate&) { stored(router::Kept::certificate); }
   void carry_out(router::StoreBoot&) { stored(router::Kept::boot); }
-  void carry_out(router::StoreUtc&) {}
+  void carry_out(router::StoreUtc& store) { utc_bound_ = store.utc; }
   void carry_out(router::SealDue& due);
   void carry_out(router::CheckSeal& seal);
   void carry_out(router::DeliverHeld& proven);
@@ -72,6 +74,7 @@ class RouterProcess final : public Host, public BusServer {
   bool send(LinkId link, Bytes frame);
   void count_local(const HeaderView& header, BytesView frame);
 
+  UtcTime& utc_bound_;
   Events& events_;
   const Clock& clock_;
   Network& network_;

@@ -88,7 +88,7 @@ void ServiceProcess::carry_out(Outbox out) {
     return end_step();
   }
   writes_ = true;
-  events_.after(settings_.commit, life_, [this, out = std::move(out)] {
+  events_.after(*settings_.commit, life_, [this, out = std::move(out)] {
     settings_.store(out.journal);
     send_all(out);
     writes_ = false;

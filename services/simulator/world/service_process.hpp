@@ -27,7 +27,7 @@ struct ServiceSettings {
   std::vector<std::string> subtypes{};
   std::vector<std::string> hears{};
   std::uint64_t instance = 0;
-  Duration commit{0};                                        ///< what writing a step's records takes
+  const Duration* commit = nullptr;                          ///< what writing a step's records takes, now
   std::function<void(const std::vector<Journal>&)> store{};  ///< puts them on disk
   std::function<void()> after_sends{};
   const Meddler* meddler = nullptr;

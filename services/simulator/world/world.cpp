@@ -16,6 +16,7 @@ constexpr double kRest_s = 5;  ///< between the links and the submission, and be
 constexpr double kSlow_s = 1800;
 constexpr Duration kLook = std::chrono::milliseconds(100);
 constexpr Duration kLife = std::chrono::hours(24);
+constexpr std::uint64_t kFaultSeed = 0xFA17;  ///< what is drawn for faults does not change what is drawn for the rest
 constexpr Duration kYear = std::chrono::hours(24 * 365);
 
 std::string address_of(std::uint32_t number) {
@@ -27,6 +28,16 @@ std::string run_id(Dice& dice) {
   std::snprintf(out, sizeof out, "%016llx%016llx", static_cast<unsigned long long>(dice.next()),
                 static_cast<unsigned long long>(dice.next()));
   return out;
+}
+
+/// A robot whose battery is looked at has it among its values.
+void let_tell_charges(WorldPlan& plan) {
+  for (const Fault& fault : plan.faults) {
+    const auto robot = std::ranges::find(plan.fleet, fault.node, &PlannedRobot::id);
+    if (fault.kind != FaultKind::battery || robot == plan.fleet.end()) continue;
+    auto& told = robot->profile.sensors;
+    if (std::ranges::find(told, kBattery) == told.end()) told.emplace_back(kBattery);
+  }
 }
 
 }  // namespace
@@ -46,6 +57,7 @@ World::World(WorldPlan plan, Meddler meddler)
     : plan_(std::move(plan)),
       meddler_(std::move(meddler)),
       dice_(plan_.seed),
+      chance_of_faults_(plan_.seed ^ kFaultSeed),
       meter_(plan_.limit_s()),
       network_(events_, meter_, dice_, plan_.link),
       authority_key_(seeded_signing_key(dice_.next())),
@@ -58,6 +70,7 @@ World::World(WorldPlan plan, Meddler meddler)
     plan_.fleet = paper_robots(plan_.robots);
     plan_.scenario = in_turn(plan_.tasks, plan_.fleet);
   }
+  let_tell_charges(plan_);
   add("cloud", Role::cloud, 0, {});
   for (std::uint32_t i = 0; i < plan_.fleet.size(); ++i) {
     add(plan_.fleet[i].id, Role::robot, i + 1, plan_.fleet[i].profile);
@@ -77,6 +90,7 @@ void World::add(const std::string& id, Role role, std::uint32_t number, const No
   certificate.serial = number + 1;
   certificate.id = id;
   certificate.role = role;
+  plan.relay = certificate.relay = std::ranges::find(plan_.relays, id) != plan_.relays.end();
   certificate.identity_key.bytes = plan.identity.public_key;
   certificate.link_key.bytes = plan.link_key.public_key;
   certificate.not_before = Clock::kUtc - kYear.count();
@@ -85,8 +99,6 @@ void World::add(const std::string& id, Role role, std::uint32_t number, const No
   const auto cloud = nodes_.find("cloud");
   if (cloud != nodes_.end())
     plan.seeds.push_back({cloud->second->plan().address, cloud->second->plan().link_key.public_key});
-  constexpr Duration kCommit = std::chrono::milliseconds(2);
-  plan.commit = kCommit;
   plan.robot = {plan_.task, plan_.times, profile.capabilities};
   plan.profile = profile;
   std::ranges::copy_if(plan_.sensors, std::back_inserter(plan.sensors),
@@ -107,6 +119,7 @@ void World::watch(Node& node) {
 }
 
 Played World::play() {
+  prepare_faults();
   for (const auto& [id, node] : nodes_) {
     events_.after(Duration{static_cast<std::int64_t>(dice_.below(1'000'000'000))}, [&is = *node] { is.start(); });
   }
@@ -187,30 +200,76 @@ void World::look_for_end() {
   if (!ended_) events_.after(kLook, [this] { look_for_end(); });
 }
 
+void World::prepare_faults() {
+  for (const Fault& fault : plan_.faults) {
+    if (fault.from_start) happen(fault);
+  }
+}
+
 void World::plan_faults() {
   for (const Fault& fault : plan_.faults) {
-    events_.after(seconds(fault.at_s), [this, &fault] { happen(fault); });
+    if (fault.kind == FaultKind::rate) {
+      draw_faults(fault);
+    } else if (!fault.from_start) {
+      events_.after(seconds(fault.at_s), [this, &fault] { happen(fault); });
+    }
+  }
+}
+
+void World::draw_faults(const Fault& rate) {
+  const double limit_s = plan_.limit_s() - events_.seconds_passed();
+  for (const PlannedRobot& robot : plan_.fleet) {
+    if (!rate.node.empty() && rate.node != robot.id) continue;
+    for (const Fault& fault : drawn(rate, robot.id, limit_s, chance_of_faults_)) {
+      events_.after(seconds(fault.at_s), [this, fault] { happen(fault); });
+    }
   }
 }
 
 void World::happen(const Fault& fault) {
+  if (fault.node.empty()) return happen_between(fault);
   Node& node = *nodes_.at(fault.node);
   switch (fault.kind) {
     case FaultKind::fail:
       return node.robot()->fail();
+    case FaultKind::repair:
+      return node.robot()->repair();
+    case FaultKind::battery:
+      return node.robot()->set_battery(fault.battery);
     case FaultKind::kill:
       witness_.on_kill(fault.node, events_.seconds_passed());
       return node.kill();
     case FaultKind::start:
       return node.is_up() ? void() : node.start();
+    case FaultKind::clock:
+      return node.set_clock(fault.clock);
+    case FaultKind::disk:
+      return node.set_commit(seconds(fault.commit_s));
     case FaultKind::cut:
     case FaultKind::heal:
-      break;
+    case FaultKind::partition:
+    case FaultKind::rate:
+      return happen_between(fault);
   }
-  for (const auto& [id, other] : nodes_) {
-    if (id == fault.node || (!fault.other.empty() && fault.other != id)) continue;
-    fault.kind == FaultKind::cut ? network_.cut(fault.node, id) : network_.heal(fault.node, id);
+}
+
+/// A node and another one or all others, or those of a partition and all others.
+void World::happen_between(const Fault& fault) {
+  const auto is_here = [&](const std::string& id) {
+    return id == fault.node || std::ranges::find(fault.nodes, id) != fault.nodes.end();
+  };
+  for (const auto& [here, one] : nodes_) {
+    for (const auto& [there, other] : nodes_) {
+      if (!is_here(here) || is_here(there) || (!fault.other.empty() && fault.other != there)) continue;
+      change_way(fault, here, there);
+    }
   }
+}
+
+void World::change_way(const Fault& fault, const std::string& one, const std::string& other) {
+  const bool heals = fault.kind == FaultKind::heal;
+  if (fault.way != Way::back) heals ? network_.heal(one, other) : network_.cut(one, other);
+  if (fault.way != Way::there) heals ? network_.heal(other, one) : network_.cut(other, one);
 }
 
 }  // namespace trb::world

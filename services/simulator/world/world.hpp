@@ -31,6 +31,7 @@ struct WorldPlan {
   std::uint64_t seed = 1;
   std::vector<Fault> faults;  ///< times count from the run's submission
   std::vector<PlannedSensor> sensors;
+  std::vector<std::string> relays;  ///< nodes that relay
   [[nodiscard]] double limit_s() const;
 };
 
@@ -79,14 +80,19 @@ class World {
   void submit();
   void look_for_end();
   [[nodiscard]] double run_seconds() const;
+  void prepare_faults();
   void plan_faults();
+  void draw_faults(const Fault& rate);
   void happen(const Fault& fault);
+  void happen_between(const Fault& fault);
+  void change_way(const Fault& fault, const std::string& one, const std::string& other);
   [[nodiscard]] bool is_over_everywhere() const;
   [[nodiscard]] RunStart start() const;
 
   WorldPlan plan_;
   Meddler meddler_;
   Dice dice_;
+  Dice chance_of_faults_;
   Events events_;
   Meter meter_;
   Network network_;

@@ -1,0 +1,177 @@
+// Each kind of fault: what it does to the network, a clock, a disk or a robot, and what the fleet makes of it.
+#include "services/simulator/world/test/plans.hpp"
+
+using namespace trb;
+using namespace trb::world;
+using namespace trb::world::test;
+
+namespace {
+
+Fault cut_of(double at_s, const std::string& node, const std::string& other, Way way) {
+  Fault out{at_s, FaultKind::cut, node, other};
+  out.way = way;
+  return out;
+}
+
+Fault clock_of(const std::string& node, const ClockFault& clock) {
+  Fault out{.kind = FaultKind::clock, .node = node, .from_start = true};
+  out.clock = clock;
+  return out;
+}
+
+Fault on_sides(double at_s, FaultKind kind, std::vector<std::string> nodes) {
+  Fault out{.at_s = at_s, .kind = kind};
+  out.nodes = std::move(nodes);
+  return out;
+}
+
+void check_all_done(const Played& is, std::size_t tasks) {
+  check_unbroken(is);
+  CHECK(is.state == RunState::finished);
+  CHECK(is.over_everywhere);
+  CHECK(is.tasks_done == tasks);
+}
+
+}  // namespace
+
+TEST_CASE(
+    "fault: a link that is cut one way only lets nothing pass that matters, and the run goes on once it is healed") {
+  for (const Way way : {Way::there, Way::back}) {
+    CAPTURE(name_of(way));
+    World world(plan_of(2, 4, {cut_of(2, "r0", "r1", way), {40, FaultKind::heal, "r0", "r1"}}));
+    const Played is = world.play();
+    check_all_done(is, 4);
+    CHECK(is.makespan_s > 40);
+  }
+}
+
+TEST_CASE("fault: a cut that is healed one way only is still a cut") {
+  Fault half{20, FaultKind::heal, "r0", "r1"};
+  half.way = Way::there;
+  World world(plan_of(2, 4, {{2, FaultKind::cut, "r0", "r1"}, half, {60, FaultKind::heal, "r0", "r1"}}));
+  const Played is = world.play();
+  check_all_done(is, 4);
+  CHECK(is.makespan_s > 60);
+}
+
+TEST_CASE("fault: a fleet in two parts goes on within each, and ends once they are one again") {
+  World world(
+      plan_of(4, 8, {on_sides(4, FaultKind::partition, {"r0", "r1"}), on_sides(60, FaultKind::heal, {"r0", "r1"})}));
+  const Played is = world.play();
+  check_all_done(is, 8);
+  CHECK(is.makespan_s > 60);
+}
+
+namespace {
+
+/// r0 and r1 never reach each other directly.
+WorldPlan apart(std::vector<std::string> relays, std::vector<Fault> more = {}) {
+  Fault cut = cut_of(0, "r0", "r1", Way::both);
+  cut.from_start = true;
+  more.push_back(cut);
+  WorldPlan out = plan_of(3, 6, std::move(more));
+  out.relays = std::move(relays);
+  out.until_s = 200;
+  return out;
+}
+
+}  // namespace
+
+TEST_CASE("fault: without a relay two nodes that never reach each other hold up the run") {
+  const Played is = World(apart({})).play();
+  CHECK_FALSE(is.over_everywhere);
+}
+
+TEST_CASE("fault: what two nodes send that do not reach each other goes by the hub") {
+  check_all_done(World(apart({"cloud"})).play(), 6);
+}
+
+TEST_CASE("fault: the hub that relays dies, and another relay takes its place until it is back") {
+  World world(apart({"cloud", "r2"}, {{1, FaultKind::kill, "cloud"}, {60, FaultKind::start, "cloud"}}));
+  const Played is = world.play();
+  check_all_done(is, 6);
+  CHECK(is.makespan_s < 50);
+}
+
+TEST_CASE("fault: a computer whose clock begins in 1970 takes part") {
+  check_all_done(World(plan_of(3, 6, {clock_of("r1", {.is_1970 = true})})).play(), 6);
+}
+
+TEST_CASE("fault: a clock that is wrong by minutes, or drifts, changes nothing") {
+  check_all_done(World(plan_of(3, 6,
+                               {clock_of("r1", {.ahead_s = 300}), clock_of("r2", {.ahead_s = -300}),
+                                clock_of("r0", {.drift_ppm = 500})}))
+                     .play(),
+                 6);
+}
+
+TEST_CASE("fault: a slow disk makes a run as much longer as its commits take") {
+  const double usual_s = World(plan_of(2, 4)).play().makespan_s;
+  Fault slow{.kind = FaultKind::disk, .node = "r1", .from_start = true};
+  slow.commit_s = 0.5;
+  const Played is = World(plan_of(2, 4, {slow})).play();
+  check_all_done(is, 4);
+  CHECK(is.makespan_s > usual_s + 1);
+  CHECK(is.makespan_s < usual_s + 10);
+}
+
+namespace {
+
+Fault battery_of(const std::string& node, const Battery& battery) {
+  Fault out{.kind = FaultKind::battery, .node = node, .from_start = true};
+  out.battery = battery;
+  return out;
+}
+
+}  // namespace
+
+TEST_CASE("fault: a battery lasts as long as its robot works, then another robot goes on") {
+  // Three seconds a task: it is used up in r1's second one.
+  World world(plan_of(3, 6, {battery_of("r1", {.percent = 40, .per_second = 10})}));
+  const Played is = world.play();
+  check_all_done(is, 6);
+  std::set<std::uint32_t> attempts;
+  for (const auto& [key, times] : world.witness().begun()) {
+    if (key.task == "t4") attempts.insert(key.attempt);
+  }
+  CHECK(attempts.size() == 2);
+  World enough(plan_of(3, 6, {battery_of("r1", {.percent = 100, .per_second = 10})}));
+  check_all_done(enough.play(), 6);
+  CHECK(enough.witness().begun().size() == 6);
+}
+
+TEST_CASE("fault: the fleet hears what a battery has left") {
+  World world(plan_of(2, 2, {battery_of("r1", {.percent = 50, .per_second = 2})}));
+  std::uint64_t told = 0;
+  world.meter().trace = [&](const Sending& sending, CostPhase) {
+    told += sending.subtype == RobotState::kSubtype && sending.from == "r1" ? 1U : 0U;
+  };
+  check_all_done(world.play(), 2);
+  CHECK(told > 1);
+}
+
+TEST_CASE("fault: robots break by chance and are repaired; the seed says when") {
+  Fault rate{.kind = FaultKind::rate};
+  rate.rate = {.between_s = 10, .repair_s = 2};
+  const auto played = [&](std::uint64_t seed) {
+    World world(plan_of(3, 12, {rate}, seed));
+    const Played is = world.play();
+    check_unbroken(is);
+    return std::pair(world.meter().digest(), world.witness().begun().size());
+  };
+  CHECK(played(3) == played(3));
+  CHECK(played(3).first != played(4).first);
+  CHECK(played(3).second > 12);
+}
+
+TEST_CASE("fault: the times between failures have the mean that was asked for") {
+  Fault rate{.kind = FaultKind::rate};
+  rate.rate = {.between_s = 100, .repair_s = 0};
+  Dice dice(5);
+  double count = 0;
+  for (int i = 0; i < 20; ++i) count += static_cast<double>(drawn(rate, "r0", 10'000, dice).size()) / 2;
+  CHECK(count / 20 > 90);
+  CHECK(count / 20 < 110);
+  rate.rate.repair_s.reset();
+  CHECK(drawn(rate, "r0", 1e6, dice).size() == 1);
+}
