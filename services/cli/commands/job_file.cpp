@@ -1,5 +1,7 @@
 #include "services/cli/commands/job_file.hpp"
 
+#include <sstream>
+
 #include "common/base/files.hpp"
 
 namespace trb::cli {
@@ -12,6 +14,14 @@ Status add_file(Value::Object& job, const Arguments& arguments, const char* opti
   if (!json) return fail(json.error().code, arguments.get(option) + ": " + json.error().what, json.error().hint);
   job.emplace_back(key, std::move(*json));
   return Done{};
+}
+
+void add_list(Value::Object& job, const Arguments& arguments, const char* option, const char* key) {
+  if (!arguments.has(option)) return;
+  Value::List out;
+  std::istringstream words(arguments.get(option));
+  for (std::string one; std::getline(words, one, ',');) out.push_back(Value{one});
+  job.emplace_back(key, Value{std::move(out)});
 }
 
 }  // namespace trb::cli

@@ -110,6 +110,7 @@ Result<Value> world_job(const Arguments& arguments) {
   if (!reader.status()) return reader.status().error();
   if (arguments.has("--link")) out.emplace_back("link", Value{arguments.get("--link")});
   if (arguments.has("--trace")) out.emplace_back("trace", Value{arguments.get("--trace")});
+  add_list(out, arguments, "--relays", "relays");
   for (const auto& [option, key] : {std::pair{"--faults", "faults"}, std::pair{"--sensor-values", "sensor_values"}}) {
     if (const Status added = add_file(out, arguments, option, key); !added) return added.error();
   }
@@ -167,7 +168,7 @@ int run_simulate(const Arguments& arguments) {
                                        "add --fleet DIR, the folder with its nodes' folders"));
   }
   if (arguments.has("--protocol") && arguments.get("--protocol") != "paper") return run_world(arguments);
-  for (const char* option : {"--link", "--seed", "--faults", "--sensor-values"}) {
+  for (const char* option : {"--link", "--seed", "--faults", "--relays", "--sensor-values"}) {
     if (!arguments.has(option)) continue;
     return print_error(arguments, fail(Errc::bad_value, std::string(option) + ": the paper's protocol has none",
                                        "add --protocol talkrobots"));
@@ -208,6 +209,7 @@ const std::vector<Command> kCommands = {
            "--link NAME|talkrobots: lan, wifi or vpn (lan)", "--seed N|talkrobots: one seed, one run (1)",
            "--faults FILE|talkrobots: what goes wrong and when: links, partitions, nodes, robots, batteries, clocks, "
            "disks",
+           "--relays ID[,ID]|talkrobots: nodes that relay for two that do not reach each other (none)",
            "--sensor-values FILE|talkrobots: what sensors tell over time, for conditions on them",
            "--fleet DIR|your own: the folder with its nodes' folders; with --scenario",
            "--scenario FILE|what trb scenario run would start: who waits for whom, and the critical path",

@@ -56,6 +56,7 @@ Status read_rest(Hall& hall, const Arguments& arguments) {
   if (Status read = add_file(hall.rest, arguments, "--scenario", "scenario"); !read) return read;
   if (Status read = add_file(hall.rest, arguments, "--times", "times"); !read) return read;
   if (Status read = add_file(hall.rest, arguments, "--faults", "faults"); !read) return read;
+  add_list(hall.rest, arguments, "--relays", "relays");
   if (Status read = add_file(hall.rest, arguments, "--sensor-values", "sensor_values"); !read) return read;
   for (auto& [key, value] : hall.rest) {
     if (key == "sensor_values") value = with_rules(std::move(value), hall.rules);
