@@ -9,7 +9,7 @@ import unittest
 
 import support
 import trb_fleet
-from ur_client import Dashboard, Primary, joints_of, robot_mode_of
+from ur_client import Dashboard, Primary, Rtde, joints_of, robot_mode_of
 
 ADDRESS = "127.0.155.10"
 SPEED = 10
@@ -42,6 +42,11 @@ class Controller(unittest.TestCase):
 
     def dashboard(self):
         return self.kept(Dashboard(ADDRESS, self.ports[2]))
+
+    def rtde(self, version=2):
+        client = self.kept(Rtde(ADDRESS, self.ports[3]))
+        self.assertTrue(client.speak(version))
+        return client
 
     def wait_answer(self, dashboard, line, wanted):
         deadline = time.monotonic() + 20
@@ -172,6 +177,80 @@ class Packets(Controller):
         primary.send("def one():\n  sleep(0.1)\nend")
         source, _, body = primary.message(7)
         self.assertEqual((source, body[9:]), (0xfe, b"PROGRAM_XXX_STARTEDone"))
+
+
+class Exchange(Controller):
+    STATE = ["timestamp", "actual_q", "target_q", "actual_qd", "target_qd", "actual_TCP_pose", "robot_mode", "safety_status",
+             "safety_mode", "runtime_state", "actual_digital_input_bits", "actual_digital_output_bits", "speed_scaling",
+             "target_speed_fraction"]
+
+    def test_the_handshake_the_types_and_the_rate(self):
+        client = self.rtde()
+        self.assertFalse(client.speak(7))
+        self.assertEqual(client.controller()[:2], (5, 12))
+        number, types = client.set_outputs(self.STATE, 50)
+        self.assertEqual(number, 1)
+        self.assertEqual(types, ["DOUBLE", *["VECTOR6D"] * 5, "INT32", "INT32", "INT32", "UINT32", "UINT64", "UINT64", "DOUBLE",
+                                 "DOUBLE"])
+        self.assertTrue(client.start())
+        stamps = [client.data()["timestamp"] for _ in range(26)]
+        # 50 a second of real time, in the robot's own time ten times as far apart; a loaded machine only makes it slower.
+        self.assertGreaterEqual(stamps[-1] - stamps[0], 25 / 50 * SPEED * 0.9)
+        self.assertTrue(client.pause())
+        self.assertEqual(client.set_outputs(["actual_q", "no_such_thing"]), (0, ["VECTOR6D", "NOT_FOUND"]))
+        self.assertFalse(client.start())
+
+    def test_version_1_has_neither_rate_nor_recipe(self):
+        client = self.rtde(1)
+        self.assertEqual(client.set_outputs(["robot_mode", "actual_q"])[1], ["INT32", "VECTOR6D"])
+        self.assertTrue(client.start())
+        self.assertEqual(client.data()["robot_mode"], 7)
+
+    def test_a_motion_a_stop_and_the_inputs_are_seen(self):
+        client, primary = self.rtde(), self.primary()
+        client.set_outputs(self.STATE, 100)
+        client.start()
+        primary.send("def go():\n  set_standard_digital_out(2, True)\n  movej([3.0, -1.57, 0, -1.57, 0, 0], t=20)\nend")
+        moving = client.until(lambda data: data["actual_qd"][0] > 0 and data["runtime_state"] == 2)
+        self.assertEqual((moving["robot_mode"], moving["safety_status"], moving["safety_mode"]), (7, 1, 1))
+        self.assertEqual(moving["actual_digital_output_bits"], 4)
+        self.assertLess(moving["target_q"][0], 3.0)
+        self.assertEqual(moving["target_q"], moving["actual_q"])
+        self.robot.say("input 1 on")
+        client.until(lambda data: data["actual_digital_input_bits"] == 2)
+        self.robot.say("protective_stop")
+        stopped = client.until(lambda data: data["safety_status"] == 3)
+        self.assertEqual((stopped["runtime_state"], stopped["actual_qd"]), (1, (0,) * 6))
+        self.robot.say("estop")
+        self.assertEqual(client.until(lambda data: data["safety_status"] == 7)["robot_mode"], 3)
+
+    def test_inputs_move_the_slider_and_the_outputs_and_belong_to_one_client(self):
+        client, other = self.rtde(), self.rtde()
+        client.set_outputs(self.STATE, 100)
+        slider, types = client.set_inputs(["speed_slider_mask", "speed_slider_fraction"])
+        self.assertEqual(types, ["UINT32", "DOUBLE"])
+        pins, _ = client.set_inputs(["standard_digital_output_mask", "standard_digital_output"])
+        self.assertEqual(other.set_inputs(["speed_slider_mask", "none"]), (0, ["IN_USE", "NOT_FOUND"]))
+        client.start()
+        client.write(slider, 1, 0.25)
+        client.write(pins, 0b1010, 0b1110)
+        seen = client.until(lambda data: data["target_speed_fraction"] == 0.25 and data["actual_digital_output_bits"])
+        self.assertEqual(seen["actual_digital_output_bits"], 0b1010)
+        self.primary().send("movej([1.0, -1.57, 0, -1.57, 0, 0], v=1.0)")
+        self.assertAlmostEqual(client.until(lambda data: data["actual_qd"][0] > 0)["actual_qd"][0], 0.25, delta=0.01)
+        client.close()
+        deadline = time.monotonic() + 10
+        while other.set_inputs(["speed_slider_mask"])[0] == 0:
+            self.assertLess(time.monotonic(), deadline)
+
+    def test_a_text_a_wrong_package_and_a_lost_border(self):
+        client = self.rtde()
+        client.send("M", b"\x05hello\x02me\x03")
+        self.robot.wait_line("rtde_text hello", 10)
+        client.send("U", b"\x09")
+        self.assertIn(b"no input recipe 9", client.answer("M"))
+        client.link.sendall(b"\0\1v")
+        self.assertEqual(client.stream.read(), b"")
 
 
 if __name__ == "__main__":

@@ -324,7 +324,7 @@ class Wire(unittest.TestCase):
                                         "auto", "--speed", "5"], log, stdin=subprocess.PIPE)
         self.addCleanup(self.robot.stop)
         ready, _ = self.robot.wait_line("ready", 10)
-        self.primary, self.secondary, self.dashboard = map(int, ready.split()[1:])
+        self.primary, self.secondary, self.dashboard = map(int, ready.split()[1:4])
 
     def dial(self, port):
         link = socket.create_connection(("127.0.155.9", port), 5)

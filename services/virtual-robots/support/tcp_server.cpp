@@ -3,7 +3,10 @@
 namespace trb::virtual_robots {
 
 TcpServer::TcpServer(const Endpoint& where, std::size_t most_clients, Extra extra)
-    : listener_(listen_on(where)), most_clients_(most_clients), extra_(extra) {}
+    : TcpServer(listen_on(where), most_clients, extra) {}
+
+TcpServer::TcpServer(Fd listener, std::size_t most_clients, Extra extra)
+    : listener_(std::move(listener)), most_clients_(most_clients), extra_(extra) {}
 
 void TcpServer::add_to_poll(std::vector<pollfd>& polled) {
   poll_begin_ = polled.size();

@@ -29,6 +29,7 @@ class TcpServer {
 
   /** Port 0: a free one. Throws std::system_error. */
   TcpServer(const Endpoint& where, std::size_t most_clients, Extra extra = Extra::Dropped);
+  TcpServer(Fd listener, std::size_t most_clients, Extra extra = Extra::Dropped);
 
   std::uint16_t port() const { return port_of(listener_); }
   std::size_t size() const { return clients_.size(); }

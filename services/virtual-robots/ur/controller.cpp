@@ -207,6 +207,10 @@ void Controller::set_input(int index, bool on) {
   io_.inputs = on ? io_.inputs | bit : io_.inputs & ~bit;
 }
 
+void Controller::set_analog_output(std::size_t index, double value) {
+  if (index < io_.analog_outputs.size()) io_.analog_outputs[index] = std::clamp(value, 0.0, 1.0);
+}
+
 void Controller::end_program(double program_time) {
   if (!program_) return;
   arm_.halt(program_time);

@@ -8,6 +8,7 @@
 #include "services/virtual-robots/ur/arm.hpp"
 #include "services/virtual-robots/ur/events.hpp"
 #include "services/virtual-robots/ur/program_clock.hpp"
+#include "services/virtual-robots/ur/registers.hpp"
 
 namespace trb::virtual_robots::ur {
 
@@ -41,6 +42,13 @@ class Controller {
   /** Numbered as the bits of Io. */
   void set_output(int index, bool on);
   void set_input(int index, bool on);
+  /** 0 to 1 of the range; what is beyond is cut off. */
+  void set_analog_output(std::size_t index, double value);
+
+  /** The registers that a client writes, and those that a program writes. */
+  void set_input_registers(const Registers& registers) { inputs_ = registers; }
+  const Registers& input_registers() const { return inputs_; }
+  const Registers& output_registers() const { return outputs_; }
 
   static constexpr double kUnlockAfter = 5;
 
@@ -84,6 +92,8 @@ class Controller {
   double stopped_at_ = 0;  ///< when the protective stop began
   ProgramClock clock_;
   Io io_;
+  Registers inputs_;
+  Registers outputs_;
   double speed_fraction_ = 1;
   std::uint64_t programs_started_ = 0;
   std::vector<Event> events_;

@@ -15,7 +15,7 @@ std::optional<std::uint16_t> port_base(std::string_view text) {
 std::vector<Option> options_of(ur::Settings& settings) {
   return {
       address_option(settings.address),
-      {"--port-base", "N|auto", "ports N-1, N+1, N+2, N+11, N+12; 0 means 30000; auto takes free ones",
+      {"--port-base", "N|auto", "ports N-1, N+1, N+2, N+4, N+11, N+12; 0 means 30000; auto takes free ones",
        [&](auto text) { settings.port_base = port_base(text); }},
       speed_option(settings.speed),
       control_option(settings.control),

@@ -38,6 +38,7 @@ bool Server::listen_from(const std::string& address, std::uint16_t base) {
   ports_.clear();
   try {
     dashboard_ = listen_on({address, static_cast<std::uint16_t>(base - 1)});
+    rtde_ = listen_on({address, static_cast<std::uint16_t>(base + 4)});
     for (const Offset& offset : kOffsets) {
       const auto port = static_cast<std::uint16_t>(base + offset.port);
       ports_.push_back({listen_on({address, port}), offset.primary, offset.read_only});

@@ -19,7 +19,8 @@ class Server {
   static constexpr std::size_t kMostClients = 16;
   static constexpr std::size_t kLargestOutput = std::size_t{1024} * 1024;
 
-  /** Listens on base+1, +2, +11 and +12, and on base-1 for the dashboard; without a base, on free ports.
+  /** Listens on base+1, +2, +11 and +12, on base-1 for the dashboard and base+4 for RTDE; without a base, on free
+   * ports.
    */
   Server(const std::string& address, std::optional<std::uint16_t> base);
 
@@ -28,6 +29,7 @@ class Server {
 
   /** The dashboard's listening socket. */
   Fd take_dashboard() { return std::move(dashboard_); }
+  Fd take_rtde() { return std::move(rtde_); }
 
   void add_to_poll(std::vector<pollfd>& polled);
 
@@ -63,6 +65,7 @@ class Server {
 
   std::vector<Port> ports_;
   Fd dashboard_;
+  Fd rtde_;
   std::vector<Client> clients_;
   std::size_t poll_begin_ = 0;
 };

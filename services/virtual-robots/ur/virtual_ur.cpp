@@ -30,21 +30,24 @@ VirtualUr::VirtualUr(const Settings& settings)
       controller_(settings.mode),
       server_(settings.address, settings.port_base),
       dashboard_(server_.take_dashboard(), DashboardWords(programs_in(settings.programs))),
+      rtde_(server_.take_rtde()),
       console_(settings.control) {}
 
 void VirtualUr::run(const Fd& end) {
   console_.announce(std::to_string(server_.primary_port()) + " " + std::to_string(server_.secondary_port()) + " " +
-                    std::to_string(dashboard_.port()));
+                    std::to_string(dashboard_.port()) + " " + std::to_string(rtde_.port()));
   for (;;) {
     std::vector<pollfd> polled = console_.to_poll(end);
     server_.add_to_poll(polled);
     dashboard_.add_to_poll(polled);
+    rtde_.add_to_poll(polled);
     if (!Console::wait(polled, next_deadline())) return;
     serve(polled);
     flush_lines();
     controller_.advance(clock_.now());
     tell_events();
     send_state();
+    rtde_.send_due(controller_, clock_.now());
   }
 }
 
@@ -54,6 +57,7 @@ void VirtualUr::serve(const std::vector<pollfd>& polled) {
     tell_events();
   }
   dashboard_.serve(polled, controller_, clock_.now());
+  rtde_.serve(polled, controller_, clock_.now());
   server_.greet(version_packet() + robot_state_packet(controller_.state(clock_.now()), time_us()));
   for (const std::string& line : console_.read(polled)) take_console_line(line);
 }
@@ -119,7 +123,7 @@ void VirtualUr::send_state() {
 }
 
 double VirtualUr::next_deadline() const {
-  return std::min(next_state_, clock_.deadline(controller_.next_deadline()));
+  return std::min(std::min(next_state_, rtde_.next_due()), clock_.deadline(controller_.next_deadline()));
 }
 
 }  // namespace trb::virtual_robots::ur

@@ -9,6 +9,7 @@
 #include "services/virtual-robots/support/robot_clock.hpp"
 #include "services/virtual-robots/ur/controller.hpp"
 #include "services/virtual-robots/ur/dashboard.hpp"
+#include "services/virtual-robots/ur/rtde_server.hpp"
 #include "services/virtual-robots/ur/server.hpp"
 
 namespace trb::virtual_robots::ur {
@@ -45,6 +46,7 @@ class VirtualUr {
   Controller controller_;
   Server server_;
   Dashboard dashboard_;
+  RtdeServer rtde_;
   Console console_;
 };
 
