@@ -31,3 +31,10 @@ install(FILES ${CMAKE_BINARY_DIR}/cmake/talkrobotsConfig.cmake ${CMAKE_BINARY_DI
 
 install(DIRECTORY config DESTINATION ${CMAKE_INSTALL_DATADIR}/talkrobots COMPONENT node)
 install(FILES README.md LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT node)
+# What shells and man know of trb; not there where trb could not run (built for arm64 without an emulator).
+set(CLI ${CMAKE_BINARY_DIR}/services/cli)
+install(FILES ${CLI}/trb.bash RENAME trb OPTIONAL COMPONENT node
+        DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions)
+install(FILES ${CLI}/trb.zsh RENAME _trb OPTIONAL COMPONENT node DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/vendor-completions)
+install(FILES ${CLI}/trb.fish OPTIONAL COMPONENT node DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d)
+install(FILES ${CLI}/trb.1 OPTIONAL COMPONENT node DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)

@@ -3,19 +3,11 @@
 #include <cstdio>
 
 #include "services/cli/commands/command.hpp"
+#include "services/cli/core/nearest.hpp"
 #include "services/cli/io/print.hpp"
 
 namespace trb::cli {
 namespace {
-
-std::vector<Command> all_commands() {
-  std::vector<Command> out;
-#define TRB_ADD_GROUP(Name) \
-  for (Command & command : Name##_commands()) out.push_back(std::move(command));
-  TRB_COMMAND_GROUPS(TRB_ADD_GROUP)
-#undef TRB_ADD_GROUP
-  return out;
-}
 
 void print_overview(const std::vector<Command>& commands) {
   print_line("trb: probes and controls for a TalkRoBots fleet\n");
@@ -49,7 +41,9 @@ int help(const std::vector<Command>& commands, const std::vector<std::string>& w
     print(text);
     return kGood;
   }
-  std::fprintf(stderr, "trb: no topic '%s'\n%s", words[0].c_str(), topic_text("").c_str());
+  const std::string near = nearest(words[0], topic_names());
+  print_problem("trb: no topic '" + words[0] + "'\n" +
+                (near.empty() ? topic_text("") : "did you mean: trb help " + near + "?\n"));
   return kWrongUse;
 }
 
@@ -60,16 +54,27 @@ Arguments as_asked(const std::vector<std::string>& given) {
   return out;
 }
 
+/// The command that was probably meant, by all of the words that name one.
+std::string meant(const std::vector<CommandText>& texts, const std::vector<std::string>& given) {
+  std::vector<std::string> names;
+  for (const CommandText& text : texts) names.push_back(joined_name(text));
+  const bool second = given.size() > 1 && !given[1].starts_with("--");
+  const std::string two = second ? nearest(given[0] + " " + given[1], names) : "";
+  return two.empty() ? nearest(given[0], words_after(texts, "")) : two;
+}
+
 int unknown(const std::vector<Command>& commands, const std::vector<std::string>& given) {
-  std::string near;
-  for (const Command& command : commands) {
-    if (command.name[0] == given[0])
-      near += (near.empty() ? "use trb " : ", trb ") + given[0] + " " + command.name.back();
+  const std::vector<CommandText> texts = texts_of(commands);
+  const std::vector<std::string> after = words_after(texts, given[0]);
+  const bool second = !after.empty() && given.size() > 1 && !given[1].starts_with("--");
+  const std::string near = meant(texts, given);
+  std::string hint = near.empty() || near == given[0] ? "" : "did you mean: trb " + near + "?";
+  if (hint.empty()) {
+    for (const std::string& word : after) hint += (hint.empty() ? "use trb " : ", trb ") + given[0] + " " + word;
   }
-  const bool second = !near.empty() && given.size() > 1 && given[1].rfind("--", 0) != 0;
   const std::string words = given[0] + (second ? " " + given[1] : "");
   print_error(as_asked(given),
-              fail(Errc::bad_value, "no command '" + words + "'", near.empty() ? "see trb help" : near));
+              fail(Errc::bad_value, "no command '" + words + "'", hint.empty() ? "see trb help" : hint));
   return kWrongUse;
 }
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "services/cli/core/arguments.hpp"
+#include "services/cli/core/command_text.hpp"
 
 namespace trb::cli {
 
@@ -36,13 +37,19 @@ struct Command {
   GROUP(robot_conform)            \
   GROUP(sensor)                   \
   GROUP(alert)                    \
-  GROUP(cloud)
+  GROUP(cloud)                    \
+  GROUP(shell)
 
 #define TRB_DECLARE_GROUP(Name) std::vector<Command> Name##_commands();
 TRB_COMMAND_GROUPS(TRB_DECLARE_GROUP)
 #undef TRB_DECLARE_GROUP
 
+/// Every command, in the order of `trb help`.
+std::vector<Command> all_commands();
+std::vector<CommandText> texts_of(const std::vector<Command>& commands);
+
 /// `trb help TOPIC`; the empty topic lists them. Empty if there is no such topic.
 std::string topic_text(const std::string& topic);
+std::vector<std::string> topic_names();
 
 }  // namespace trb::cli

@@ -141,8 +141,15 @@ std::string topic_text(const std::string& topic) {
   if (at != kTopics.end()) return at->second;
   if (!topic.empty()) return {};
   std::string out = "Topics:";
-  for (const auto& [name, text] : kTopics) out += " " + name;
-  return out + " rights\n";
+  for (const std::string& name : topic_names()) out += " " + name;
+  return out + "\n";
+}
+
+std::vector<std::string> topic_names() {
+  std::vector<std::string> out;
+  for (const auto& [name, text] : kTopics) out.push_back(name);
+  out.emplace_back("rights");
+  return out;
 }
 
 }  // namespace trb::cli

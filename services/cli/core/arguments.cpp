@@ -1,6 +1,7 @@
 #include "services/cli/core/arguments.hpp"
 
 #include "common/base/number_text.hpp"
+#include "services/cli/core/nearest.hpp"
 
 namespace trb::cli {
 namespace {
@@ -22,8 +23,14 @@ const std::string* find_option(const Usage& usage, const std::string& name) {
 }
 
 Error unknown_option(const Usage& usage, const std::string& word) {
+  std::vector<std::string> names;
   std::string known;
-  for (const std::string& spec : usage.options) known += " " + option_name(spec);
+  for (const std::string& spec : usage.options) {
+    names.push_back(option_name(spec));
+    known += " " + names.back();
+  }
+  const std::string near = nearest(word, names);
+  if (!near.empty()) return fail(Errc::bad_value, "unknown option '" + word + "'", "did you mean " + near + "?");
   return fail(Errc::bad_value, "unknown option '" + word + "'",
               known.empty() ? "this command has no options" : "use one of" + known);
 }
