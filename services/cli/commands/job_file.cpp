@@ -16,6 +16,12 @@ Status add_file(Value::Object& job, const Arguments& arguments, const char* opti
   return Done{};
 }
 
+Status add_name_or_file(Value::Object& job, const Arguments& arguments, const char* option, const char* key) {
+  if (file_exists(arguments.get(option))) return add_file(job, arguments, option, key);
+  if (arguments.has(option)) job.emplace_back(key, Value{arguments.get(option)});
+  return Done{};
+}
+
 void add_list(Value::Object& job, const Arguments& arguments, const char* option, const char* key) {
   if (!arguments.has(option)) return;
   Value::List out;

@@ -9,6 +9,9 @@ namespace trb::cli {
 /// Nothing if the option was not given. Errors: of the file, and malformed.
 Status add_file(Value::Object& job, const Arguments& arguments, const char* option, const char* key);
 
+/// As a file, if there is one of that name; else as a text.
+Status add_name_or_file(Value::Object& job, const Arguments& arguments, const char* option, const char* key);
+
 /// "a,b" becomes a list of texts. Nothing if the option was not given.
 void add_list(Value::Object& job, const Arguments& arguments, const char* option, const char* key);
 

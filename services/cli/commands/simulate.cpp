@@ -108,7 +108,7 @@ Result<Value> world_job(const Arguments& arguments) {
     out.emplace_back(one.key, one.whole ? Value{static_cast<std::int64_t>(integer)} : Value{number});
   }
   if (!reader.status()) return reader.status().error();
-  if (arguments.has("--link")) out.emplace_back("link", Value{arguments.get("--link")});
+  if (const Status added = add_name_or_file(out, arguments, "--link", "link"); !added) return added.error();
   if (arguments.has("--trace")) out.emplace_back("trace", Value{arguments.get("--trace")});
   add_list(out, arguments, "--relays", "relays");
   for (const auto& [option, key] : {std::pair{"--faults", "faults"}, std::pair{"--sensor-values", "sensor_values"}}) {
@@ -206,7 +206,8 @@ const std::vector<Command> kCommands = {
            "--seconds S|until when sensors send updates (the last task's end)",
            "--trace FILE|every message, a JSON object a line; at most a million",
            "--protocol NAME|paper, or talkrobots: the real cores (paper)",
-           "--link NAME|talkrobots: lan, wifi or vpn (lan)", "--seed N|talkrobots: one seed, one run (1)",
+           "--link NAME|talkrobots: lan, wifi or vpn (lan), or a FILE with delay, loss and bandwidth",
+           "--seed N|talkrobots: one seed, one run (1)",
            "--faults FILE|talkrobots: what goes wrong and when: links, partitions, nodes, robots, batteries, clocks, "
            "disks",
            "--relays ID[,ID]|talkrobots: nodes that relay for two that do not reach each other (none)",

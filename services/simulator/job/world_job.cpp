@@ -2,6 +2,7 @@
 
 #include "services/simulator/job/fault_job.hpp"
 #include "services/simulator/job/fleet_job.hpp"
+#include "services/simulator/job/link_job.hpp"
 #include "services/simulator/job/sensor_job.hpp"
 
 namespace trb::simulator {
@@ -19,10 +20,7 @@ world::WorldPlan read_world(ObjectReader& reader) {
   plan.task.deviation_s = reader.number("deviation", Need::optional, {0, plan.task.mean_s}).value_or(0);
   plan.until_s = reader.number("seconds", Need::optional, {0, world::kMaxUntil}).value_or(0);
   plan.seed = static_cast<std::uint64_t>(reader.integer("seed", Need::optional, 0, INT64_MAX).value_or(1));
-  std::vector<std::string> names;
-  names.reserve(world::kLinkKinds.size());
-  for (const world::LinkKind& kind : world::kLinkKinds) names.emplace_back(kind.name);
-  plan.link = world::kLinkKinds[reader.choice("link", Need::optional, names).value_or(0)];
+  plan.link = read_link(reader);
   read_faults(reader, plan);
   return plan;
 }

@@ -6,8 +6,8 @@
 
 namespace trb::simulator {
 
-/// Keys: `robots`, `tasks`; optional: `task_seconds` (3), `deviation` (0, of a task's time), `link` ("lan", "wifi",
-/// "vpn"), `seed` (1), `seconds` (at most so many are simulated), `faults` and `relays`: see fault_job.hpp;
+/// Keys: `robots`, `tasks`; optional: `task_seconds` (3), `deviation` (0, of a task's time), `link`: see
+/// link_job.hpp; `seed` (1), `seconds` (at most so many are simulated), `faults` and `relays`: see fault_job.hpp;
 /// `sensor_values`: see sensor_job.hpp.
 world::WorldPlan read_world(ObjectReader& reader);
 

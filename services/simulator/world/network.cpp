@@ -50,6 +50,11 @@ void Network::count(const std::string& from, const std::string& to, std::string_
   meter_.on({events_.seconds_passed(), from, to, subtype, bytes, true}, frame);
 }
 
+Duration Network::delay() {
+  if (kind_.measured.empty()) return dice_.normal(kind_.delay, kind_.deviation);
+  return kind_.measured[dice_.below(kind_.measured.size())];
+}
+
 void Network::dial(const std::string& from, const router::Dial& dial) {
   Duration takes{0};
   for (int i = 0; i < 2 * kRoundTrips; ++i) takes += delay();

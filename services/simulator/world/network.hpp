@@ -43,7 +43,7 @@ class Host {
 class Network {
  public:
   Network(Events& events, Meter& meter, Dice& dice, LinkKind kind)
-      : events_(events), meter_(meter), dice_(dice), kind_(kind) {}
+      : events_(events), meter_(meter), dice_(dice), kind_(std::move(kind)) {}
 
   void join(const std::string& id, const std::string& address, Host& host);
   /// The computer's processes end: its connections end, and the other ends learn of it.
@@ -83,7 +83,7 @@ class Network {
   void post(LinkId connection, bool there, Parcel parcel);
   void arrive(LinkId connection, bool there, Parcel parcel);
   void hand_over(LinkId connection, const std::string& to, Parcel parcel);
-  Duration delay() { return dice_.normal(kind_.delay, kind_.deviation); }
+  Duration delay();
   void count(const std::string& from, const std::string& to, std::string_view subtype, std::uint64_t bytes,
              BytesView frame);
 

@@ -27,7 +27,7 @@ struct RobotPlan {
 
 class Robot {
  public:
-  Robot(RobotPlan plan, Events& events, Dice& dice) : plan_(plan), events_(events), dice_(dice) {}
+  Robot(RobotPlan plan, Events& events, Dice& dice) : plan_(std::move(plan)), events_(events), dice_(dice) {}
   Robot(const Robot&) = delete;
   Robot& operator=(const Robot&) = delete;
 
