@@ -179,6 +179,48 @@ class Packets(Controller):
         self.assertEqual((source, body[9:]), (0xfe, b"PROGRAM_XXX_STARTEDone"))
 
 
+class Scripts(Controller):
+    def texts(self, script):
+        """What a program prints until it ends: texts, and the exception if there is one."""
+        primary = self.primary()
+        primary.state()
+        primary.send(script)
+        said = []
+        while True:
+            _, kind, body = primary.message(0, 7, 10)
+            if kind == 10:
+                said.append((*struct.unpack(">2i", body[:8]), body[8:].decode()))
+            if kind == 0:
+                said.append(body.decode())
+            if b"compile_error" in body or (kind == 7 and b"STOPPED" in body):
+                return said
+
+    def test_loops_branches_functions_and_the_robots_state(self):
+        said = self.texts("def all():\n  movej([0.5, -1.57, 0, -1.57, 0, 0], t=0.5)\n  q = get_actual_joint_positions()\n"
+                          "  def twice(x):\n    return 2 * x\n  end\n  i = 0\n  while i < 3:\n    i = i + 1\n    sync()\n  end\n"
+                          "  if i == 3 and q[0] > 0.4:\n    textmsg(twice(q[0]))\n  elif True:\n    textmsg(\"elif\")\n  else:\n"
+                          "    textmsg(\"else\")\n  end\n  textmsg(norm(get_target_tcp_pose()[2] - get_actual_tcp_pose()[2]))\nend")
+        self.assertEqual(said, ["1.000000", "0.000000"])
+
+    def test_speeds_in_a_loop_move_the_arm_until_a_place(self):
+        said = self.texts("def go():\n  while get_actual_joint_positions()[0] < 0.5:\n    speedj([1, 0, 0, 0, 0, 0], 5, 0.01)\n"
+                          "  end\n  stopj(5)\n  textmsg(is_steady())\n  textmsg(get_actual_joint_positions()[0] > 0.49)\nend")
+        self.assertEqual(said, ["True", "True"])
+
+    def test_a_program_stops_itself_and_waits_for_an_input(self):
+        primary, dashboard = self.primary(), self.dashboard()
+        primary.send("def wait():\n  while not get_standard_digital_in(0):\n    sync()\n  end\n  protective_stop()\nend")
+        self.wait_answer(dashboard, "running", "Program running: true")
+        self.robot.say("input 0 on")
+        self.wait_answer(dashboard, "safetystatus", "Safetystatus: PROTECTIVE_STOP")
+        self.assertEqual(dashboard.ask("running"), "Program running: false")
+
+    def test_errors_have_their_place_before_and_while_it_runs(self):
+        self.assertEqual(self.texts("def a():\n  thread t():\n    sync()\n  end\nend"), [(2, 3, "compile_error_not_imitated:thread:")])
+        self.assertEqual(self.texts("def a():\n  x = 0\n  x = 1 / x\nend"), [(3, 9, "runtime_error_division_by_zero:")])
+        self.assertEqual(self.texts("def a():\n  while True:\n    x = 1\n  end\nend")[0][2], "runtime_error_infinite_loop:")
+
+
 class Exchange(Controller):
     STATE = ["timestamp", "actual_q", "target_q", "actual_qd", "target_qd", "actual_TCP_pose", "robot_mode", "safety_status",
              "safety_mode", "runtime_state", "actual_digital_input_bits", "actual_digital_output_bits", "speed_scaling",

@@ -29,7 +29,7 @@ void Controller::take(std::string_view script, double now) {
   if (refuse_when_not_running()) return;
   auto& program = std::get<Program>(compiled);
   if (program.secondary) {
-    run_secondary(program);
+    run_secondary(std::move(program), now);
   } else {
     start(std::move(program), now);
   }
@@ -132,30 +132,43 @@ void Controller::start(Program program, double now) {
   stop_program(now);
   ++programs_started_;
   emit(ProgramStarted{program.name});
-  program_ = std::move(program);
-  next_step_ = 0;
+  program_.emplace(std::move(program));
   step_end_ = clock_.at(now);
   moves_ = false;
   advance(now);
 }
 
-void Controller::run_secondary(const Program& program) {
+void Controller::run_secondary(Program program, double now) {
   // The compiler allows no step that takes time in a secondary program, so the running one is not disturbed.
   emit(SecondaryRun{program.name});
-  for (const Step& step : program.steps) run_step(step);
+  Machine machine(std::move(program));
+  for (;;) {
+    auto next = machine.next(world(clock_.at(now)), 0);
+    if (const auto* error = std::get_if<ScriptError>(&next)) emit(ScriptRefused{*error});
+    const auto* step = std::get_if<Step>(&next);
+    if (step == nullptr) return;
+    run_step(*step);
+  }
 }
 
 void Controller::advance(double now) {
   const double due = clock_.at(now);
-  while (program_ && step_end_ <= due) {
-    if (next_step_ == program_->steps.size()) {
-      end_program(step_end_);
-    } else {
-      moves_ = false;
-      run_step(program_->steps[next_step_++]);
-    }
-  }
+  while (program_ && step_end_ <= due) run_next();
   arm_.settle(due);
+}
+
+void Controller::run_next() {
+  moves_ = false;
+  auto next = program_->next(world(step_end_), step_end_);
+  if (const auto* step = std::get_if<Step>(&next)) return run_step(*step);
+  if (const auto* error = std::get_if<ScriptError>(&next)) emit(ScriptRefused{*error});
+  end_program(step_end_);
+}
+
+World Controller::world(double program_time) const {
+  World world{state_at(program_time), inputs_, outputs_};
+  world.state.program_running = true;
+  return world;
 }
 
 /** Begins a step where the last one ended, so that delays do not add up over a program. */
@@ -177,7 +190,27 @@ void Controller::run_step(const Step& step) {
     emit(Stopped{});
   } else if (const auto* tool = std::get_if<ToolStep>(&step)) {
     arm_.set_tool(tool->tool);
+  } else if (const auto* written = std::get_if<RegisterStep>(&step)) {
+    write_register(*written);
+  } else if (std::holds_alternative<ProtectiveStopStep>(step)) {
+    stop_protectively();
   }
+}
+
+/** A program stops itself. */
+void Controller::stop_protectively() {
+  safety_ = SafetyMode::ProtectiveStop;
+  stopped_at_ = clock_.when(step_end_);
+  emit(SafetyChanged{safety_});
+  end_program(step_end_);
+  emit(Stopped{});
+}
+
+void Controller::write_register(const RegisterStep& step) {
+  const auto index = static_cast<std::size_t>(step.index);
+  if (step.kind == RegisterStep::Kind::Integer) outputs_.integers[index] = static_cast<std::int32_t>(step.value);
+  if (step.kind == RegisterStep::Kind::Float) outputs_.doubles[index] = step.value;
+  if (step.kind == RegisterStep::Kind::Boolean) outputs_.set_bit(step.index, step.value != 0);
 }
 
 void Controller::run_move(const MoveStep& step) {
@@ -214,7 +247,7 @@ void Controller::set_analog_output(std::size_t index, double value) {
 void Controller::end_program(double program_time) {
   if (!program_) return;
   arm_.halt(program_time);
-  emit(ProgramStopped{program_->name});
+  emit(ProgramStopped{program_->name()});
   program_.reset();
   moves_ = false;
 }
@@ -235,16 +268,15 @@ std::optional<double> Controller::next_deadline() const {
 }
 
 RobotState Controller::state(double now) const {
-  RobotState state{mode_,
-                   safety_,
-                   program_.has_value() && !clock_.paused(),
-                   clock_.paused(),
-                   speed_fraction_,
-                   arm_.at(clock_.at(now)),
-                   io_,
-                   arm_.tool()};
+  RobotState state = state_at(clock_.at(now));
   if (clock_.paused()) state.joints.speed = {};
   return state;
+}
+
+RobotState Controller::state_at(double program_time) const {
+  const bool paused = clock_.paused();
+  return {mode_, safety_,    program_.has_value() && !paused, paused, speed_fraction_, arm_.at(program_time),
+          io_,   arm_.tool()};
 }
 
 std::vector<Event> Controller::take_events() {

@@ -7,6 +7,7 @@
 
 #include "services/virtual-robots/ur/arm.hpp"
 #include "services/virtual-robots/ur/events.hpp"
+#include "services/virtual-robots/ur/machine.hpp"
 #include "services/virtual-robots/ur/program_clock.hpp"
 #include "services/virtual-robots/ur/registers.hpp"
 
@@ -63,7 +64,7 @@ class Controller {
 
   RobotState state(double now) const;
   /** Of the running program, else `<unnamed>`. */
-  std::string program_name() const { return program_ ? program_->name : "<unnamed>"; }
+  std::string program_name() const { return program_ ? program_->name() : "<unnamed>"; }
   /** How many programs have been started so far. */
   std::uint64_t programs_started() const { return programs_started_; }
   std::vector<Event> take_events();
@@ -72,7 +73,12 @@ class Controller {
   bool take_command(std::string_view line, double now);
   void run_move(const MoveStep& step);
   void start(Program program, double now);
-  void run_secondary(const Program& program);
+  void run_secondary(Program program, double now);
+  void run_next();
+  void stop_protectively();
+  RobotState state_at(double program_time) const;
+  World world(double program_time) const;
+  void write_register(const RegisterStep& step);
   bool refuse_when_not_running();
   void run_step(const Step& step);
   /** In the program's time. */
@@ -85,8 +91,7 @@ class Controller {
   RobotMode mode_;
   SafetyMode safety_ = SafetyMode::Normal;
   Arm arm_;
-  std::optional<Program> program_;
-  std::size_t next_step_ = 0;
+  std::optional<Machine> program_;
   double step_end_ = 0;
   bool moves_ = false;     ///< the step under way is a motion to a target: the slider scales it
   double stopped_at_ = 0;  ///< when the protective stop began

@@ -1,29 +1,14 @@
 #include "services/virtual-robots/ur/functions.hpp"
 
 #include <algorithm>
-#include <optional>
-#include <string_view>
+#include <cmath>
 
 #include "services/virtual-robots/support/text.hpp"
 
 namespace trb::virtual_robots::ur {
 namespace {
 
-enum class Kind { Number, Positive, Boolean, Text, Target, Six, Pose, Any };
-
-struct Parameter {
-  std::string_view name;
-  Kind kind;
-  bool required = false;
-};
-
-using Bound = std::vector<std::optional<Value>>;
-
-struct Function {
-  std::string_view name;
-  std::vector<Parameter> parameters;
-  Step (*make)(const std::string& function, const Bound& bound);
-};
+using Kind = Parameter::Kind;
 
 double number_or(const Bound& bound, std::size_t index, double otherwise) {
   return bound[index] ? std::get<double>(*bound[index]) : otherwise;
@@ -33,14 +18,6 @@ std::string show_list(const double* numbers, std::size_t count) {
   std::string out = "[";
   for (std::size_t i = 0; i < count; ++i) out += (i == 0 ? "" : ", ") + format_fixed(numbers[i], 6);
   return out + "]";
-}
-
-std::string show(const Value& value) {
-  if (const auto* number = std::get_if<double>(&value)) return format_fixed(*number, 6);
-  if (const auto* boolean = std::get_if<bool>(&value)) return *boolean ? "True" : "False";
-  if (const auto* text = std::get_if<std::string>(&value)) return *text;
-  if (const auto* list = std::get_if<std::vector<double>>(&value)) return show_list(list->data(), list->size());
-  return "p" + show_list(std::get<Pose>(value).values.data(), 6);
 }
 
 std::variant<Joints, Pose> target_of(const Value& value) {
@@ -68,6 +45,10 @@ Step make_sleep(const std::string&, const Bound& bound) {
   return SleepStep{number_or(bound, 0, 0)};
 }
 
+Step make_sync(const std::string&, const Bound&) {
+  return SleepStep{kStepTime};
+}
+
 Step make_digital_out(const std::string&, const Bound& bound) {
   const double index = std::clamp(number_or(bound, 0, 0), 0.0, 63.0);
   return DigitalOutStep{static_cast<int>(index), std::get<bool>(*bound[1])};
@@ -93,121 +74,125 @@ Step make_setting(const std::string& function, const Bound&) {
   return SettingStep{function};
 }
 
-const std::vector<Function>& functions() {
+Step make_protective_stop(const std::string&, const Bound&) {
+  return ProtectiveStopStep{};
+}
+
+Step register_step(RegisterStep::Kind kind, int count, const Bound& bound, double value) {
+  const double index = number_or(bound, 0, 0);
+  if (!(index >= 0 && index < count)) throw ScriptFault{"runtime_error_no_register:" + show(*bound[0]) + ":"};
+  return RegisterStep{kind, static_cast<int>(index), value};
+}
+
+Step make_integer(const std::string&, const Bound& bound) {
+  const double value = std::clamp(number_or(bound, 1, 0), -2147483648.0, 2147483647.0);
+  return register_step(RegisterStep::Kind::Integer, Registers::kNumbers, bound, value);
+}
+
+Step make_float(const std::string&, const Bound& bound) {
+  return register_step(RegisterStep::Kind::Float, Registers::kNumbers, bound, number_or(bound, 1, 0));
+}
+
+Step make_boolean(const std::string&, const Bound& bound) {
+  return register_step(RegisterStep::Kind::Boolean, Registers::kBits, bound, std::get<bool>(*bound[1]) ? 1 : 0);
+}
+
+Function doing(std::string_view name, std::vector<Parameter> parameters, Step (*make)(const std::string&, const Bound&),
+               bool takes_time = false) {
+  return {name, std::move(parameters), make, nullptr, Shape::Kind::None, takes_time};
+}
+
+}  // namespace
+
+const std::vector<Function>& doing_functions() {
   static const std::vector<Parameter> kMove = {
       {"q", Kind::Target, true}, {"a", Kind::Number}, {"v", Kind::Number}, {"t", Kind::Number}, {"r", Kind::Number}};
   static const std::vector<Parameter> kLine = {
       {"pose", Kind::Target, true}, {"a", Kind::Number}, {"v", Kind::Number}, {"t", Kind::Number}, {"r", Kind::Number}};
   static const std::vector<Parameter> kOut = {{"n", Kind::Number, true}, {"b", Kind::Boolean, true}};
+  static const std::vector<Parameter> kPopup = {{"s", Kind::Any, true},
+                                                {"title", Kind::Text},
+                                                {"warning", Kind::Boolean},
+                                                {"error", Kind::Boolean},
+                                                {"blocking", Kind::Boolean}};
+  static const std::vector<Parameter> kRegister = {{"n", Kind::Number, true}, {"value", Kind::Number, true}};
   static const std::vector<Function> kFunctions = {
-      {"movej", kMove, make_move},
-      {"movel", kLine, make_move},
-      {"sleep", {{"t", Kind::Number, true}}, make_sleep},
-      {"set_digital_out", kOut, make_digital_out},
-      {"set_standard_digital_out", kOut, make_digital_out},
-      {"textmsg", {{"s1", Kind::Any, true}, {"s2", Kind::Any}}, make_text},
-      {"popup",
-       {{"s", Kind::Any, true},
-        {"title", Kind::Text},
-        {"warning", Kind::Boolean},
-        {"error", Kind::Boolean},
-        {"blocking", Kind::Boolean}},
-       make_popup},
-      {"set_tcp", {{"pose", Kind::Pose, true}, {"tcp_name", Kind::Text}}, make_tool},
-      {"set_payload", {{"m", Kind::Number, true}, {"cog", Kind::Any}}, make_setting},
-      {"speedj", {{"qd", Kind::Six, true}, {"a", Kind::Positive}, {"t", Kind::Number}}, make_speed},
-      {"speedl",
-       {{"xd", Kind::Six, true}, {"a", Kind::Positive}, {"t", Kind::Number}, {"aRot", Kind::Text}},
-       make_speed},
-      {"stopj", {{"a", Kind::Positive}}, make_halt},
-      {"stopl", {{"a", Kind::Positive}}, make_halt},
+      doing("movej", kMove, make_move, true),
+      doing("movel", kLine, make_move, true),
+      doing("sleep", {{"t", Kind::Number, true}}, make_sleep, true),
+      doing("sync", {}, make_sync, true),
+      doing("set_digital_out", kOut, make_digital_out),
+      doing("set_standard_digital_out", kOut, make_digital_out),
+      doing("textmsg", {{"s1", Kind::Any, true}, {"s2", Kind::Any}}, make_text),
+      doing("popup", kPopup, make_popup),
+      doing("set_tcp", {{"pose", Kind::Pose, true}, {"tcp_name", Kind::Text}}, make_tool),
+      doing("set_payload", {{"m", Kind::Number, true}, {"cog", Kind::Any}}, make_setting),
+      doing("speedj", {{"qd", Kind::Six, true}, {"a", Kind::Positive}, {"t", Kind::Number}}, make_speed, true),
+      doing("speedl", {{"xd", Kind::Six, true}, {"a", Kind::Positive}, {"t", Kind::Number}, {"aRot", Kind::Text}},
+            make_speed, true),
+      doing("stopj", {{"a", Kind::Positive}}, make_halt),
+      doing("stopl", {{"a", Kind::Positive}}, make_halt),
+      doing("protective_stop", {}, make_protective_stop),
+      doing("write_output_integer_register", kRegister, make_integer),
+      doing("write_output_float_register", kRegister, make_float),
+      doing("write_output_boolean_register", {{"n", Kind::Number, true}, {"value", Kind::Boolean, true}}, make_boolean),
   };
   return kFunctions;
 }
 
-bool fits(Kind kind, const Value& value) {
+const Function* function_of(std::string_view name) {
+  for (const auto* functions : {&doing_functions(), &telling_functions(), &reckoning_functions()}) {
+    const auto found = std::find_if(functions->begin(), functions->end(),
+                                    [&](const Function& function) { return function.name == name; });
+    if (found != functions->end()) return &*found;
+  }
+  return nullptr;
+}
+
+std::string show(const Value& value) {
+  if (const auto* number = std::get_if<double>(&value)) return format_fixed(*number, 6);
+  if (const auto* boolean = std::get_if<bool>(&value)) return *boolean ? "True" : "False";
+  if (const auto* text = std::get_if<std::string>(&value)) return *text;
+  if (const auto* list = std::get_if<std::vector<double>>(&value)) return show_list(list->data(), list->size());
+  if (const auto* pose = std::get_if<Pose>(&value)) return "p" + show_list(pose->values.data(), pose->values.size());
+  return "None";
+}
+
+Shape shape_of(const Value& value) {
+  if (const auto* number = std::get_if<double>(&value)) return {Shape::Kind::Number, {}, *number};
+  if (std::holds_alternative<bool>(value)) return {Shape::Kind::Boolean, {}, {}};
+  if (std::holds_alternative<std::string>(value)) return {Shape::Kind::Text, {}, {}};
+  if (const auto* list = std::get_if<std::vector<double>>(&value)) return {Shape::Kind::List, list->size(), {}};
+  return {std::holds_alternative<Pose>(value) ? Shape::Kind::Pose : Shape::Kind::None, {}, {}};
+}
+
+bool fits(Kind kind, const Shape& shape) {
+  if (shape.kind == Shape::Kind::Any) return true;
   switch (kind) {
     case Kind::Number:
-      return std::holds_alternative<double>(value);
-    case Kind::Positive: {
-      const auto* number = std::get_if<double>(&value);
-      return number != nullptr && *number > 0;
-    }
+      return shape.kind == Shape::Kind::Number;
+    case Kind::Positive:
+      return shape.kind == Shape::Kind::Number && (!shape.number || *shape.number > 0);
     case Kind::Six:
-      return std::holds_alternative<std::vector<double>>(value);
+    case Kind::List:
+      return shape.kind == Shape::Kind::List;
     case Kind::Boolean:
-      return std::holds_alternative<bool>(value);
+      return shape.kind == Shape::Kind::Boolean;
     case Kind::Text:
-      return std::holds_alternative<std::string>(value);
+      return shape.kind == Shape::Kind::Text;
     case Kind::Target:
-      return std::holds_alternative<std::vector<double>>(value) || std::holds_alternative<Pose>(value);
+      return shape.kind == Shape::Kind::List || shape.kind == Shape::Kind::Pose;
     case Kind::Pose:
-      return std::holds_alternative<Pose>(value);
+      return shape.kind == Shape::Kind::Pose;
     case Kind::Any:
-      return true;
+      return shape.kind != Shape::Kind::None;
   }
   return false;
 }
 
-/** Binds the arguments of one call to the parameters of its function. */
-class Binder {
- public:
-  Binder(const ScriptLine& line, const Call& call, const Function& function)
-      : line_(line), call_(call), parameters_(function.parameters), bound_(function.parameters.size()) {}
-
-  Bound bind() {
-    for (std::size_t i = 0; i < call_.arguments.size(); ++i) bind_argument(call_.arguments[i], i);
-    for (std::size_t i = 0; i < parameters_.size(); ++i) {
-      if (parameters_[i].required && !bound_[i]) fail("missing_argument", parameters_[i].name, call_.column);
-    }
-    return bound_;
-  }
-
- private:
-  void bind_argument(const Argument& argument, std::size_t place) {
-    const std::size_t index = argument.key.empty() ? place : index_of(argument);
-    if (index >= parameters_.size()) fail("too_many_arguments", "", argument.column);
-    const Parameter& parameter = parameters_[index];
-    if (!fits(parameter.kind, argument.value)) fail("wrong_type", parameter.name, argument.column);
-    const auto* list = std::get_if<std::vector<double>>(&argument.value);
-    const bool six = parameter.kind == Kind::Target || parameter.kind == Kind::Six;
-    const bool miscounted = six && list != nullptr && list->size() != kJointCount;
-    if (miscounted) fail("wrong_joint_count", "", argument.column);
-    bound_[index] = argument.value;
-  }
-
-  std::size_t index_of(const Argument& argument) const {
-    for (std::size_t i = 0; i < parameters_.size(); ++i) {
-      if (parameters_[i].name == argument.key) return i;
-    }
-    fail("unknown_argument", argument.key, argument.column);
-  }
-
-  [[noreturn]] void fail(std::string_view what, std::string_view which, int column) const {
-    std::string text = "compile_error_" + std::string(what) + ":" + call_.function + ":";
-    if (!which.empty()) text += std::string(which) + ":";
-    fail_with(line_, column, text);
-  }
-
-  const ScriptLine& line_;
-  const Call& call_;
-  const std::vector<Parameter>& parameters_;
-  Bound bound_;
-};
-
-}  // namespace
-
-Step bind_call(const ScriptLine& line, const Call& call) {
-  for (const Function& function : functions()) {
-    if (function.name != call.function) continue;
-    Step step = function.make(call.function, Binder(line, call, function).bind());
-    if (auto* move = std::get_if<MoveStep>(&step)) {
-      move->line = line.number;
-      move->column = call.column;
-    }
-    return step;
-  }
-  fail_with(line, call.column, "compile_error_name_not_found:" + call.function + ":");
+bool counts(Kind kind, const Shape& shape) {
+  const bool six = kind == Kind::Target || kind == Kind::Six;
+  return !six || shape.kind != Shape::Kind::List || !shape.count || *shape.count == kJointCount;
 }
 
 }  // namespace trb::virtual_robots::ur

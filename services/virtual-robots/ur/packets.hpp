@@ -38,6 +38,8 @@ struct RobotState {
 int joint_mode(RobotMode mode);
 /** Where the tool's centre is. */
 Pose tcp_of(const RobotState& state);
+/** How the tool's centre moves. */
+Twist tcp_speed(const RobotState& state);
 
 // Each function returns one complete packet, big-endian, its length first. `time_us` is in microseconds.
 

@@ -9,16 +9,6 @@ namespace {
 
 using P = const RtdePicture&;
 
-/** A twist of the tool's centre: the flange's, and what its turn adds to it out there. */
-Twist tcp_speed(const RobotState& state) {
-  const Frame flange = flange_frame(state.joints.position);
-  Twist twist = twist_of(state.joints.position, state.joints.speed);
-  const Vector arm = sum(1, compose(flange, frame_of(state.tool)).origin, -1, flange.origin);
-  const Vector more = cross({twist[3], twist[4], twist[5]}, arm);
-  for (std::size_t i = 0; i < 3; ++i) twist[i] += more[i];
-  return twist;
-}
-
 std::uint32_t runtime_state(const RobotState& state) {
   constexpr std::uint32_t kStopped = 1, kPlaying = 2, kPaused = 4;
   return state.program_running ? kPlaying : state.program_paused ? kPaused : kStopped;

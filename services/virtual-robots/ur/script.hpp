@@ -1,7 +1,6 @@
 #pragma once
 
 #include <array>
-#include <map>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -16,8 +15,8 @@ struct Pose {
   std::array<double, 6> values{};
 };
 
-using Value = std::variant<double, bool, std::string, std::vector<double>, Pose>;
-using Variables = std::map<std::string, Value, std::less<>>;
+/** The last one is the value of what has none. */
+using Value = std::variant<double, bool, std::string, std::vector<double>, Pose, std::monostate>;
 
 /** movej or movel; a time above 0 has priority over the speed. */
 struct MoveStep {
@@ -65,13 +64,18 @@ struct SettingStep {
   std::string function;
 };
 
-using Step = std::variant<MoveStep, SpeedStep, SleepStep, DigitalOutStep, TextStep, HaltStep, ToolStep, SettingStep>;
-
-struct Program {
-  std::string name;
-  bool secondary = false;
-  std::vector<Step> steps;
+/** write_output_...: a register that a client reads. */
+struct RegisterStep {
+  enum class Kind { Integer, Float, Boolean };
+  Kind kind = Kind::Integer;
+  int index = 0;
+  double value = 0;
 };
+
+struct ProtectiveStopStep {};
+
+using Step = std::variant<MoveStep, SpeedStep, SleepStep, DigitalOutStep, TextStep, HaltStep, ToolStep, SettingStep,
+                          RegisterStep, ProtectiveStopStep>;
 
 /** The error of a script and its place; lines and columns count from 1. */
 struct ScriptError {
@@ -93,8 +97,5 @@ struct ScriptLine {
 
 [[noreturn]] void fail_syntax(const ScriptLine& line, int column);
 [[noreturn]] void fail_with(const ScriptLine& line, int column, std::string text);
-
-/** Compiles `def NAME(): ... end`, `sec NAME(): ... end`, or one bare statement, which gets the name `unnamed`. */
-std::variant<Program, ScriptError> compile(std::string_view text);
 
 }  // namespace trb::virtual_robots::ur

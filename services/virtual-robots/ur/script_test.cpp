@@ -1,8 +1,9 @@
-#include "services/virtual-robots/ur/script.hpp"
+#include "services/virtual-robots/ur/program.hpp"
 
 #include <doctest/doctest.h>
 
 #include "services/virtual-robots/ur/intake.hpp"
+#include "services/virtual-robots/ur/machine.hpp"
 
 using namespace trb::virtual_robots::ur;
 
@@ -12,6 +13,17 @@ Program program_of(std::string_view text) {
   auto compiled = compile(text);
   if (const auto* error = std::get_if<ScriptError>(&compiled)) FAIL(error->text);
   return std::get<Program>(compiled);
+}
+
+std::vector<Step> steps_of(std::string_view text) {
+  Machine machine(program_of(text));
+  std::vector<Step> steps;
+  for (;;) {
+    auto next = machine.next({}, 0);
+    const auto* step = std::get_if<Step>(&next);
+    if (step == nullptr) return steps;
+    steps.push_back(*step);
+  }
 }
 
 ScriptError error_of(std::string_view text) {
@@ -30,7 +42,7 @@ void check_error(std::string_view text, int line, int column, std::string_view w
 }  // namespace
 
 TEST_CASE("compile: a program with every kind of statement") {
-  const Program program = program_of(
+  const std::vector<Step> steps = steps_of(
       "def pick():\n"
       "  # a comment\n"
       "  home = [0, -1.57, 0, -1.57, 0, 1e-1]\n"
@@ -46,21 +58,20 @@ TEST_CASE("compile: a program with every kind of statement") {
       "  popup(\"look\", blocking=True)\n"
       "  stopj(2.0)\n"
       "end");
-  CHECK(program.name == "pick");
-  REQUIRE(program.steps.size() == 9);
-  const auto& move = std::get<MoveStep>(program.steps[0]);
+  REQUIRE(steps.size() == 9);
+  const auto& move = std::get<MoveStep>(steps[0]);
   CHECK(std::get<Joints>(move.target)[1] == -1.57);
   CHECK(move.speed == 2.5);
-  CHECK(std::get<Pose>(std::get<MoveStep>(program.steps[1]).target).values[2] == 0.3);
-  CHECK(std::get<MoveStep>(program.steps[1]).time == 2);
-  CHECK(std::get<DigitalOutStep>(program.steps[3]).on);
-  CHECK(std::get<TextStep>(program.steps[4]).text == "a # in a text2.000000");
+  CHECK(std::get<Pose>(std::get<MoveStep>(steps[1]).target).values[2] == 0.3);
+  CHECK(std::get<MoveStep>(steps[1]).time == 2);
+  CHECK(std::get<DigitalOutStep>(steps[3]).on);
+  CHECK(std::get<TextStep>(steps[4]).text == "a # in a text2.000000");
 }
 
 TEST_CASE("compile: a bare line is a program named unnamed") {
   const Program program = program_of("movej([0,0,0,0,0,0], 1.4, 1.05, 0, 0)");
   CHECK(program.name == "unnamed");
-  CHECK(program.steps.size() == 1);
+  CHECK(steps_of("movej([0,0,0,0,0,0], 1.4, 1.05, 0, 0)").size() == 1);
 }
 
 TEST_CASE("compile: errors carry line and column") {

@@ -132,6 +132,16 @@ Pose tcp_of(const RobotState& state) {
   return pose_of(compose(flange_frame(state.joints.position), frame_of(state.tool)));
 }
 
+Twist tcp_speed(const RobotState& state) {
+  const Frame flange = flange_frame(state.joints.position);
+  Twist twist = twist_of(state.joints.position, state.joints.speed);
+  // What the flange turns adds to the speed out there.
+  const Vector arm = sum(1, compose(flange, frame_of(state.tool)).origin, -1, flange.origin);
+  const Vector more = cross({twist[3], twist[4], twist[5]}, arm);
+  for (std::size_t i = 0; i < 3; ++i) twist[i] += more[i];
+  return twist;
+}
+
 std::string robot_state_packet(const RobotState& state, std::uint64_t time_us) {
   Bytes packet;
   packet.u8(kRobotState).text(robot_mode_part(state, time_us)).text(joint_part(state)).text(tool_part(state));

@@ -35,6 +35,13 @@ std::size_t text_length(std::string_view rest) {
   return end == std::string_view::npos ? 0 : end + 1;
 }
 
+std::size_t symbol_length(std::string_view rest) {
+  for (const std::string_view pair : {"==", "!=", "<=", ">="}) {
+    if (rest.starts_with(pair)) return pair.size();
+  }
+  return std::string_view("()[],=:+-*/%<>").find(rest.front()) == std::string_view::npos ? 0 : 1;
+}
+
 Token next_token(std::string_view rest, std::size_t& length) {
   const char first = rest.front();
   const bool number = is_digit(first) || (first == '.' && rest.size() > 1 && is_digit(rest[1]));
@@ -50,7 +57,7 @@ Token next_token(std::string_view rest, std::size_t& length) {
     length = text_length(rest);
   } else {
     token.kind = Token::Kind::Symbol;
-    length = std::string_view("()[],=:+-").find(first) == std::string_view::npos ? 0 : 1;
+    length = symbol_length(rest);
   }
   token.text = std::string(rest.substr(0, length));
   return token;
