@@ -99,7 +99,8 @@ TEST_CASE("given two clouds' gateways that share one log, then the heads of both
   log += audit_head_line(first.sign_head(other));
   const std::string cloud = certificate("cloud", first.node);
   const std::string second = certificate("second", other);
-  for (const std::string& text : {cloud + second + log, second + cloud + log}) {
+  for (const std::string& text :
+       {std::string(cloud).append(second).append(log), std::string(second).append(cloud).append(log)}) {
     const auto check = check_audit_export(text, first.authority);
     REQUIRE(check.ok());
     CHECK_FALSE(check->report.fault);

@@ -17,12 +17,10 @@ UtcTime SteadyTime::at(Now now) {
     const bool was_short = restored_ && now.utc >= *restored_ - kSlack && now.utc <= *restored_ + kShortStop;
     offset_ = restored_ && !was_short ? restored_->ns - now.mono.ns : offset;
   }
-  if (is_near(offset, *offset_)) {
-    offset_ = offset;
-    step_.reset();
-  } else if (!step_ || !is_near(offset, step_->offset)) {
+  const bool steps = !is_near(offset, *offset_);
+  if (steps && (!step_ || !is_near(offset, step_->offset))) {
     step_ = Step{offset, now.mono};
-  } else if (now.mono - step_->since >= kSteady) {
+  } else if (!steps || now.mono - step_->since >= kSteady) {
     offset_ = offset;
     step_.reset();
   }

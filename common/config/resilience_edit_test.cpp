@@ -43,7 +43,7 @@ ConfigFaults faults_of(std::string_view file, ResiliencePart part, const std::st
 
 ResilienceSettings settings_in(const std::string& text) {
   ConfigFaults faults;
-  const ResilienceSettings out = read_resilience(parsed_text(text), "resilience.json", faults);
+  ResilienceSettings out = read_resilience(parsed_text(text), "resilience.json", faults);
   CHECK_MESSAGE(faults.empty(), to_text(faults));
   return out;
 }

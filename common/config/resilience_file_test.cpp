@@ -20,7 +20,7 @@ ResilienceSettings read(const std::string& text, ConfigFaults& faults) {
 
 ResilienceSettings good(const std::string& text) {
   ConfigFaults faults;
-  const ResilienceSettings out = read(text, faults);
+  ResilienceSettings out = read(text, faults);
   CHECK_MESSAGE(faults.empty(), to_text(faults));
   return out;
 }

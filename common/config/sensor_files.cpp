@@ -22,7 +22,7 @@ std::vector<SensorRule> read_sensor_files(const std::string& node_dir, ConfigFau
   if (!check_count({"sensors", faults}, "", names.size(), kMaxFiles)) names.resize(kMaxFiles);
   std::vector<SensorRule> rules;
   for (const std::string& name : names) {
-    const auto json = load_json(node_dir + "/" + name, "name a file that is there", {name, faults});
+    const auto json = load_json(node_dir + ("/" + name), "name a file that is there", {name, faults});
     if (json) rules.push_back(read_sensor_rule(*json, name, faults));
   }
   return rules;

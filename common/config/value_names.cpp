@@ -42,6 +42,7 @@ void check_drive_words(const NodeConfig& config, const Transports& known, const 
   const auto& words = config.commands.commands;
   if (transport == nullptr || !transport->names_values || words.empty() || config.description.has_field_channel) return;
   std::vector<std::string> names;
+  names.reserve(words.size());
   for (const auto& [subtype, ignored] : words) names.push_back(subtype);
   const FileFaults sink(file, faults);
   const auto check = [&](const Skill& skill, const std::string& key) {

@@ -27,12 +27,13 @@ Error http_refusal(const std::string& what, const HttpAnswer& answer) {
   return fail(Errc::robot_error, text, "compare commands.json with the maker's description of the interface");
 }
 
-HttpPoll::HttpPoll(std::map<std::string, HttpQuestion> questions, HttpPath probe, Duration period) : period_(period) {
-  for (auto& [name, question] : questions) {
+HttpPoll::HttpPoll(const std::map<std::string, HttpQuestion>& questions, HttpPath probe, Duration period)
+    : period_(period) {
+  for (const auto& [name, question] : questions) {
     const auto same = [&path = question.path](const Group& group) { return group.path.text() == path.text(); };
     auto at = std::ranges::find_if(groups_, same);
     if (at == groups_.end()) at = groups_.insert(groups_.end(), {question.path, {}});
-    at->values[name] = std::move(question.parts);
+    at->values[name] = question.parts;
   }
   if (groups_.empty()) groups_.push_back({std::move(probe), {}});
 }

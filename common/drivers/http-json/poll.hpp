@@ -15,7 +15,7 @@ namespace trb::drivers {
 class HttpPoll : public PolledValues {
  public:
   /// Without questions `probe` is requested, so that a lost robot is noticed; any answer to it is good.
-  HttpPoll(std::map<std::string, HttpQuestion> questions, HttpPath probe, Duration period);
+  HttpPoll(const std::map<std::string, HttpQuestion>& questions, HttpPath probe, Duration period);
 
   /// All are requested at once.
   void restart(Now now) { due_ = now.mono; }

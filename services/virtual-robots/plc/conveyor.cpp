@@ -11,22 +11,22 @@ constexpr double kEntryMm = 100;  ///< how far the light barrier at the entry se
 
 std::string_view name_of(FaultCode code) {
   switch (code) {
-    case FaultCode::None:
+    case FaultCode::none:
       return "none";
-    case FaultCode::MotorOverload:
+    case FaultCode::motor_overload:
       return "motor_overload";
-    case FaultCode::EmergencyStop:
+    case FaultCode::emergency_stop:
       return "emergency_stop";
-    case FaultCode::BeltSlips:
+    case FaultCode::belt_slips:
       return "belt_slips";
-    case FaultCode::MotorHot:
+    case FaultCode::motor_hot:
       return "motor_hot";
   }
   return "unknown";
 }
 
 bool Conveyor::stops_belt(FaultCode code) {
-  return code == FaultCode::MotorOverload || code == FaultCode::EmergencyStop;
+  return code == FaultCode::motor_overload || code == FaultCode::emergency_stop;
 }
 
 void Conveyor::settle(double now) {
@@ -103,12 +103,12 @@ void Conveyor::fault(FaultCode code, double now) {
 }
 
 void Conveyor::reset(double now) {
-  if (fault_ == FaultCode::MotorOverload) clear(now);
+  if (fault_ == FaultCode::motor_overload) clear(now);
 }
 
 void Conveyor::clear(double now) {
   advance(now);
-  if (std::exchange(fault_, FaultCode::None) != FaultCode::None) events_.emplace_back("clear");
+  if (std::exchange(fault_, FaultCode::none) != FaultCode::none) events_.emplace_back("clear");
 }
 
 bool Conveyor::reaches_exit(double now) const {
@@ -145,19 +145,19 @@ bool Conveyor::box_at_entry(double now) const {
 }
 
 BeltState Conveyor::state() const {
-  if (stops_belt(fault_)) return BeltState::Fault;
-  if (moving()) return BeltState::Running;
-  return box_at_exit() ? BeltState::BoxAtExit : BeltState::Ready;
+  if (stops_belt(fault_)) return BeltState::fault;
+  if (moving()) return BeltState::running;
+  return box_at_exit() ? BeltState::box_at_exit : BeltState::ready;
 }
 
 double Conveyor::temperature() const {
-  if (fault_ == FaultCode::MotorHot || fault_ == FaultCode::MotorOverload) return 95.5;
+  if (fault_ == FaultCode::motor_hot || fault_ == FaultCode::motor_overload) return 95.5;
   return moving() ? 41.5 : 24.5;
 }
 
 double Conveyor::current_a() const {
   if (!moving()) return 0;
-  return fault_ == FaultCode::BeltSlips ? 0.4 : 1.2;
+  return fault_ == FaultCode::belt_slips ? 0.4 : 1.2;
 }
 
 }  // namespace trb::virtual_robots::plc

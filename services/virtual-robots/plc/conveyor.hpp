@@ -8,10 +8,16 @@
 
 namespace trb::virtual_robots::plc {
 
-enum class BeltState : std::uint16_t { Ready = 0, Running = 1, BoxAtExit = 2, Fault = 3 };
+enum class BeltState : std::uint16_t { ready = 0, running = 1, box_at_exit = 2, fault = 3 };
 
 /** The values of the controller's fault register; 0 is none. */
-enum class FaultCode : std::uint16_t { None = 0, MotorOverload = 1, EmergencyStop = 2, BeltSlips = 3, MotorHot = 4 };
+enum class FaultCode : std::uint16_t {
+  none = 0,
+  motor_overload = 1,
+  emergency_stop = 2,
+  belt_slips = 3,
+  motor_hot = 4
+};
 
 std::string_view name_of(FaultCode code);
 
@@ -88,7 +94,7 @@ class Conveyor {
   std::uint16_t speed_ = 500;
   std::int16_t jog_ = 0;
   double jog_until_ = 0;
-  FaultCode fault_ = FaultCode::None;
+  FaultCode fault_ = FaultCode::none;
   double start_mm_ = 0;  ///< where the box was at since_
   double since_ = 0;
   std::uint32_t boxes_ = 0;

@@ -19,14 +19,14 @@ TEST_CASE("a belt carries its box to the exit, where the controller's program st
   conveyor.place_box(0);
   CHECK(conveyor.box_at_entry(0));
   conveyor.run(true, 1);
-  CHECK(conveyor.state() == BeltState::Running);
+  CHECK(conveyor.state() == BeltState::running);
   CHECK(conveyor.position_mm(2) == 500);
   CHECK_FALSE(conveyor.box_at_entry(2));
   CHECK(conveyor.next_deadline() == 5.0);
   conveyor.advance(4.9);
   CHECK(conveyor.running());
   conveyor.advance(5);
-  CHECK(conveyor.state() == BeltState::BoxAtExit);
+  CHECK(conveyor.state() == BeltState::box_at_exit);
   CHECK(conveyor.position_mm(6) == 2000);
   CHECK(conveyor.boxes() == 1);
   CHECK_FALSE(conveyor.next_deadline());
@@ -41,7 +41,7 @@ TEST_CASE("a belt may change its speed, stop on its way, and go on") {
   CHECK(conveyor.position_mm(2) == 600);
   conveyor.run(false, 2);
   CHECK(conveyor.position_mm(9) == 600);
-  CHECK(conveyor.state() == BeltState::Ready);
+  CHECK(conveyor.state() == BeltState::ready);
   conveyor.run(true, 10);
   CHECK(conveyor.next_deadline() == 24.0);
   CHECK(events(conveyor) == "box entry; belt on 500; belt off command; belt on 100");
@@ -51,17 +51,17 @@ TEST_CASE("an overload stops the belt until it is reset; an emergency stop until
   Conveyor conveyor(ConveyorSettings{});
   conveyor.place_box(0);
   conveyor.run(true, 0);
-  conveyor.fault(FaultCode::MotorOverload, 1);
-  CHECK(conveyor.state() == BeltState::Fault);
+  conveyor.fault(FaultCode::motor_overload, 1);
+  CHECK(conveyor.state() == BeltState::fault);
   CHECK(conveyor.temperature() > 90);
   conveyor.run(true, 2);
   CHECK_FALSE(conveyor.running());
   conveyor.reset(3);
-  CHECK(conveyor.state() == BeltState::Ready);
-  conveyor.fault(FaultCode::EmergencyStop, 4);
-  conveyor.fault(FaultCode::MotorHot, 5);
+  CHECK(conveyor.state() == BeltState::ready);
+  conveyor.fault(FaultCode::emergency_stop, 4);
+  conveyor.fault(FaultCode::motor_hot, 5);
   conveyor.reset(6);
-  CHECK(conveyor.fault_code() == FaultCode::EmergencyStop);
+  CHECK(conveyor.fault_code() == FaultCode::emergency_stop);
   conveyor.clear(7);
   CHECK(conveyor.may_run());
   CHECK(events(conveyor) ==
@@ -71,12 +71,12 @@ TEST_CASE("an overload stops the belt until it is reset; an emergency stop until
 TEST_CASE("a warm motor and a slipping belt are told, and the belt goes on") {
   Conveyor conveyor(ConveyorSettings{});
   conveyor.run(true, 0);
-  conveyor.fault(FaultCode::BeltSlips, 1);
+  conveyor.fault(FaultCode::belt_slips, 1);
   CHECK(conveyor.running());
   CHECK(conveyor.current_a() == 0.4);
-  conveyor.fault(FaultCode::MotorHot, 2);
-  CHECK(conveyor.fault_code() == FaultCode::MotorHot);
-  CHECK(conveyor.state() == BeltState::Running);
+  conveyor.fault(FaultCode::motor_hot, 2);
+  CHECK(conveyor.fault_code() == FaultCode::motor_hot);
+  CHECK(conveyor.state() == BeltState::running);
 }
 
 TEST_CASE("a belt with nothing on it runs until it is told to stop") {
@@ -93,9 +93,9 @@ TEST_CASE("a belt with a box at its exit does not start to run: it is there alre
   conveyor.run(true, 0);
   conveyor.advance(4);
   conveyor.run(true, 5);
-  CHECK(conveyor.state() == BeltState::BoxAtExit);
+  CHECK(conveyor.state() == BeltState::box_at_exit);
   conveyor.take_box(6);
-  CHECK(conveyor.state() == BeltState::Ready);
+  CHECK(conveyor.state() == BeltState::ready);
 }
 
 TEST_CASE("boxes are brought where that is asked for") {
@@ -143,7 +143,7 @@ TEST_CASE("a jog ends at the exit, at a fault, and when the program runs the bel
   CHECK_FALSE(conveyor.moving());
   conveyor.take_box(1);
   conveyor.jog(50, 1);
-  conveyor.fault(FaultCode::MotorOverload, 1.1);
+  conveyor.fault(FaultCode::motor_overload, 1.1);
   CHECK_FALSE(conveyor.moving());
   CHECK_FALSE(conveyor.may_jog());
   conveyor.reset(1.2);

@@ -6,15 +6,15 @@
 namespace trb::virtual_robots::plc {
 
 /** The four tables of a Modbus server. */
-enum class Table { Coils, DiscreteInputs, InputRegisters, HoldingRegisters };
+enum class Table { coils, discrete_inputs, input_registers, holding_registers };
 
 /** Why a request is not carried out; the number is sent. */
 enum class Exception : std::uint8_t {
-  None = 0,
-  IllegalFunction = 1,
-  IllegalAddress = 2,
-  IllegalValue = 3,
-  DeviceFailure = 4,
+  none = 0,
+  illegal_function = 1,
+  illegal_address = 2,
+  illegal_value = 3,
+  device_failure = 4,
 };
 
 /** The registers on which requests act. A bit is 0 or 1. */

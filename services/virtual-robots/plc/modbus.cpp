@@ -45,7 +45,7 @@ class Request {
 
   std::string answer() {
     const std::string rest = carry_out();
-    if (exception_ != Exception::None) return refusal(function_, exception_);
+    if (exception_ != Exception::none) return refusal(function_, exception_);
     return static_cast<char>(function_) + rest;
   }
 
@@ -53,23 +53,23 @@ class Request {
   std::string carry_out() {
     switch (function_) {
       case 1:
-        return read(Table::Coils, kMostBitsRead);
+        return read(Table::coils, kMostBitsRead);
       case 2:
-        return read(Table::DiscreteInputs, kMostBitsRead);
+        return read(Table::discrete_inputs, kMostBitsRead);
       case 3:
-        return read(Table::HoldingRegisters, kMostRegistersRead);
+        return read(Table::holding_registers, kMostRegistersRead);
       case 4:
-        return read(Table::InputRegisters, kMostRegistersRead);
+        return read(Table::input_registers, kMostRegistersRead);
       case 5:
-        return write_one(Table::Coils);
+        return write_one(Table::coils);
       case 6:
-        return write_one(Table::HoldingRegisters);
+        return write_one(Table::holding_registers);
       case 15:
-        return write_many(Table::Coils, kMostBitsWritten);
+        return write_many(Table::coils, kMostBitsWritten);
       case 16:
-        return write_many(Table::HoldingRegisters, kMostRegistersWritten);
+        return write_many(Table::holding_registers, kMostRegistersWritten);
       default:
-        return fail(Exception::IllegalFunction);
+        return fail(Exception::illegal_function);
     }
   }
 
@@ -79,18 +79,18 @@ class Request {
   }
 
   std::string read(Table table, int most) {
-    if (pdu_.size() != 5) return fail(Exception::IllegalValue);
+    if (pdu_.size() != 5) return fail(Exception::illegal_value);
     const int first = word_at(pdu_, 1);
     const int count = word_at(pdu_, 3);
-    if (count < 1 || count > most) return fail(Exception::IllegalValue);
+    if (count < 1 || count > most) return fail(Exception::illegal_value);
     std::vector<std::uint16_t> values;
     for (int address = first; address < first + count; ++address) {
       const auto value = address > 0xffff ? std::nullopt : memory_.read(table, static_cast<std::uint16_t>(address));
-      if (!value) return fail(Exception::IllegalAddress);
+      if (!value) return fail(Exception::illegal_address);
       values.push_back(*value);
     }
     std::string out;
-    if (table == Table::Coils || table == Table::DiscreteInputs) {
+    if (table == Table::coils || table == Table::discrete_inputs) {
       out = packed(values);
     } else {
       for (const std::uint16_t value : values) out += word(value);
@@ -99,22 +99,22 @@ class Request {
   }
 
   std::string write_one(Table table) {
-    if (pdu_.size() != 5) return fail(Exception::IllegalValue);
+    if (pdu_.size() != 5) return fail(Exception::illegal_value);
     std::uint16_t value = word_at(pdu_, 3);
-    if (table == Table::Coils) {
-      if (value != 0 && value != kOn) return fail(Exception::IllegalValue);
+    if (table == Table::coils) {
+      if (value != 0 && value != kOn) return fail(Exception::illegal_value);
       value = value == kOn ? 1 : 0;
     }
     return write(table, word_at(pdu_, 1), {value}) ? std::string(pdu_.substr(1)) : std::string();
   }
 
   std::string write_many(Table table, int most) {
-    if (pdu_.size() < 7) return fail(Exception::IllegalValue);
+    if (pdu_.size() < 7) return fail(Exception::illegal_value);
     const int count = word_at(pdu_, 3);
-    const bool bits = table == Table::Coils;
+    const bool bits = table == Table::coils;
     const std::size_t bytes = bits ? static_cast<std::size_t>(count + 7) / 8 : static_cast<std::size_t>(count) * 2;
     if (count < 1 || count > most || byte_at(pdu_, 5) != bytes || pdu_.size() != 6 + bytes) {
-      return fail(Exception::IllegalValue);
+      return fail(Exception::illegal_value);
     }
     std::vector<std::uint16_t> values;
     for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
@@ -128,9 +128,9 @@ class Request {
   bool write(Table table, int first, const std::vector<std::uint16_t>& values) {
     for (std::size_t i = 0; i < values.size(); ++i) {
       const int address = first + static_cast<int>(i);
-      exception_ = address > 0xffff ? Exception::IllegalAddress
+      exception_ = address > 0xffff ? Exception::illegal_address
                                     : memory_.check(table, static_cast<std::uint16_t>(address), values[i]);
-      if (exception_ != Exception::None) return false;
+      if (exception_ != Exception::none) return false;
     }
     for (std::size_t i = 0; i < values.size(); ++i) {
       memory_.write(table, static_cast<std::uint16_t>(first + static_cast<int>(i)), values[i]);
@@ -141,13 +141,13 @@ class Request {
   std::string_view pdu_;
   std::uint8_t function_;
   Memory& memory_;
-  Exception exception_ = Exception::None;
+  Exception exception_ = Exception::none;
 };
 
 }  // namespace
 
 std::string answer_pdu(std::string_view pdu, Memory& memory) {
-  if (pdu.empty()) return refusal(0, Exception::IllegalFunction);
+  if (pdu.empty()) return refusal(0, Exception::illegal_function);
   return Request(pdu, memory).answer();
 }
 

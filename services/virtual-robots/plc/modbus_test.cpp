@@ -80,14 +80,15 @@ TEST_CASE("modbus: what cannot be done is refused with its exception, and nothin
                                                          {"07", "87 01"},
                                                          {"2b 0e 01 00", "ab 01"}};
   for (const auto& [request, answer] : refused) {
-    CAPTURE(request);
-    CHECK(bench.pdu(request) == answer);
+    const std::string asked = request;
+    CAPTURE(asked);
+    CHECK(bench.pdu(asked) == answer);
   }
   CHECK(bench.conveyor.speed_setting() == 500);
-  bench.conveyor.fault(FaultCode::MotorOverload, 0);
+  bench.conveyor.fault(FaultCode::motor_overload, 0);
   CHECK(bench.pdu("05 00 00 ff 00") == "85 04");
   CHECK(bench.pdu("0f 00 00 00 02 01 03") == "8f 04");
-  CHECK(bench.conveyor.fault_code() == FaultCode::MotorOverload);
+  CHECK(bench.conveyor.fault_code() == FaultCode::motor_overload);
   CHECK(bench.pdu("05 00 01 ff 00") == "05 00 01 ff 00");
   CHECK(bench.conveyor.may_run());
 }

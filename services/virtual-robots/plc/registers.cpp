@@ -28,13 +28,13 @@ std::uint16_t low(std::uint32_t value) {
 
 std::optional<std::uint16_t> Registers::read(Table table, std::uint16_t address) const {
   switch (table) {
-    case Table::Coils:
+    case Table::coils:
       return coil(address);
-    case Table::DiscreteInputs:
+    case Table::discrete_inputs:
       return discrete_input(address);
-    case Table::InputRegisters:
+    case Table::input_registers:
       return input_register(address);
-    case Table::HoldingRegisters:
+    case Table::holding_registers:
       break;
   }
   if (address == kSpeed) return conveyor_.speed_setting();
@@ -54,9 +54,9 @@ std::optional<std::uint16_t> Registers::discrete_input(std::uint16_t address) co
     case 1:
       return conveyor_.box_at_entry(now_);
     case 2:
-      return fault == FaultCode::MotorOverload;
+      return fault == FaultCode::motor_overload;
     case 3:
-      return fault == FaultCode::EmergencyStop;
+      return fault == FaultCode::emergency_stop;
     default:
       return std::nullopt;
   }
@@ -91,25 +91,25 @@ std::optional<std::uint16_t> Registers::input_register(std::uint16_t address) co
 }
 
 Exception Registers::check(Table table, std::uint16_t address, std::uint16_t value) const {
-  if (table == Table::Coils) {
-    if (address >= kCoils) return Exception::IllegalAddress;
-    return address == kRunning && value == 1 && !conveyor_.may_run() ? Exception::DeviceFailure : Exception::None;
+  if (table == Table::coils) {
+    if (address >= kCoils) return Exception::illegal_address;
+    return address == kRunning && value == 1 && !conveyor_.may_run() ? Exception::device_failure : Exception::none;
   }
-  if (table != Table::HoldingRegisters || address > kJog) return Exception::IllegalAddress;
+  if (table != Table::holding_registers || address > kJog) return Exception::illegal_address;
   if (address == kJog) {
     const auto speed = static_cast<std::int16_t>(value);
-    if (speed > Conveyor::kFastest || speed < -Conveyor::kFastest) return Exception::IllegalValue;
-    return speed == 0 || conveyor_.may_jog() ? Exception::None : Exception::DeviceFailure;
+    if (speed > Conveyor::kFastest || speed < -Conveyor::kFastest) return Exception::illegal_value;
+    return speed == 0 || conveyor_.may_jog() ? Exception::none : Exception::device_failure;
   }
   const bool good = value >= Conveyor::kSlowest && value <= Conveyor::kFastest;
-  return good ? Exception::None : Exception::IllegalValue;
+  return good ? Exception::none : Exception::illegal_value;
 }
 
 void Registers::write(Table table, std::uint16_t address, std::uint16_t value) {
-  if (table == Table::HoldingRegisters && address == kJog) {
+  if (table == Table::holding_registers && address == kJog) {
     return conveyor_.jog(static_cast<std::int16_t>(value), now_);
   }
-  if (table == Table::HoldingRegisters) return conveyor_.set_speed(value, now_);
+  if (table == Table::holding_registers) return conveyor_.set_speed(value, now_);
   if (address == kRunning) return conveyor_.run(value == 1, now_);
   if (address == kReset && value == 1) conveyor_.reset(now_);
 }

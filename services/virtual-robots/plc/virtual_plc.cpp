@@ -7,9 +7,9 @@ namespace {
 
 /** Motor and belt have no capabilities: the severity selects the fault. */
 FaultCode code_of(const std::string& severity) {
-  if (severity == "WARNING") return FaultCode::MotorHot;
-  if (severity == "URGENT") return FaultCode::BeltSlips;
-  return severity == "FATAL" ? FaultCode::EmergencyStop : FaultCode::MotorOverload;
+  if (severity == "WARNING") return FaultCode::motor_hot;
+  if (severity == "URGENT") return FaultCode::belt_slips;
+  return severity == "FATAL" ? FaultCode::emergency_stop : FaultCode::motor_overload;
 }
 
 /** How long a jog holds is a time-out of the wire: it keeps real time. */
@@ -49,9 +49,9 @@ void VirtualPlc::take_line(const std::string& line) {
   if (fault) {
     conveyor_.fault(code_of(fault->severity), clock_.now());
   } else if (line == "overload") {
-    conveyor_.fault(FaultCode::MotorOverload, clock_.now());
+    conveyor_.fault(FaultCode::motor_overload, clock_.now());
   } else if (line == "estop") {
-    conveyor_.fault(FaultCode::EmergencyStop, clock_.now());
+    conveyor_.fault(FaultCode::emergency_stop, clock_.now());
   } else if (line == "clear") {
     conveyor_.clear(clock_.now());
   } else if (line == "where") {

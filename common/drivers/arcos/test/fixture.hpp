@@ -95,7 +95,7 @@ class PioneerFixture : public Fixture {
   void sip_now() { hear(Channel::command, sip(robot)); }
   /// Packets every 0.1 s.
   void live(double time_s) {
-    for (double t = 0; t < time_s - 1e-9; t += 0.1) {
+    for (auto steps = std::lround(time_s / 0.1); steps > 0; --steps) {
       wait(0.1);
       sip_now();
     }

@@ -1,6 +1,7 @@
 // A KUKA for the tests of the C3 mode: variables behind a C3 server, and a program controlled by the test.
 #pragma once
 
+#include <cmath>
 #include <map>
 
 #include "services/mode-adapter/test/fixture.hpp"
@@ -51,7 +52,7 @@ class C3Fixture : public Fixture {
   }
   /// Advances time; the robot answers at once.
   void live(double time_s) {
-    for (double t = 0; t < time_s - 1e-9; t += 0.05) {
+    for (auto steps = std::lround(time_s / 0.05); steps > 0; --steps) {
       wait(0.05);
       serve();
     }

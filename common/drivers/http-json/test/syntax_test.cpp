@@ -33,7 +33,8 @@ TEST_CASE("what is no line of a command is refused with what is wrong") {
                                           {"PUT /x {\"a\": {0}", "the body"},
                                           {"POST /x {} -> id", "names nothing to keep"},
                                           {"POST /x {} -> a b c", "names nothing to keep"}}) {
-    CAPTURE(line);
+    const std::string given = line;
+    CAPTURE(given);
     const auto words = read_http_words(line);
     REQUIRE_FALSE(words.ok());
     CHECK(words.error().what.find(what) != std::string::npos);

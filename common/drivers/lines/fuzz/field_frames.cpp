@@ -69,7 +69,7 @@ void check_mode(BytesView input, Framing framing, Encoding encoding) {
     require(opaque == nullptr || !is_reserved(opaque->subtype), "a robot says no word of the middleware's");
   }
   fixture.wait(30);
-  require(fixture.told<Outcome>().size() >= 1, "the skill has an outcome");
+  require(!fixture.told<Outcome>().empty(), "the skill has an outcome");
 }
 
 }  // namespace

@@ -70,7 +70,8 @@ TEST_CASE("modbus: data is numbers; anything else is refused before something is
       {"-0.001", "does not fit"},
   };
   for (const auto& [data, what] : cases) {
-    CAPTURE(data);
+    const std::string given = data;
+    CAPTURE(given);
     const auto id = fixture.command("set_speed", data);
     CHECK(fixture.nack_of(id).code == "bad_value");
     CHECK_MESSAGE(fixture.nack_of(id).what.find(what) != std::string::npos, fixture.nack_of(id).what);

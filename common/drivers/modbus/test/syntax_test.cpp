@@ -86,8 +86,8 @@ TEST_CASE("modbus words: what is wrong with a place is named with its cure") {
       {"holding 65535 float32", "takes two registers"},
   };
   for (const auto& [text, fault] : cases) {
-    CAPTURE(text);
-    CHECK_MESSAGE(fault_of(text).find(fault) != std::string::npos, fault_of(text));
+    const std::string found = fault_of(text);
+    CHECK_MESSAGE(found.find(fault) != std::string::npos, found);
   }
 }
 
@@ -107,7 +107,8 @@ TEST_CASE("modbus numbers: every type lies in its registers as the device has it
       {"holding 0 * -1", -7, {7}},
   };
   for (const auto& [text, number, registers] : cases) {
-    CAPTURE(text);
+    const std::string written = text;
+    CAPTURE(written);
     const auto words = modbus_words(place(text), number);
     REQUIRE(words.ok());
     CHECK(*words == registers);
@@ -162,8 +163,8 @@ TEST_CASE("modbus words: what is wrong with an assignment is named with its cure
       {"running = ", "nothing that can be written"},
   };
   for (const auto& [text, fault] : cases) {
-    CAPTURE(text);
-    CHECK_MESSAGE(line_fault(text).find(fault) != std::string::npos, line_fault(text));
+    const std::string found = line_fault(text);
+    CHECK_MESSAGE(found.find(fault) != std::string::npos, found);
   }
   std::string many;
   for (int i = 0; i < 65; ++i) many += "running = 1\n";
