@@ -31,6 +31,11 @@ install(FILES ${CMAKE_BINARY_DIR}/cmake/talkrobotsConfig.cmake ${CMAKE_BINARY_DI
 
 install(DIRECTORY config DESTINATION ${CMAKE_INSTALL_DATADIR}/talkrobots COMPONENT node)
 install(FILES README.md LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT node)
+# The node as a service of systemd, its user, and who may own its names on D-Bus.
+install(FILES deploy/systemd/talkrobots.service deploy/systemd/talkrobots-sensor-bus.service COMPONENT node
+        DESTINATION lib/systemd/system)
+install(FILES deploy/systemd/talkrobots.sysusers RENAME talkrobots.conf COMPONENT node DESTINATION lib/sysusers.d)
+install(FILES deploy/dbus/trbots.conf COMPONENT node DESTINATION ${CMAKE_INSTALL_DATADIR}/dbus-1/system.d)
 # What shells and man know of trb; not there where trb could not run (built for arm64 without an emulator).
 set(CLI ${CMAKE_BINARY_DIR}/services/cli)
 install(FILES ${CLI}/trb.bash RENAME trb OPTIONAL COMPONENT node

@@ -5,7 +5,7 @@ repo="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
 base_packages=(
   build-essential cmake ninja-build ccache mold pkg-config git ca-certificates
   libzmq3-dev cppzmq-dev libsodium-dev libmd-dev libmsgpack-cxx-dev nlohmann-json3-dev libsqlite3-dev libspdlog-dev libmodbus-dev doctest-dev
-  libsdbus-c++-dev libudev-dev libjpeg62-turbo-dev libboost-dev libssl-dev libpqxx-dev zlib1g-dev dbus
+  libsdbus-c++-dev libudev-dev libsystemd-dev libjpeg62-turbo-dev libboost-dev libssl-dev libpqxx-dev zlib1g-dev dbus
   python3 procps
 )
 

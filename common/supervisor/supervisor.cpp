@@ -33,6 +33,7 @@ int wait_signal(Duration wait) {
 
 [[noreturn]] void become(const std::string& program, const std::string& node_dir) {
   die_with_parent();
+  ServiceManager::forget();
   sigset_t none;
   sigemptyset(&none);
   ::sigprocmask(SIG_SETMASK, &none, nullptr);
@@ -90,6 +91,7 @@ int Supervisor::run(const Reload& reload, const std::function<bool()>& is_ready)
   for (;;) {
     const Now now = read_clocks();
     start_due(now);
+    manager_.keep_alive(now.mono);
     const int signal = wait_signal(until_next(now, ready));
     if (signal == SIGTERM || signal == SIGINT) break;
     auto services = signal == SIGHUP ? reload() : std::nullopt;
@@ -97,15 +99,18 @@ int Supervisor::run(const Reload& reload, const std::function<bool()>& is_ready)
     reap(read_clocks());
     if (!ready && is_ready()) {
       ready = true;
+      manager_.ready();
       notify_("ready");
     }
   }
+  manager_.stopping();
   end_all();
   return 0;
 }
 
 Duration Supervisor::until_next(Now now, bool ready) const {
   Duration wait = ready ? kLongestWait : kReadyCheck;
+  if (const auto alive = manager_.next()) wait = std::min(wait, *alive - now.mono);
   for (const Child& child : children_) {
     if (child.pid == 0) wait = std::min(wait, child.start_at - now.mono);
   }

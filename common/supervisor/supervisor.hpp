@@ -10,6 +10,7 @@
 
 #include "common/base/time.hpp"
 #include "common/supervisor/restart_delay.hpp"
+#include "common/supervisor/service_manager.hpp"
 
 namespace trb::supervisor {
 
@@ -34,7 +35,8 @@ class Supervisor {
   /// Starts all services and keeps them running until SIGTERM or SIGINT. `reload` is called at SIGHUP; if it returns
   /// services, every service is asked to restart once it is idle, new ones are started, and removed ones end.
   /// `is_ready` is called every 0.1 s until it is true. block_signals() must have been called before. Ends all
-  /// services, by force after 3 s, and returns 0.
+  /// services, by force after 3 s, and returns 0. systemd hears that the services are ready, that this process is
+  /// alive, and that it ends.
   int run(const Reload& reload, const std::function<bool()>& is_ready);
 
  private:
@@ -60,6 +62,7 @@ class Supervisor {
   std::string node_dir_;
   std::vector<Child> children_;
   std::function<void(const std::string&)> notify_;
+  ServiceManager manager_;
 };
 
 }  // namespace trb::supervisor

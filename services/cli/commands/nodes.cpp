@@ -13,6 +13,7 @@
 #include "common/config/node_config.hpp"
 #include "common/drivers/registry.hpp"
 #include "common/security/bus_keys.hpp"
+#include "common/security/services.hpp"
 #include "common/supervisor/node_lock.hpp"
 #include "common/supervisor/process.hpp"
 #include "common/supervisor/supervisor.hpp"
@@ -63,7 +64,8 @@ Result<std::vector<ServiceProgram>> services_to_start(const NodeConfig& config, 
     const std::string shipped = supervisor::program_dir() + "/trb-" + name;
     if (name != without) services.push_back({name, own == config.own_services.end() ? shipped : own->second});
   }
-  if (without.empty() || config.has_service(without)) return services;
+  // One of the middleware's own that this node does not have is nobody's to start: one systemd unit serves every node.
+  if (without.empty() || config.has_service(without) || is_reserved_service(without)) return services;
   return fail(Errc::bad_value, "--without " + without + ": node.json names no such service",
               "it may stay away as it is, or put it into \"services\" of node.json");
 }
