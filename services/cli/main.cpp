@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "common/fleet/did_you_mean.hpp"
 #include "services/cli/commands/command.hpp"
-#include "services/cli/core/nearest.hpp"
 #include "services/cli/io/print.hpp"
 
 namespace trb::cli {

@@ -1,9 +1,9 @@
 // trb completion, trb manual: what a shell and man know of trb, made from the same table as its help.
+#include "common/fleet/did_you_mean.hpp"
 #include "common/service/version.hpp"
 #include "services/cli/commands/command.hpp"
 #include "services/cli/core/completion.hpp"
 #include "services/cli/core/manual.hpp"
-#include "services/cli/core/nearest.hpp"
 #include "services/cli/io/print.hpp"
 
 namespace trb::cli {

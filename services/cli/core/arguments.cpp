@@ -1,7 +1,7 @@
 #include "services/cli/core/arguments.hpp"
 
 #include "common/base/number_text.hpp"
-#include "services/cli/core/nearest.hpp"
+#include "common/fleet/did_you_mean.hpp"
 
 namespace trb::cli {
 namespace {
