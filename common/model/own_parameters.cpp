@@ -9,6 +9,8 @@
 namespace trb::model {
 namespace {
 
+const std::string kDecider = "cloud";
+
 struct Spell {
   double begin_s = 0, end_s = 0;  ///< of its first and its last task
 };
@@ -21,7 +23,7 @@ struct Passed {
 /// Plays the scenario: what begins when, where batons go, whom the run controls.
 class Schedule {
  public:
-  Schedule(const Scenario& scenario, std::vector<std::string> robots, double task_s)
+  Schedule(const Scenario& scenario, std::vector<std::string> robots, const std::vector<double>& task_s)
       : scenario_(scenario),
         robots_(std::move(robots)),
         task_s_(task_s),
@@ -39,7 +41,7 @@ class Schedule {
     while (!ready_.empty()) play(next());
   }
 
-  [[nodiscard]] std::uint64_t batons() const { return passed_.size(); }
+  [[nodiscard]] std::uint64_t batons() const { return passed_.size() + to_decider_; }
   [[nodiscard]] std::uint64_t twice() const {
     std::map<std::string, double> first;
     std::uint64_t out = 0;
@@ -76,26 +78,35 @@ class Schedule {
 
   void pass_first() {
     std::set<std::string> to;
-    for (const TaskIndex task : ready_) to.insert(robots_[task]);
+    for (const TaskIndex task : ready_) {
+      if (!is_late(task)) to.insert(robots_[task]);  // the cloud itself has the others
+    }
     for (const std::string& robot : to) passed_.push_back({0, robot});
   }
 
   void play(TaskIndex task) {
     ready_.erase(task);
-    const double begin = begin_of(task), end = begin + task_s_;
+    const double begin = begin_of(task), end = begin + task_s_[task];
     control(robots_[task], begin, end);
     free_s_[robots_[task]] = end;
     end_s_ = std::max(end_s_, end);
     std::set<std::string> to;
     for (const TaskIndex after : successors_[task]) {
-      const std::string& actor = actor_before(after);
+      const std::string& actor = is_late(after) ? kDecider : actor_before(after);
       if (actor != robots_[task] && is_last_of(robots_[task], after)) to.insert(actor);
       ready_s_[after] = std::max(ready_s_[after], end);
       if (--open_[after] == 0) make_ready(after);
     }
     done_.insert(task);
-    for (const std::string& robot : to) passed_.push_back({end, robot});
+    for (const std::string& robot : to) pass(end, robot);
   }
+
+  void pass(double at_s, const std::string& robot) {
+    robot == kDecider ? void(++to_decider_) : passed_.push_back({at_s, robot});
+  }
+
+  /// Nobody is named: the cloud chooses once it is due.
+  [[nodiscard]] bool is_late(TaskIndex task) const { return scenario_.tasks[task].robot.empty(); }
 
   /// Who gets the batons of its predecessors: who evaluates its condition, if it has one.
   [[nodiscard]] const std::string& actor_before(TaskIndex task) const {
@@ -106,7 +117,16 @@ class Schedule {
   /// Its condition has been evaluated: now its robot gets the baton.
   void make_ready(TaskIndex task) {
     ready_.insert(task);
+    if (is_late(task)) return pass_on_decision(task);
     if (actor_before(task) != robots_[task]) passed_.push_back({ready_s_[task], robots_[task]});
+  }
+
+  /// Whoever has done what comes before it learns who does it, and passes it on.
+  void pass_on_decision(TaskIndex task) {
+    std::set<std::string> givers;
+    for (const TaskIndex before : scenario_.tasks[task].after) givers.insert(robots_[before]);
+    givers.erase(robots_[task]);
+    for (std::size_t i = 0; i < givers.size(); ++i) pass(ready_s_[task], robots_[task]);
   }
 
   /// No other task of this robot has to come before that one: now it passes it on.
@@ -126,7 +146,7 @@ class Schedule {
 
   const Scenario& scenario_;
   std::vector<std::string> robots_;
-  double task_s_;
+  const std::vector<double>& task_s_;
   std::vector<std::vector<TaskIndex>> successors_;
   std::vector<std::size_t> open_;
   std::vector<double> ready_s_;
@@ -134,6 +154,7 @@ class Schedule {
   std::map<std::string, double> free_s_;
   std::map<std::string, std::vector<Spell>> spells_;
   std::vector<Passed> passed_;
+  std::uint64_t to_decider_ = 0;
   std::uint64_t resumed_ = 0;
   double end_s_ = 0;
 };
@@ -174,7 +195,8 @@ Scenario tasks_in_turn(std::size_t robots, std::size_t tasks) {
   return out;
 }
 
-OwnParameters own_parameters_of(const Scenario& scenario, const std::vector<std::string>& assigned, double task_s) {
+OwnParameters own_parameters_of(const Scenario& scenario, const std::vector<std::string>& assigned,
+                                const std::vector<double>& task_s) {
   const std::vector<std::string> robots = robots_of(scenario, assigned);
   const std::set<std::string> at_work(robots.begin(), robots.end());
   Schedule schedule(scenario, robots, task_s);
@@ -189,8 +211,24 @@ OwnParameters own_parameters_of(const Scenario& scenario, const std::vector<std:
   p.twice = schedule.twice();
   p.resumed = schedule.resumed();
   p.remote_requests = remote_requests(scenario, robots);
+  p.bound = static_cast<std::uint64_t>(
+      std::ranges::count_if(scenario.tasks, [](const Task& task) { return task.robot.empty(); }));
   p.seconds = schedule.end_s() + kControl_s;
   return p;
+}
+
+OwnParameters own_parameters_of(const Scenario& scenario, const std::vector<std::string>& assigned, double task_s) {
+  return own_parameters_of(scenario, assigned, std::vector<double>(scenario.tasks.size(), task_s));
+}
+
+std::vector<double> task_times(const Scenario& scenario, const std::map<std::string, double>& times, double usual) {
+  std::vector<double> out;
+  for (const Task& task : scenario.tasks) {
+    const auto of_task = times.find("task:" + task.id);
+    const auto own = of_task == times.end() ? times.find(task.skill) : of_task;
+    out.push_back(own == times.end() ? usual : own->second);
+  }
+  return out;
 }
 
 }  // namespace trb::model

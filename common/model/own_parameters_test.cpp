@@ -54,6 +54,15 @@ TEST_CASE("a robot that gets its first batons of two at the same moment asks bot
   CHECK(own_parameters_of(scenario_of({task_of("a"), task_of("b"), task_of("c", {0, 1})}), {}, 2).twice == 1);
 }
 
+TEST_CASE("a task may take its own time, or its skill's") {
+  Scenario scenario = scenario_of({task_of("a"), task_of("b", {0}), task_of("a", {1})});
+  scenario.tasks[1].skill = "wait";
+  CHECK(task_times(scenario, {{"wait", 20}, {"task:t2", 5}}, 3) == std::vector<double>{3, 20, 5});
+  // Its robot is let go while the other one waits.
+  CHECK(own_parameters_of(scenario, {}, task_times(scenario, {}, 3)).spells == 2);
+  CHECK(own_parameters_of(scenario, {}, task_times(scenario, {{"wait", 20}}, 3)).spells == 3);
+}
+
 TEST_CASE("whoever evaluates a condition gets the batons, and gives them to the task's robot") {
   Scenario scenario = scenario_of({task_of("a"), task_of("b"), task_of("c", {0, 1}), task_of("a", {0, 1})});
   scenario.tasks[2].when = {Condition{.sensor = "light", .of = "a"}};
@@ -63,9 +72,15 @@ TEST_CASE("whoever evaluates a condition gets the batons, and gives them to the 
   CHECK(p.remote_requests == 1);
 }
 
-TEST_CASE("a task that names no robot is its robot's that it was given to, else another one's") {
-  Scenario scenario = scenario_of({task_of("a"), task_of("", {0})});
-  scenario.tasks[1].requires_ = {"carry"};
-  CHECK(own_parameters_of(scenario, {"a", "a"}, 1).robots == 1);
-  CHECK(own_parameters_of(scenario, {}, 1).robots == 2);
+TEST_CASE(
+    "a task that names no robot goes by the cloud: a baton of each robot before it, and then to whom it gives it") {
+  Scenario scenario = scenario_of({task_of("a"), task_of("b"), task_of("", {0, 1}), task_of("a", {2})});
+  scenario.tasks[2].requires_ = {"carry"};
+  const OwnParameters to_b = own_parameters_of(scenario, {"", "", "b", ""}, 1);
+  CHECK(to_b.bound == 1);
+  CHECK(to_b.robots == 2);
+  // To a, to b; of both to the cloud, of a to b; of b to a. The cloud's own comes with its decision.
+  CHECK(to_b.batons == 6);
+  CHECK(batons(to_b) == 7);
+  CHECK(own_parameters_of(scenario, {}, 1).robots == 3);
 }

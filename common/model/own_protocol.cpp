@@ -25,8 +25,10 @@ void check_sizes(const OwnParameters& p, Checks& checks) {
   checks.at_most(p.spells, kMaxCount, "S (--spells)");
   checks.at_most(p.crossed, kMaxCount, "D (--crossed)");
   checks.at_most(p.told, kMaxCount, "L (--told)");
+  checks.at_most(p.introduced, kMaxCount, "J (--introduced)");
   checks.at_most(p.sensors, kMaxCount, "P (--sensors)");
   checks.at_most(p.remote_requests, kMaxCount, "R (--remote-requests)");
+  checks.at_most(p.states, kMaxCount, "V (--states)");
   checks.at_most(p.asked, kMaxCount, "A (--asked)");
   checks.seconds(p.seconds, "T (--seconds)");
   checks.seconds(p.updates, "x (--rate)");
@@ -50,34 +52,40 @@ void check_run(const OwnParameters& p, Checks& checks) {
                  "use at most n - 1: one has to take over");
   checks.require(p.faulty == 0 || p.tasks > 0, Errc::bad_value, "F (--faulty): there is no task to take over",
                  "use --tasks");
-  checks.require(p.faulty > 0 || p.asked == 0, Errc::bad_value, "A (--asked): nobody is asked if no robot fails",
-                 "use --faulty");
+  checks.require(p.faulty + p.bound > 0 || p.asked == 0, Errc::bad_value,
+                 "A (--asked): nobody is asked if no robot fails and every task names its robot",
+                 "use --faulty or --bound");
+  at_most(p.bound, p.tasks, "Q (--bound)", tasks);
 }
 
 constexpr std::array kTerms{
     OwnTerm{"hello", "n(n + 1) + 2D", hellos},
     OwnTerm{"beacon", "(n + 1)(T / 5 + 3.3)", beacons, true},
+    OwnTerm{"neighbours", "J", introductions},
     OwnTerm{"node_profile", "n(2S + P + F) + L", profiles},
     OwnTerm{"results", "N + 2F", results},
     OwnTerm{"values", "2A", values},
-    OwnTerm{"baton", "B + F", batons},
-    OwnTerm{"need_definition", "M + E + F", requests_for_definition},
-    OwnTerm{"definition", "M + E + F", definitions},
+    OwnTerm{"baton", "B + F + Q", batons},
+    OwnTerm{"need_definition", "M + E + F + Q", requests_for_definition},
+    OwnTerm{"definition", "M + E + F + Q", definitions},
     OwnTerm{"sensor_read", "R", sensor_reads},
     OwnTerm{"sensor_reading", "R + x T", sensor_readings, true},
+    OwnTerm{"robot_state", "n V", robot_states},
     OwnTerm{"robot_fault", "n F", faults},
     OwnTerm{"release_tasks", "F", releases},
-    OwnTerm{"run_decision", "M F", decisions},
-    OwnTerm{"baton_journaled", "B + F", batons_journaled},
+    OwnTerm{"run_decision", "M(F + Q)", decisions},
+    OwnTerm{"baton_journaled", "B + F + Q", batons_journaled},
     OwnTerm{"results_journaled", "N + 2F", results_journaled},
-    OwnTerm{"decision_journaled", "M F", decisions_journaled},
+    OwnTerm{"decision_journaled", "M(F + Q)", decisions_journaled},
     OwnTerm{"task_progress", "2(N + F)", progress},
     OwnTerm{"run_over", "M", ends},
     OwnTerm{"ack", "F", acknowledgements},
     OwnTerm{"goodbye", "2D", goodbyes},
     OwnTerm{"keep_alive", "n(n + 1)(T / 2.5 - 1/2)", keep_alives, true},
-    OwnTerm{"seal", "keep_alive + hello + L + n(P + 2S + F) + B + K + G + 2N + M - 1 + F(3M + 4) + 2R + x T", seals,
-            true},
+    OwnTerm{"seal",
+            "keep_alive + hello + L + J + n(P + 2S + F + V) + B + K + G + 2N + M - 1 + F(3M + 4) + Q(2M - 1) + A + 2R "
+            "+ x T",
+            seals, true},
 };
 
 }  // namespace
@@ -97,6 +105,10 @@ double beacons(const OwnParameters& p) {
   return p.seconds > 0 ? (count_of(p.robots) + 1) * (p.seconds / kBeacon_s + kFirstBeacons) : 0;
 }
 
+double introductions(const OwnParameters& p) {
+  return count_of(p.introduced);
+}
+
 double profiles(const OwnParameters& p) {
   return count_of(p.robots) * count_of(2 * p.spells + p.sensors + p.faulty) + count_of(p.told);
 }
@@ -110,11 +122,11 @@ double values(const OwnParameters& p) {
 }
 
 double batons(const OwnParameters& p) {
-  return count_of(p.batons + p.faulty);
+  return count_of(p.batons + p.faulty + p.bound);
 }
 
 double requests_for_definition(const OwnParameters& p) {
-  return count_of(p.members + p.twice + p.faulty);
+  return count_of(p.members + p.twice + p.faulty + p.bound);
 }
 
 double definitions(const OwnParameters& p) {
@@ -129,6 +141,10 @@ double sensor_readings(const OwnParameters& p) {
   return count_of(p.remote_requests) + p.updates * p.seconds;
 }
 
+double robot_states(const OwnParameters& p) {
+  return count_of(p.robots) * count_of(p.states);
+}
+
 double faults(const OwnParameters& p) {
   return count_of(p.robots) * count_of(p.faulty);
 }
@@ -138,7 +154,7 @@ double releases(const OwnParameters& p) {
 }
 
 double decisions(const OwnParameters& p) {
-  return count_of(p.members) * count_of(p.faulty);
+  return count_of(p.members) * count_of(p.faulty + p.bound);
 }
 
 double batons_journaled(const OwnParameters& p) {
@@ -176,10 +192,12 @@ double keep_alives(const OwnParameters& p) {
 double seals(const OwnParameters& p) {
   const double last = p.members > 0 ? -1 : 0;  // the last actor hears of the end with its result's acknowledgement
   const double run = count_of(p.batons + p.kept + p.resumed + 2 * p.tasks + p.members) + last;
-  const double told = count_of(p.told) + count_of(p.robots) * count_of(p.sensors + 2 * p.spells + p.faulty);
-  const double failed = count_of(p.faulty) * (3 * count_of(p.members) + 4);
+  const double told =
+      count_of(p.told + p.introduced) + count_of(p.robots) * count_of(p.sensors + 2 * p.spells + p.faulty + p.states);
+  const double decided = count_of(p.faulty) * (3 * count_of(p.members) + 4) +
+                         count_of(p.bound) * (2 * count_of(p.members) - 1) + count_of(p.asked);
   const double sensors = count_of(2 * p.remote_requests) + p.updates * p.seconds;
-  return keep_alives(p) + hellos(p) + told + run + failed + sensors;
+  return keep_alives(p) + hellos(p) + told + run + decided + sensors;
 }
 
 std::span<const OwnTerm> own_terms() {

@@ -56,6 +56,19 @@ TEST_CASE("a robot that breaks costs its fault, the decision and its tasks' new 
   CHECK(own_messages(CostPhase::forward, p) == 10 + 6 + 6);
 }
 
+TEST_CASE("a task that names no robot costs the cloud's decision") {
+  OwnParameters p{
+      .robots = 3, .tasks = 3, .members = 2, .batons = 3, .spells = 2, .bound = 1, .asked = 4, .seconds = 30};
+  REQUIRE(check(p).ok());
+  CHECK(value_of("baton", p) == 4);
+  CHECK(value_of("need_definition", p) == 3);
+  CHECK(value_of("run_decision", p) == 2);
+  CHECK(value_of("decision_journaled", p) == 2);
+  CHECK(value_of("values", p) == 8);
+  p.states = 2;
+  CHECK(value_of("robot_state", p) == 6);
+}
+
 TEST_CASE("sensors: each that is plugged in is told, a request has an answer, updates go by time") {
   OwnParameters p = kInTurn;
   p.sensors = 2;
@@ -96,6 +109,7 @@ TEST_CASE("bad parameters are refused by name") {
            Case{{.robots = 2, .tasks = 3, .faulty = 2}, "--faulty"},
            Case{{.robots = 2, .faulty = 1}, "--faulty"},
            Case{{.robots = 2, .tasks = 3, .asked = 2}, "--asked"},
+           Case{{.robots = 2, .tasks = 3, .bound = 4}, "--bound"},
            Case{{.seconds = -1}, "--seconds"},
            Case{{.updates = 1e300, .seconds = 1}, "--rate"},
            Case{{.updates = 1e8, .seconds = 1e8}, "--rate"},

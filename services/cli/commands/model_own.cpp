@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 
+#include "common/base/files.hpp"
+#include "common/fleet/object_reader.hpp"
 #include "common/model/own_parameters.hpp"
 #include "services/cli/commands/model_terms.hpp"
 #include "services/cli/commands/scenario_check.hpp"
@@ -37,9 +40,13 @@ constexpr std::array kCounts{
                 &OwnParameters::twice},
     CountOption{"D", "--crossed", "pairs of nodes that dial each other at once, D (0)", &OwnParameters::crossed},
     CountOption{"L", "--told", "profiles of robots connected after their node's links, L (0)", &OwnParameters::told},
+    CountOption{"J", "--introduced", "lists of neighbours that the cloud has told, as a relay, J (0)",
+                &OwnParameters::introduced},
     CountOption{"P", "--sensors", "", &OwnParameters::sensors},
     CountOption{"R", "--remote-requests", "", &OwnParameters::remote_requests},
     CountOption{"F", "--faulty", "", &OwnParameters::faulty},
+    CountOption{"V", "--states", "changes of robots' values, V (0)", &OwnParameters::states},
+    CountOption{"Q", "--bound", "tasks that name no robot, Q", &OwnParameters::bound},
     CountOption{"A", "--asked", "values that robots are asked for before a decision, A (0)", &OwnParameters::asked}};
 
 constexpr std::array<const char*, 5> kPaperAlone{"--direct", "--interpreted", "--blocks", "--block-tasks",
@@ -53,6 +60,54 @@ Status read_parameters(const Arguments& arguments, OwnParameters& p) {
   reader.read("--rate", rate);
   p.updates = rate * static_cast<double>(p.sensors);
   return reader.status();
+}
+
+/// A number for a skill or a task, as `trb simulate --times` takes it, or the mean of {"mean", "deviation"}.
+Result<std::map<std::string, double>> read_times(const std::string& path) {
+  const auto text = read_file(path);
+  if (!text) return text.error();
+  const auto json = parse_json(*text);
+  if (!json) return fail(json.error().code, path + ": " + json.error().what, json.error().hint);
+  std::map<std::string, double> out;
+  if (!json->is_object()) return fail(Errc::bad_value, path + ": no object", R"(write {"SKILL": seconds})");
+  for (const auto& [name, time] : json->object()) {
+    const Value* mean = time.is_object() ? time.find("mean") : &time;
+    if (mean == nullptr || !mean->is_number() || !kSeconds.holds(mean->number())) {
+      return fail(Errc::bad_value, path + ": times." + name + ": no time", R"(write seconds, or {"mean": 3})");
+    }
+    out[name] = mean->number();
+  }
+  return out;
+}
+
+/// TASK=ROBOT, TASK=ROBOT: whom the cloud gives what names no robot.
+Result<std::vector<std::string>> read_assigned(const Arguments& arguments, const Scenario& scenario) {
+  std::vector<std::string> out(scenario.tasks.size());
+  std::string rest = arguments.has("--bound-to") ? arguments.get("--bound-to") : "";
+  while (!rest.empty()) {
+    const std::string one = rest.substr(0, rest.find(','));
+    rest.erase(0, one.size() + 1);
+    const std::size_t equals = std::min(one.find('='), one.size());
+    const auto task = std::ranges::find(scenario.tasks, one.substr(0, equals), &Task::id);
+    if (task == scenario.tasks.end() || !task->robot.empty() || equals + 1 >= one.size()) {
+      return fail(Errc::bad_value, "--bound-to: '" + one + "' is no task without a robot, and a robot for it",
+                  "write TASK=ROBOT,TASK=ROBOT");
+    }
+    out[static_cast<std::size_t>(task - scenario.tasks.begin())] = one.substr(equals + 1);
+  }
+  return out;
+}
+
+Result<OwnParameters> of_file(const Arguments& arguments, const Scenario& scenario, double task_s) {
+  std::map<std::string, double> times;
+  if (arguments.has("--times")) {
+    auto read = read_times(arguments.get("--times"));
+    if (!read) return read.error();
+    times = std::move(*read);
+  }
+  const auto assigned = read_assigned(arguments, scenario);
+  if (!assigned) return assigned.error();
+  return model::own_parameters_of(scenario, *assigned, model::task_times(scenario, times, task_s));
 }
 
 Result<OwnParameters> in_turn(const Arguments& arguments, double task_s) {
@@ -127,7 +182,9 @@ int run_own_model(const Arguments& arguments) {
     ConfigFaults faults;
     const Scenario scenario = read_file_scenario(arguments.get("--scenario"), faults);
     if (!faults.empty()) return print_faults(arguments, faults);
-    p = model::own_parameters_of(scenario, {}, task_s);
+    auto found = of_file(arguments, scenario, task_s);
+    if (!found) return print_error(arguments, found.error());
+    p = *found;
   } else {
     auto found = in_turn(arguments, task_s);
     if (!found) return print_error(arguments, found.error());
@@ -142,7 +199,10 @@ int run_own_model(const Arguments& arguments) {
 
 std::vector<std::string> own_model_options() {
   std::vector<std::string> out{"--protocol NAME|paper, or talkrobots: what is really sent between computers (paper)",
-                               "--task-seconds S|of talkrobots: how long each task takes (3)"};
+                               "--task-seconds S|of talkrobots: how long each task takes (3)",
+                               "--bound-to WORDS|of talkrobots: whom the cloud gives what names no robot, "
+                               "TASK=ROBOT,TASK=ROBOT",
+                               "--times FILE|of talkrobots, with --scenario: {SKILL or \"task:ID\": seconds}"};
   for (const CountOption& one : kCounts) {
     if (*one.text != '\0') out.push_back(std::string(one.option) + " N|of talkrobots: " + one.text);
   }
@@ -161,6 +221,8 @@ Status check_protocol_options(const Arguments& arguments, bool own) {
       if (*one.text != '\0') look(one.option);
     }
     look("--task-seconds");
+    look("--times");
+    look("--bound-to");
   }
   if (found.empty()) return Done{};
   return fail(Errc::bad_value, found + (own ? ": our own protocol has none" : ": the paper's equations have none"),

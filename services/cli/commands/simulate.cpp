@@ -214,7 +214,7 @@ const std::vector<Command> kCommands = {
            "--sensor-values FILE|talkrobots: what sensors tell over time, for conditions on them",
            "--fleet DIR|your own: the folder with its nodes' folders; with --scenario",
            "--scenario FILE|what trb scenario run would start: who waits for whom, and the critical path",
-           "--times FILE|with --fleet: {SKILL: seconds, or {\"mean\", \"deviation\"}}",
+           "--times FILE|with --fleet: {SKILL or \"task:ID\": seconds, or {\"mean\", \"deviation\"}}",
            "--one-less|with --fleet: the makespan without each robot, too", "--csv|messages and bytes over time",
            "--json|for programs: everything"}),
       {"trb simulate --robots 50 --tasks 100", "trb simulate --protocol talkrobots --robots 5 --tasks 9 --link wifi",

@@ -47,6 +47,16 @@ TEST_CASE("a hall's own robots play its own scenario, each skill in its own time
   CHECK(played.makespan_s < 10);
 }
 
+TEST_CASE("one task may have a time of its own") {
+  ConfigFaults faults;
+  const Job job =
+      read_job(job_of(kFleet, kScenario, R"(, "times": {"go_to": 5, "pick": 2, "task:to_table": 8})"), faults);
+  REQUIRE_MESSAGE(faults.empty(), to_text(faults));
+  const double makespan_s = world::World(*job.world).play().makespan_s;
+  CHECK(makespan_s > 10);
+  CHECK(makespan_s < 13);
+}
+
 TEST_CASE("a robot that breaks is replaced by one that can do the same, if the task names none") {
   ConfigFaults faults;
   const std::string scenario = R"({"name": "one", "tasks": [

@@ -17,7 +17,8 @@ class Repeats {
     if (!owed || !sending.between_computers) return;
     const auto header = decode_frame(frame);
     if (!header) return;
-    const std::string what = std::string(sending.to) + "\n" + std::string(sending.subtype) + std::string(header->data);
+    const std::string what = std::string(sending.from) + "\n" + std::string(sending.to) + "\n" +
+                             std::string(sending.subtype) + std::string(header->data);
     if (!seen_.insert(what).second && first_.empty())
       first_ = std::string(sending.from) + " has sent " + std::string(sending.to) + " the same " +
                std::string(sending.subtype) + " again";

@@ -52,9 +52,14 @@ void Robot::begin() {
   if (broken_) return inform("failed", skill_ + " broken");
   if (on_begin) on_begin();
   work_ = std::make_shared<char>();
-  const auto own = plan_.times.find(skill_);
-  const SkillTime& time = own == plan_.times.end() ? plan_.usual : own->second;
+  const SkillTime& time = time_of_work();
   events_.after(dice_.normal(seconds(time.mean_s), seconds(time.deviation_s)), work_, [this] { end(true); });
+}
+
+const SkillTime& Robot::time_of_work() const {
+  const auto of_task = plan_.times.find("task:" + (task ? task() : std::string()));
+  const auto own = of_task == plan_.times.end() ? plan_.times.find(skill_) : of_task;
+  return own == plan_.times.end() ? plan_.usual : own->second;
 }
 
 void Robot::end(bool well) {

@@ -21,7 +21,7 @@ constexpr std::string_view kBattery = "battery";
 
 struct RobotPlan {
   SkillTime usual;                         ///< of skills without a time of their own
-  std::map<std::string, SkillTime> times;  ///< by skill
+  std::map<std::string, SkillTime> times;  ///< by skill, or of one task: "task:ID"
   std::vector<std::string> capabilities;   ///< all are lost if it breaks
 };
 
@@ -43,11 +43,13 @@ class Robot {
   void set_battery(const Battery& battery);
 
   std::function<void()> on_begin, on_end;  ///< for whoever watches
+  std::function<std::string()> task;       ///< the one that it is told now
   std::uint64_t overlaps = 0;              ///< commands that came while it was working
 
  private:
   void take_field(const std::string& field);
   void begin();
+  [[nodiscard]] const SkillTime& time_of_work() const;
   void end(bool well);
   void inform_of_fault();
   void inform_of_charge();

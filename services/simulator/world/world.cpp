@@ -115,6 +115,7 @@ void World::watch(Node& node) {
   node.robot()->on_begin = [this, &node] {
     witness_.on_begin(node.plan().id, node.order().key, events_.seconds_passed());
   };
+  node.robot()->task = [&node] { return node.order().key.task; };
   node.robot()->on_end = [this, id] { witness_.on_end(id, events_.seconds_passed()); };
 }
 

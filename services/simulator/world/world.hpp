@@ -25,7 +25,7 @@ struct WorldPlan {
   Scenario scenario;                         ///< of that fleet, in place of `tasks`
   std::vector<std::string> assigned;         ///< who has each of its tasks at first (see bind_tasks)
   SkillTime task;                            ///< of skills without a time of their own
-  std::map<std::string, SkillTime> times{};  ///< by skill
+  std::map<std::string, SkillTime> times{};  ///< by skill, or of one task: "task:ID"
   double until_s = 0;                        ///< 0: as long as the tasks may take, and some minutes
   LinkKind link = kLinkKinds[0];
   std::uint64_t seed = 1;
