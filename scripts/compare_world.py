@@ -2,6 +2,7 @@
 import collections
 import dataclasses
 import json
+import math
 import pathlib
 import subprocess
 import sys
@@ -19,6 +20,7 @@ MAKESPAN_WITHIN = 0.05
 TIE_S = 0.1  # two events so close together may come in either order
 EARLY_S = 0.05  # an answer may be read at one tap before the first baton is read at another
 REST_S = 12  # of the count, behind the last task: a robot is let go after 10 s
+STROKE_S = 2.5  # between two keep-alives: a count over whole strokes has as many, whenever the links came up
 UNTOLD = "robot_state"  # the world's robots have no values to tell
 PHASES = ["identification", "devices", "task", "forward", "sensor", "fail", "upkeep"]
 
@@ -64,12 +66,23 @@ class Side:
 
     def run(self, until_s):
         """Of the run alone."""
-        return collections.Counter(one.subtype for one in self.messages if -EARLY_S <= one.at_s <= until_s)
+        return collections.Counter(one.subtype for one in self.messages if -EARLY_S <= one.at_s < until_s - EARLY_S)
 
     def acquainted(self):
         """Hellos, without those of second connections of pairs that have dialled each other at once."""
         counts = self.from_start(0)
         return counts["hello"] - counts["goodbye"]
+
+
+def count_until(last_s):
+    """How long messages are counted from the first baton on, if the last task is done then."""
+    return STROKE_S * math.ceil((last_s + REST_S) / STROKE_S)
+
+
+def sent_hellos(fleet):
+    """By the routers themselves: the first words of one may come before its tap is heard."""
+    counters = [fleet.json("service", "counters", "router", node=node)["values"] for node in fleet.node_names]
+    return sum(row["value"] for values in counters for row in values if row["name"] == "sent.hello")
 
 
 def side_of(messages, tasks):
@@ -103,14 +116,17 @@ def play_real(fleet, path, timeout=180):
     try:
         fleet.start()
         fleet.wait_formed(60)
+        formed, hellos = time.monotonic(), sent_hellos(fleet)
         skew = time.time() - time.monotonic()
         view = run_scenario(fleet, path, timeout)
         tasks = [(task["id"], ns_of(task["started"]) / 1e9 - skew, ns_of(task["ended"]) / 1e9 - skew) for task in view["tasks"]]
-        end = max(end for _, _, end in tasks) + REST_S + 0.5
-        fleet.wait("the count is over", lambda: time.monotonic() > end, REST_S + 60)
+        begun, ended = min(begin for _, begin, _ in tasks), max(end for _, _, end in tasks)
+        fleet.wait("the count is over", lambda: time.monotonic() > begun + count_until(ended - begun) + STROKE_S, 60)
     finally:
         taps.end()
-    return side_of(taps.until_now(), tasks), view
+    messages = taps.until_now()
+    unheard = hellos - sum(one.subtype == "hello" for one in messages)
+    return side_of(messages + [Message(formed, "hello", "", "")] * unheard, tasks), view
 
 
 def ns_of(value):
@@ -121,7 +137,8 @@ def ns_of(value):
 def play_world(fleet, path, times):
     times_path, trace = fleet.root / "times.json", fleet.root / "trace.jsonl"
     times_path.write_text(json.dumps(times))
-    answer = fleet.json("simulate", "--fleet", fleet.root / "nodes", "--scenario", path, "--times", times_path, "--trace", trace)
+    answer = fleet.json("simulate", "--fleet", fleet.root / "nodes", "--scenario", path, "--times", times_path,
+                        "--relays", trb_fleet.CLOUD, "--trace", trace)
     if answer["world"]["state"] != "FINISHED" or answer["world"]["broken"]:
         raise RuntimeError(f"the simulated run: {answer['world']}")
     lines = map(json.loads, trace.read_text().splitlines())
@@ -229,7 +246,7 @@ def compare(fleet, name, path, play=play_real):
     """`fleet` is made and not started; `path`: the scenario."""
     real, view = play(fleet, path)
     world = play_world(fleet, path, times_of(view))
-    until_s = max(at for at, _, _ in real.events) + REST_S
+    until_s = count_until(max(at for at, _, _ in real.events))
     rows = model_rows(real, model_terms(fleet, path, view, real, until_s), until_s)
     makespans = (round(real.makespan_s, 3), round(world.makespan_s, 3))
     return Compared(name, phase_rows(real, world, until_s), rows, turned(real, world), makespans)

@@ -71,11 +71,28 @@ class OwnModel(unittest.TestCase):
         self.assertAlmostEqual(sum(found["phases"].values()), found["messages"])
         done = trb(*self.OWN, "--robots", 5, "--tasks", 9, "--seconds", 60)
         rows = [line.split() for line in done.stdout.splitlines()]
-        self.assertIn(["forward", "baton", "B", "+", "F", "9"], rows)
+        self.assertIn(["forward", "baton", "B", "+", "F", "+", "Q", "9"], rows)
 
     def test_a_scenario_gives_the_parameters_and_options_replace_them(self):
         found = answer_of(*self.OWN, "--scenario", SCENARIO, "--robots", 5, "--batons", 10)["parameters"]
         self.assertEqual([found[key] for key in ("n", "N", "M", "B", "D")], [5, 9, 4, 10, 0])
+
+    def test_times_and_who_gets_a_task_that_names_nobody_change_the_parameters(self):
+        with tempfile.TemporaryDirectory() as folder:
+            scenario, times = pathlib.Path(folder) / "late.json", pathlib.Path(folder) / "times.json"
+            scenario.write_text(json.dumps({"name": "late", "tasks": [
+                {"id": "a", "robot": "r1", "skill": "run"},
+                {"id": "b", "requires": ["mobile"], "skill": "go_to", "after": ["a"]},
+                {"id": "c", "robot": "r1", "skill": "run", "after": ["b"]}]}))
+            times.write_text(json.dumps({"run": 2, "task:b": {"mean": 15, "deviation": 1}}))
+            words = (*self.OWN, "--scenario", scenario)
+            found = answer_of(*words, "--bound-to", "b=r2", "--times", times)["parameters"]
+            self.assertEqual([found[key] for key in ("n", "S", "Q", "T")], [2, 3, 1, 29])
+            self.assertEqual(answer_of(*words, "--bound-to", "b=r1")["parameters"]["n"], 1)
+            times.write_text('{"run": -2}')
+            for more, wanted in ((("--bound-to", "a=r2"), "--bound-to: 'a=r2'"), (("--bound-to", "b"), "--bound-to: 'b'"),
+                                 (("--times", times), "times.run"), (("--times", "/nowhere.json"), "/nowhere.json")):
+                self.assertIn(wanted, trb(*words, *more).stderr)
 
     def test_what_cannot_be_is_refused_by_name(self):
         for words, wanted in ((("--robots", 0), "--robots"), (("--members", 9), "M (--members)"), (("--blocks", 2), "--blocks"),

@@ -165,7 +165,7 @@ void print_terms(const OwnParameters& p) {
   print(format_table(rows));
   std::string with;
   for (const CountOption& one : kCounts) {
-    with += std::string(with.empty() ? "" : ", ") + one.variable + " " + std::to_string(p.*one.count);
+    with.append(with.empty() ? "" : ", ").append(one.variable).append(" ").append(std::to_string(p.*one.count));
   }
   print_line("\nWith " + with + ", x " + shown_messages(p.updates) + "/s, T " + shown_messages(p.seconds) + " s.");
 }

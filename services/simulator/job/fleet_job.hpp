@@ -9,7 +9,8 @@ namespace trb::simulator {
 /// Keys, in place of `robots` and `tasks`: `fleet`, [{"id", "profile"}] with what the robots' nodes tell the fleet of
 /// them (NodeProfile as JSON; all robots are taken to be ready); `scenario`, as config/scenarios has it; optional
 /// `times`, {SKILL or "task:ID": seconds, or {"mean", "deviation"}}. Tasks that name no robot are bound as `trb
-/// scenario run` binds them. `sensor_values`: see sensor_job.hpp; a condition on a sensor that tells nothing is a fault.
+/// scenario run` binds them. `sensor_values`: see sensor_job.hpp; a condition on a sensor that tells nothing is a
+/// fault.
 void read_fleet(ObjectReader& reader, world::WorldPlan& plan);
 
 }  // namespace trb::simulator
