@@ -18,6 +18,7 @@ struct Command {
 // A line a group, in the order of `trb help`; a group is a file here, which defines GROUP_commands().
 #define TRB_COMMAND_GROUPS(GROUP) \
   GROUP(node)                     \
+  GROUP(node_new)                 \
   GROUP(message)                  \
   GROUP(list)                     \
   GROUP(fault)                    \

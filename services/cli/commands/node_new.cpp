@@ -1,0 +1,212 @@
+// node new: a folder for a robot's node, with a line at each value that says where to find it.
+#include <arpa/inet.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+
+#include "common/base/files.hpp"
+#include "common/base/ids.hpp"
+#include "common/config/interfaces.hpp"
+#include "common/config/node_config.hpp"
+#include "common/drivers/registry.hpp"
+#include "common/fleet/did_you_mean.hpp"
+#include "common/security/node_keys.hpp"
+#include "common/supervisor/process.hpp"
+#include "common/transport/loop.hpp"
+#include "services/cli/commands/command.hpp"
+#include "services/cli/core/new_node.hpp"
+#include "services/cli/io/print.hpp"
+#include "services/cli/io/questions.hpp"
+
+namespace trb::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The shipped examples: beside the installed programs, or in the source tree that built this one.
+Result<std::string> config_dir() {
+  const std::string programs = supervisor::program_dir();
+  const char* named = std::getenv("TRB_CONFIG");
+  const std::vector<std::string> places = named != nullptr
+                                              ? std::vector<std::string>{named}
+                                              : std::vector{programs + "/../share/talkrobots/config",
+                                                            programs + "/../../config", programs + "/../../../config"};
+  for (const std::string& place : places) {
+    if (file_exists(place + "/commands.json")) return place;
+  }
+  return fail(Errc::missing, "the shipped examples (config/commands.json) are not found",
+              "install the package talkrobots, or name their folder in TRB_CONFIG");
+}
+
+/// The value of an option, else what the person answers, else an error that names the option.
+Result<std::string> wanted(const Arguments& arguments, const std::string& option, const std::string& question,
+                           const std::string& known = {}) {
+  if (arguments.has(option)) return arguments.get(option);
+  if (!can_ask()) return known.empty() ? Result<std::string>(fail(Errc::missing, option + ": " + question)) : known;
+  std::string said = ask(question, known);
+  if (said.empty()) return fail(Errc::missing, option + ": nothing was answered", "give " + option);
+  return said;
+}
+
+/// This computer's own address on the way to the robot, as its routes have it; empty: there is no way.
+std::string address_towards(const std::string& robot) {
+  const int socket = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  if (socket < 0) return {};
+  sockaddr_in to{};
+  to.sin_family = AF_INET;
+  to.sin_port = htons(9);  // nothing is sent
+  sockaddr_in own{};
+  socklen_t size = sizeof own;
+  char text[INET_ADDRSTRLEN] = "";
+  if (::inet_pton(AF_INET, robot.c_str(), &to.sin_addr) == 1 &&
+      ::connect(socket, reinterpret_cast<const sockaddr*>(&to), sizeof to) == 0 &&
+      ::getsockname(socket, reinterpret_cast<sockaddr*>(&own), &size) == 0) {
+    ::inet_ntop(AF_INET, &own.sin_addr, text, sizeof text);
+  }
+  ::close(socket);
+  return text;
+}
+
+/// Interfaces on which the fleet may be: up, with an IPv4 address, of other machines.
+std::vector<std::string> networks(const std::string& robot_side) {
+  std::vector<std::string> out;
+  for (const Interface& one : interfaces()) {
+    const bool may_be = one.up && is_ipv4(one.address) && !one.address.starts_with("127.") && one.address != robot_side;
+    if (may_be && std::ranges::find(out, one.name) == out.end()) out.push_back(one.name);
+  }
+  return out;
+}
+
+Result<std::string> fleet_side_of(const Arguments& arguments, const std::string& robot_side) {
+  std::vector<std::string> known = networks(robot_side);
+  if (known.empty()) known = networks({});  // one network for both
+  const std::string only = known.size() == 1 ? known.front() : "";
+  auto side = wanted(arguments, "--network",
+                     "this computer's interface or address on the fleet's network (there are " +
+                         (known.empty() ? "none now" : join(known)) + ")",
+                     only);
+  if (side && is_ipv6(*side)) return side;
+  if (side && (is_ipv4(*side) || is_valid_id(*side))) return side;
+  return side ? fail(Errc::bad_value, "--network: " + in_quotes(*side) + " is no interface and no address",
+                     "ip address lists them")
+              : side;
+}
+
+Result<NewNode> new_node_of(const Arguments& arguments) {
+  NewNode node;
+  auto id = wanted(arguments, "--robot", "the robot's name in the fleet");
+  if (!id) return id.error();
+  if (Status good = check_id("--robot", *id); !good) return good.error();
+  std::string likes;
+  for (const RobotKind& kind : robot_kinds()) likes += (likes.empty() ? "" : ", ") + std::string(kind.like);
+  auto like = wanted(arguments, "--like", "what robot it is like (" + likes + ")");
+  if (!like) return like.error();
+  auto kind = robot_kind(*like);
+  if (!kind) return kind.error();
+  auto address = wanted(arguments, "--address", "the robot's address: " + std::string(kind->address_at));
+  if (!address) return address.error();
+  if (!is_ipv4(*address)) {
+    return fail(Errc::bad_value, "--address: " + in_quotes(*address) + " is no IPv4 address",
+                std::string(kind->address_at) + "; for example 192.168.1.5");
+  }
+  node.id = *id;
+  node.kind = *kind;
+  node.robot_address = *address;
+  node.robot_side = arguments.get("--interface", address_towards(*address));
+  auto side = fleet_side_of(arguments, node.robot_side);
+  if (!side) return side.error();
+  node.fleet_side = *side;
+  return node;
+}
+
+/// All of the folder's files, in one that is not there yet.
+Status write_folder(const NewNode& node, const std::string& dir, const std::string& config) {
+  if (Status made = make_private_dir(dir); !made) return made;
+  if (Status made = make_dir(dir + "/robots", 0700); !made) return made;
+  const std::string robot = "robots/" + std::string(node.kind.description);
+  for (const std::string& name :
+       {std::string("commands.json"), std::string("profile.json"), std::string("places.json"), robot}) {
+    const auto text = read_file(config + "/" + name);
+    if (!text) return text.error();
+    if (Status written = write_file(dir + "/" + name, *text); !written) return written;
+  }
+  if (Status written = write_file(dir + "/node.json", node_json_of(node)); !written) return written;
+  if (Status written = write_file(dir + "/network.json", network_json_of(node)); !written) return written;
+  init_crypto();
+  return make_request(dir, node.id, Role::robot);
+}
+
+/// Beside it first: whoever stops this half way finds no half folder.
+Status make_folder(const NewNode& node, const std::string& dir, const std::string& config) {
+  std::error_code problem;
+  if (fs::exists(dir, problem) && !fs::is_empty(dir, problem))
+    return fail(Errc::conflict, dir + " is there already, with files in it", "name a new folder");
+  const std::string making = dir + ".making";
+  fs::remove_all(making, problem);
+  Status written = write_folder(node, making, config);
+  if (written) fs::rename(making, dir, problem);
+  if (written && problem)
+    written = fail(Errc::io_error, dir + ": " + problem.message(), "name a folder in one that you may write");
+  if (!written) fs::remove_all(making, problem);
+  return written;
+}
+
+/// What is left to be put right, but for the certificate, which is the next step.
+ConfigFaults faults_left(const std::string& dir) {
+  ConfigFaults faults = check_node_dir(dir, false, drivers::robot_transports()).faults;
+  std::erase_if(faults, [](const ConfigFault& one) { return one.what.find("certificate.json") != std::string::npos; });
+  return faults;
+}
+
+void print_next_steps(const NewNode& node, const std::string& dir) {
+  const std::string robot = dir + "/robots/" + std::string(node.kind.description);
+  print_line("made " + dir + ": the node of '" + node.id + "', like " + std::string(node.kind.like) + " (" +
+             std::string(node.kind.maker) + "), at " + node.robot_address + "; the fleet on " + node.fleet_side);
+  print_line("next:");
+  print_line("  the robot needs     " + std::string(node.kind.prepare));
+  print_line("  what it can do      " + robot + ", then trb robot check " + robot);
+  print_line("  its certificate     where the authority's folder is: trb fleet sign FLEET_DIR " + dir +
+             "/keys/request.json");
+  print_line("  try and start it    trb check " + dir + "; trb up " + dir);
+}
+
+int run_new(const Arguments& arguments) {
+  const std::string dir = fs::path(arguments.words[0]).lexically_normal().string();
+  auto config = config_dir();
+  if (!config) return print_error(arguments, config.error());
+  auto node = new_node_of(arguments);
+  if (!node) return print_error(arguments, node.error());
+  if (Status made = make_folder(*node, dir, *config); !made) return print_error(arguments, made.error());
+  const ConfigFaults left = faults_left(dir);
+  if (arguments.has("--json")) {
+    print_json(Value{
+        Value::Object{{"dir", Value{dir}}, {"robot", Value{node->id}}, {"faults", *faults_json(left).find("faults")}}});
+    return kGood;
+  }
+  print_next_steps(*node, dir);
+  if (!left.empty()) print_line("not good yet:\n" + to_text(left));
+  return kGood;
+}
+
+}  // namespace
+
+std::vector<Command> node_new_commands() {
+  return {
+      {{"node", "new"},
+       {"node new DIR",
+        "Makes the folder of a robot's node: files that trb check passes once it has a certificate, each value with a "
+        "line "
+        "that says where to find it, and the node's keys. What is missing is asked for at a terminal.",
+        {"--robot NAME|its name in the fleet", "--like KIND|ur, abb, kuka, pioneer, drone, mir, plc, ros or fields",
+         "--address HOST|the robot's IPv4 address", "--network NAME|interface or address on the fleet's network",
+         "--interface NAME|interface or address towards the robot (by this computer's routes)", "--json|for programs"},
+        {"trb node new nodes/arm1 --robot arm1 --like ur --address 192.168.1.5", "trb node new nodes/arm1"},
+        1,
+        1},
+       run_new}};
+}
+
+}  // namespace trb::cli

@@ -1,0 +1,144 @@
+"""Robots of five makers join a fleet as a new user would have them do it: `trb node new`, a signature, `trb up`.
+
+Addresses 127.0.242.x, 127.0.243.x.
+"""
+import json
+import os
+import pty
+import select
+import subprocess
+import time
+import unittest
+
+import support
+import trb_fleet
+
+BLOCK = 242
+UDP_PORT = 50242
+# name: framework, description, arguments of the virtual robot; and what `trb node new` calls such a robot.
+ROBOTS = {
+    "arm": ("ur", "ur3", []),
+    "rover": ("pioneer", "pioneer", ["--pose", "0,0,0"]),
+    "flyer": ("ardrone", "drone", []),
+    "belt": ("plc", "conveyor", []),
+    "welder": ("kuka", "kuka", []),
+}
+LIKE = {"ardrone": "drone"}
+
+
+class NewFleet(trb_fleet.Fleet):
+    """The robots' folders are made by `trb node new` alone, but for the fleet's UDP port and the belt's port."""
+
+    def make_node(self, node):
+        if node not in self.robots:
+            return super().make_node(node)
+        framework = self.robots[node][0]
+        self.dir(node).parent.mkdir(parents=True, exist_ok=True)
+        self.trb("node", "new", self.dir(node), "--robot", node, "--like", LIKE.get(framework, framework), "--address",
+                 self.robot_address(node), "--network", self.address(node), "--interface", self.address(node))
+        self.change(node, "network.json", '"UDP_PORT": 50000', f'"UDP_PORT": {self.udp_port}')
+        if framework == "plc":
+            self.change(node, "commands.json", '"port": 502', f'"port": {trb_fleet.plc_port()}')
+
+    def change(self, node, name, old, new):
+        path = self.dir(node) / name
+        text = path.read_text()
+        assert old in text, (name, old)
+        path.write_text(text.replace(old, new, 1))
+
+
+class FiveMakers(unittest.TestCase):
+    def test_five_robots_of_five_makers_join_within_three_minutes(self):
+        fleet = NewFleet(support.temporary_folder(self) / "fleet", support.PROGRAMS, block=BLOCK, udp_port=UDP_PORT, robots=ROBOTS)
+        self.addCleanup(fleet.stop)
+        begun = time.monotonic()
+        fleet.make()
+        for node in fleet.node_names:
+            with self.subTest(node):
+                self.assertIn("no faults", fleet.trb("check", fleet.dir(node)).stdout)
+        for node in ROBOTS:
+            fleet.start_robot(node)
+        for node in fleet.node_names:
+            fleet.start_node(node)
+        fleet.wait("every robot is there and connected", lambda: fleet.formed("cloud"), 60)
+        took = time.monotonic() - begun
+        print(f"five robots of five makers and a cloud node: {took:.1f} s from nothing to all connected")
+        self.assertLess(took, 180)
+        # Each knows what its description says that it can do.
+        skills = {row["id"]: row["profile"]["skills"] for row in fleet.json("route", "list", node="cloud")["routes"]
+                  if row["id"] in ROBOTS}
+        self.assertEqual(set(skills), set(ROBOTS))
+        self.assertTrue(all(skills.values()))
+
+
+class Folder(unittest.TestCase):
+    def setUp(self):
+        self.folder = support.temporary_folder(self)
+
+    def new(self, *words, **more):
+        return subprocess.run([support.PROGRAMS / "trb", "node", "new", *map(str, words)], capture_output=True, text=True, timeout=30,
+                              stdin=subprocess.DEVNULL, **more)
+
+    def good(self, name="arm", *more):
+        return [self.folder / name, "--robot", name, "--like", "ur", "--address", "127.0.243.9", "--network", "127.0.242.9", *more]
+
+    def test_keys_are_private_and_a_folder_with_files_is_left_alone(self):
+        self.assertEqual(self.new(*self.good()).returncode, 0)
+        self.assertEqual((self.folder / "arm").stat().st_mode & 0o777, 0o700)
+        keys = list((self.folder / "arm" / "keys").glob("*.key"))
+        self.assertEqual({path.stat().st_mode & 0o777 for path in keys}, {0o600})
+        self.assertEqual(json.loads(self.new(*self.good("arm2"), "--json").stdout)["faults"], [])
+        before = {path.name: path.read_bytes() for path in keys}
+        again = self.new(*self.good())
+        self.assertNotEqual(again.returncode, 0)
+        self.assertIn("is there already", again.stderr)
+        self.assertEqual({path.name: path.read_bytes() for path in keys}, before)
+
+    def test_what_is_wrong_is_named_with_its_option_and_nothing_is_made(self):
+        for words, said in ((["--robot", "a b"], "--robot"), (["--like", "fnuc"], "--like"), (["--address", "rob.local"], "--address"),
+                            (["--network", "no such"], "--network")):
+            with self.subTest(words):
+                done = self.new(*self.good(), *words)
+                self.assertNotEqual(done.returncode, 0)
+                self.assertIn(said, done.stderr)
+                self.assertEqual(list(self.folder.iterdir()), [])
+        done = self.new(self.folder / "arm", "--like", "ur")
+        self.assertIn("--robot", done.stderr)
+        done = self.new(*self.good(), env={**os.environ, "TRB_CONFIG": "/nowhere"})
+        self.assertIn("TRB_CONFIG", done.stderr)
+        self.assertEqual(list(self.folder.iterdir()), [])
+
+    def test_a_folder_that_cannot_be_written_leaves_nothing(self):
+        (self.folder / "file").touch()
+        done = self.new(self.folder / "file" / "arm", *self.good()[1:])
+        self.assertNotEqual(done.returncode, 0)
+        self.assertEqual([path.name for path in self.folder.iterdir()], ["file"])
+
+    def test_a_person_at_a_terminal_is_asked(self):
+        """For the address with the place where that maker's controller shows it."""
+        master, slave = pty.openpty()
+        command = [support.PROGRAMS / "trb", "node", "new", self.folder / "arm", "--network", "127.0.242.9"]
+        child = subprocess.Popen(command, stdin=slave, stdout=slave, stderr=slave, preexec_fn=trb_fleet.end_with_parent)
+        os.close(slave)
+        self.addCleanup(os.close, master)
+        self.addCleanup(child.wait)
+        self.addCleanup(child.kill)
+        self.shown = ""
+        for question, answer in (("name in the fleet", "arm"), ("what robot it is like", "kuka"), ("smartHMI", "127.0.243.9")):
+            self.read_until(master, question)
+            os.write(master, (answer + "\n").encode())
+        self.read_until(master, "trb fleet sign")
+        self.assertEqual(child.wait(15), 0)
+        self.assertEqual(json.loads((self.folder / "arm" / "node.json").read_text())["framework"], "kuka")
+
+    def read_until(self, terminal, wanted):
+        end = time.monotonic() + 15
+        while wanted not in self.shown:
+            ready, _, _ = select.select([terminal], [], [], max(0, end - time.monotonic()))
+            self.assertTrue(ready, f"no {wanted!r} in {self.shown!r}")
+            self.shown += os.read(terminal, 4096).decode()
+        self.shown = self.shown.split(wanted, 1)[1]
+
+
+if __name__ == "__main__":
+    support.main()
