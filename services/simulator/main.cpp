@@ -7,18 +7,17 @@
 #include <string>
 #include <string_view>
 
-#include "common/base/files.hpp"
 #include "services/simulator/counting/play.hpp"
 #include "services/simulator/job/answer.hpp"
 #include "services/simulator/job/job.hpp"
 #include "services/simulator/job/model_answer.hpp"
 #include "services/simulator/job/task_times.hpp"
+#include "services/simulator/job/trace.hpp"
 #include "services/simulator/job/world_job.hpp"
 
 namespace trb::simulator {
 namespace {
 
-constexpr std::uint64_t kMaxTraced = 1'000'000;
 constexpr int kFailed = 1, kWrongUse = 2;
 
 /// As `trb --json` prints an error.
@@ -30,14 +29,11 @@ int refuse(const Error& error) {
 }
 
 Status write_trace(const Job& job, std::uint64_t messages) {
-  if (messages > kMaxTraced) {
-    return fail(Errc::too_large, "trace: " + std::to_string(messages) + " messages",
-                "trace a fleet with at most " + std::to_string(kMaxTraced));
-  }
+  if (const Status few = check_traced(messages); !few) return few;
   Bytes text;
   counting::play(job.plan,
                  [&](const counting::CountedMessage& message) { text += dump_json(trace_value(message)) + "\n"; });
-  return write_file(job.trace, text, 0644);
+  return write_whole(job.trace, text);
 }
 
 int answer(const Value& value) {
@@ -73,7 +69,7 @@ void add_to(Value& answer, const Job& job, const TaskTimes& times) {
   members.emplace_back("tasks_not_listed", Value{static_cast<std::int64_t>(times.not_listed())});
 }
 
-int simulate_world(const Job& job, bool for_program) {
+int simulate_world(const Job& job, const std::string& text, bool for_program) {
   world::World world(*job.world);
   TaskTimes times;
   times.watch(world);
@@ -85,24 +81,18 @@ int simulate_world(const Job& job, bool for_program) {
       lines.tell(of.seconds_passed(), of.witness().tasks_done(), of.plan().tasks);
     };
   }
-  Bytes trace;
-  std::uint64_t traced = 0;
+  Trace trace(text);
   if (!job.trace.empty()) {
-    world.meter().trace = [&](const world::Sending& sending, CostPhase phase) {
-      if (++traced <= kMaxTraced) trace += dump_json(trace_value(sending, phase)) + "\n";
-    };
+    world.meter().trace = [&](const world::Sending& sending, CostPhase phase) { trace.on(world, sending, phase); };
   }
   const world::Played played = world.play();
   if (is_watched) std::fputs("\r\x1b[K", stderr);
-  if (traced > kMaxTraced) {
-    return refuse(fail(Errc::too_large, "trace: " + std::to_string(traced) + " messages",
-                       "trace a fleet with at most " + std::to_string(kMaxTraced)));
-  }
   if (!job.trace.empty()) {
-    if (const Status written = write_file(job.trace, trace, 0644); !written) return refuse(written.error());
+    if (const Status written = trace.write(job.trace); !written) return refuse(written.error());
   }
   Value out = answer_value(world.meter().tally(), played.seconds);
   std::get<Value::Object>(out.is).emplace_back("world", world_value(played));
+  if (played.cut_short) std::get<Value::Object>(out.is).emplace_back("state", state_value(world));
   add_to(out, job, times);
   return answer(out);
 }
@@ -148,7 +138,7 @@ int simulate(const std::string& text, bool for_program) {
     const ConfigFault& first = faults.front();
     return refuse(fail(Errc::bad_value, (first.key.empty() ? "job" : first.key) + ": " + first.what, first.hint));
   }
-  return job.world ? simulate_world(job, for_program) : simulate_counting(job, for_program);
+  return job.world ? simulate_world(job, text, for_program) : simulate_counting(job, for_program);
 }
 
 }  // namespace

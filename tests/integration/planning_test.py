@@ -163,6 +163,39 @@ class Simulate(unittest.TestCase):
             running.wait(30)
             self.assertFalse(path.exists())
 
+    def test_a_kept_trace_is_a_sequence_chart_and_is_played_again_to_any_event(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path, faults = pathlib.Path(folder) / "trace.jsonl", pathlib.Path(folder) / "faults.json"
+            faults.write_text('[{"at": 4, "kind": "fail", "node": "r1"}]')
+            answer_of("simulate", "--protocol", "talkrobots", "--robots", 3, "--tasks", 4, "--faults", faults, "--trace", path)
+            chart = trb("simulate", "--replay", path)
+            self.assertEqual(chart.returncode, 0, chart.stderr)
+            self.assertRegex(chart.stdout.splitlines()[0], r"TIME +EVENT +cloud +r0 +r1 +r2")
+            self.assertRegex(chart.stdout, r"\|-+ baton -+>\|")
+            self.assertNotIn("keep_alive", chart.stdout)
+            self.assertIn("keep_alive", trb("simulate", "--replay", path, "--all").stdout)
+            kept = json.loads(trb("simulate", "--replay", path, "--json").stdout)["messages"]
+            broken = next(one["event"] for one in kept if one["subtype"] == "robot_fault")
+            state = answer_of("simulate", "--replay", path, "--until", broken)
+            self.assertEqual(state["event"], broken)
+            robots = {node["id"]: node.get("robot") for node in state["nodes"]}
+            self.assertEqual(robots["r1"], "broken")
+            self.assertRegex(trb("simulate", "--replay", path, "--until", broken).stdout, r"r1 +3 +OPEN +\d+ +broken")
+            # Another job's messages are not the trace's.
+            lines = path.read_text().splitlines()
+            path.write_text("\n".join([lines[0].replace('"tasks":4', '"tasks":5'), *lines[1:]]) + "\n")
+            other = trb("simulate", "--replay", path, "--until", broken)
+            self.assertEqual(other.returncode, 1)
+            self.assertIn("other messages", other.stderr)
+            for words, wanted in (((path, "--until", 10**7), "--until"), ((path, "--until", 0), "--until"),
+                                  ((path, "--seed", 4), "--seed"), ((faults,), "faults.json: line 1"),
+                                  (("/nowhere.jsonl",), "/nowhere.jsonl")):
+                with self.subTest(words):
+                    refused = trb("simulate", "--replay", *words)
+                    self.assertEqual(refused.returncode, 1)
+                    self.assertIn(wanted, refused.stderr)
+            self.assertIn("--replay", trb("simulate", "--until", 5).stderr)
+
     def test_what_cannot_be_is_refused_by_name(self):
         for words, wanted in ((("--robots", 0), "robots"), (("--tasks", "many"), "--tasks: 'many'"), (("--faulty", 5), "faulty"),
                               (("--local-requests", 1), "sensors"), (("--trace", "/nowhere/x"), "/nowhere/x"), (("--link", "lan"), "--link"),

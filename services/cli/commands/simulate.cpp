@@ -4,6 +4,7 @@
 #include "services/cli/commands/command.hpp"
 #include "services/cli/commands/job_file.hpp"
 #include "services/cli/commands/model_terms.hpp"
+#include "services/cli/commands/replay.hpp"
 #include "services/cli/commands/simulate_fleet.hpp"
 #include "services/cli/core/table.hpp"
 #include "services/cli/io/print.hpp"
@@ -161,6 +162,12 @@ int run_world(const Arguments& arguments) {
 }
 
 int run_simulate(const Arguments& arguments) {
+  if (arguments.has("--replay")) return run_replay(arguments);
+  for (const char* option : {"--until", "--all"}) {
+    if (!arguments.has(option)) continue;
+    return print_error(arguments,
+                       fail(Errc::bad_value, std::string(option) + ": of which trace?", "add --replay FILE"));
+  }
   if (arguments.has("--fleet")) return run_simulate_fleet(arguments);
   for (const char* option : {"--scenario", "--times", "--one-less"}) {
     if (!arguments.has(option)) continue;
@@ -200,11 +207,15 @@ const std::vector<Command> kCommands = {
       "simulated network; bytes are what ZMTP and CURVE put on the wire, without TCP and IP. What must hold is "
       "checked.",
       with_model_options(
-          {"--robots N|robots of the fleet (5)", "--tasks N|tasks (9)",
+          {"--robots N|robots of the fleet (5)",
+           "--tasks N|tasks (9)",
            "--interpreted N|how many of the robots are told field by field (0)",
            "--task-seconds S|how long each task takes (3)",
            "--seconds S|until when sensors send updates (the last task's end)",
            "--trace FILE|every message, a JSON object a line; at most a million",
+           "--replay FILE|a kept trace of talkrobots as a sequence chart: what the run has sent between computers",
+           "--until EVENT|with --replay: up to that event, which is played again; and what was at it",
+           "--all|with --replay: also what is sent within computers, and upkeep",
            "--protocol NAME|paper, or talkrobots: the real cores (paper)",
            "--link NAME|talkrobots: lan, wifi or vpn (lan), or a FILE with delay, loss and bandwidth",
            "--seed N|talkrobots: one seed, one run (1)",
@@ -215,11 +226,13 @@ const std::vector<Command> kCommands = {
            "--fleet DIR|your own: the folder with its nodes' folders; with --scenario",
            "--scenario FILE|what trb scenario run would start: who waits for whom, and the critical path",
            "--times FILE|with --fleet: {SKILL or \"task:ID\": seconds, or {\"mean\", \"deviation\"}}",
-           "--one-less|with --fleet: the makespan without each robot, too", "--csv|messages and bytes over time",
+           "--one-less|with --fleet: the makespan without each robot, too",
+           "--csv|messages and bytes over time",
            "--json|for programs: everything"}),
       {"trb simulate --robots 50 --tasks 100", "trb simulate --protocol talkrobots --robots 5 --tasks 9 --link wifi",
        "trb simulate --fleet fleet --scenario config/scenarios/paper-nine-tasks.json --one-less",
-       "trb simulate --robots 10 --tasks 100 --csv > distribution.csv",
+       "trb simulate --protocol talkrobots --faults faults.json --trace day.jsonl",
+       "trb simulate --replay day.jsonl --until 1500", "trb simulate --robots 10 --tasks 100 --csv > distribution.csv",
        "trb simulate --robots 5 --tasks 9 --sensors 1 --seconds 180 --remote-requests 1 --faulty 1 --json"},
       0,
       0},

@@ -21,6 +21,8 @@ world::WorldPlan read_world(ObjectReader& reader) {
   plan.until_s = reader.number("seconds", Need::optional, {0, world::kMaxUntil}).value_or(0);
   plan.seed = static_cast<std::uint64_t>(reader.integer("seed", Need::optional, 0, INT64_MAX).value_or(1));
   plan.link = read_link(reader);
+  plan.until_event =
+      static_cast<std::uint64_t>(reader.integer("until_event", Need::optional, 1, INT64_MAX).value_or(0));
   read_faults(reader, plan);
   return plan;
 }

@@ -7,7 +7,8 @@
 namespace trb::simulator {
 
 /// Keys: `robots`, `tasks`; optional: `task_seconds` (3), `deviation` (0, of a task's time), `link`: see
-/// link_job.hpp; `seed` (1), `seconds` (at most so many are simulated), `faults` and `relays`: see fault_job.hpp;
+/// link_job.hpp; `seed` (1), `until_event` (it ends
+/// behind that event), `seconds` (at most so many are simulated), `faults` and `relays`: see fault_job.hpp;
 /// `sensor_values`: see sensor_job.hpp.
 world::WorldPlan read_world(ObjectReader& reader);
 

@@ -140,6 +140,22 @@ TEST_CASE("fault: a battery lasts as long as its robot works, then another robot
   CHECK(enough.witness().begun().size() == 6);
 }
 
+TEST_CASE("fault: the cloud asks what a battery has left, and gives the task to the robot with more") {
+  for (const auto& [r0, r2, taken] : {std::tuple{90.0, 25.0, "r0"}, std::tuple{25.0, 90.0, "r2"}}) {
+    CAPTURE(taken);
+    World world(plan_of(
+        3, 3, {battery_of("r0", {.percent = r0}), battery_of("r2", {.percent = r2}), {0.5, FaultKind::fail, "r1"}}));
+    std::string by;
+    Robot& robot = *world.nodes().at(taken)->robot();
+    robot.on_begin = [&, then = robot.on_begin, &node = *world.nodes().at(taken)] {
+      if (node.order().key.task == "t1") by = taken;
+      then();
+    };
+    check_all_done(world.play(), 3);
+    CHECK(by == taken);
+  }
+}
+
 TEST_CASE("fault: the fleet hears what a battery has left") {
   World world(plan_of(2, 2, {battery_of("r1", {.percent = 50, .per_second = 2})}));
   std::uint64_t told = 0;

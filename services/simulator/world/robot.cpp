@@ -43,7 +43,7 @@ void Robot::take_field(const std::string& field) {
   if (++field_ < kFields) return;
   field_ = 0;
   if (type_ == "command") begin();
-  if (type_ == "request") inform(subtype_, "unknown", source_);
+  if (type_ == "request") inform(subtype_, subtype_ == kBattery && battery_ ? charge_text() : "unknown", source_);
 }
 
 void Robot::begin() {
@@ -100,7 +100,11 @@ void Robot::drain() {
 }
 
 void Robot::inform_of_charge() {
-  inform(std::string(kBattery), std::to_string(static_cast<int>(battery_->percent)));
+  inform(std::string(kBattery), charge_text());
+}
+
+std::string Robot::charge_text() const {
+  return std::to_string(static_cast<int>(battery_->percent));
 }
 
 void Robot::inform_of_fault() {

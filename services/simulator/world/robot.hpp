@@ -42,6 +42,10 @@ class Robot {
   /// From now on it has this charge and tells it; if that is used up, it breaks.
   void set_battery(const Battery& battery);
 
+  [[nodiscard]] bool works() const { return work_ != nullptr; }
+  [[nodiscard]] bool is_broken() const { return broken_; }
+  [[nodiscard]] const std::optional<Battery>& battery() const { return battery_; }
+
   std::function<void()> on_begin, on_end;  ///< for whoever watches
   std::function<std::string()> task;       ///< the one that it is told now
   std::uint64_t overlaps = 0;              ///< commands that came while it was working
@@ -53,6 +57,7 @@ class Robot {
   void end(bool well);
   void inform_of_fault();
   void inform_of_charge();
+  [[nodiscard]] std::string charge_text() const;
   void drain();
   /// `target`: a node; empty: its own.
   void inform(const std::string& subtype, const std::string& data, const std::string& target = {});

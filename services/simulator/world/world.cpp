@@ -133,14 +133,15 @@ Played World::play() {
   outcome_.tasks_done = witness_.tasks_done();
   outcome_.seconds = events_.seconds_passed();
   outcome_.events = events_.count();
-  outcome_.broken = broken_invariants(*this, outcome_);
+  outcome_.cut_short = is_stopped();
+  if (!outcome_.cut_short) outcome_.broken = broken_invariants(*this, outcome_);
   return outcome_;
 }
 
 void World::pass(double limit_s) {
   const MonotonicTime limit = events_.now() + seconds(limit_s - events_.seconds_passed());
   const bool ended = ended_;
-  while (ended_ == ended && events_.step(limit)) tell_second();
+  while (ended_ == ended && !is_stopped() && events_.step(limit)) tell_second();
 }
 
 void World::tell_second() {

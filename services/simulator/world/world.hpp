@@ -29,7 +29,8 @@ struct WorldPlan {
   double until_s = 0;                        ///< 0: as long as the tasks may take, and some minutes
   LinkKind link = kLinkKinds[0];
   std::uint64_t seed = 1;
-  std::vector<Fault> faults;  ///< times count from the run's submission
+  std::uint64_t until_event = 0;  ///< it ends behind this event, whatever it is then; 0: it does not
+  std::vector<Fault> faults;      ///< times count from the run's submission
   std::vector<PlannedSensor> sensors;
   std::vector<std::string> relays;  ///< nodes that relay
   [[nodiscard]] double limit_s() const;
@@ -47,6 +48,7 @@ struct Played {
   double seconds = 0;  ///< of virtual time
   std::size_t tasks_done = 0;
   std::uint64_t events = 0;
+  bool cut_short = false;           ///< by `until_event`: nobody asks then what must hold at the end
   std::vector<std::string> broken;  ///< invariants that do not hold, as text
 };
 
@@ -61,8 +63,10 @@ class World {
   /// Called about each second of virtual time, for who waits; it changes nothing.
   std::function<void(const World&)> on_second;
 
+  [[nodiscard]] std::uint64_t event() const { return events_.count(); }
   [[nodiscard]] double seconds_passed() const { return events_.seconds_passed(); }
   [[nodiscard]] Meter& meter() { return meter_; }
+  [[nodiscard]] const Meter& meter() const { return meter_; }
   [[nodiscard]] const std::map<std::string, std::unique_ptr<Node>>& nodes() const { return nodes_; }
   [[nodiscard]] const Witness& witness() const { return witness_; }
   [[nodiscard]] const Repeats& repeats() const { return repeats_; }
@@ -76,6 +80,7 @@ class World {
   void watch(Node& node);
   void pass(double limit_s);
   void tell_second();
+  [[nodiscard]] bool is_stopped() const { return plan_.until_event != 0 && events_.count() >= plan_.until_event; }
   void look_for_links();
   void submit();
   void look_for_end();

@@ -1,0 +1,96 @@
+#include "services/simulator/job/trace.hpp"
+
+#include <csignal>
+#include <cstdio>
+
+#include "common/base/files.hpp"
+#include "services/simulator/job/answer.hpp"
+
+namespace trb::simulator {
+namespace {
+
+/// What plays it again; that it writes a trace is no part of it.
+Value played_job(const std::string& text) {
+  const auto json = parse_json(text);
+  Value::Object out;
+  if (!json || !json->is_object()) return Value{out};
+  for (const auto& [key, value] : json->object()) {
+    if (key != "trace" && key != "until_event") out.emplace_back(key, value);
+  }
+  return Value{std::move(out)};
+}
+
+std::string robot_text(const world::Node& node, const world::Robot& robot) {
+  std::string out = robot.is_broken() ? "broken" : robot.works() ? "works on " + node.order().key.task : "idle";
+  if (robot.battery()) out += ", " + std::to_string(static_cast<int>(robot.battery()->percent)) + " %";
+  return out;
+}
+
+std::string run_text(const world::World& world, const world::Node& node) {
+  if (world.is_open_at(node)) return "OPEN";
+  const auto record = node.disk().archive.record(world.run());
+  return record ? std::string(name_of(record->view.state)) : "";
+}
+
+Value node_value(const world::World& world, const std::string& id, world::Node& node) {
+  Value::Object out{{"id", Value{id}},
+                    {"up", Value{node.is_up()}},
+                    {"links", Value{static_cast<std::int64_t>(node.linked())}},
+                    {"records", Value{static_cast<std::int64_t>(node.disk().journal.records().size())}},
+                    {"run", Value{run_text(world, node)}}};
+  if (const world::Robot* robot = node.robot()) out.emplace_back("robot", Value{robot_text(node, *robot)});
+  return Value{std::move(out)};
+}
+
+}  // namespace
+
+Trace::Trace(const std::string& job_text)
+    : text_(dump_json(Value{Value::Object{{"job", played_job(job_text)}}}) + "\n") {}
+
+void Trace::on(const world::World& world, const world::Sending& sending, CostPhase phase) {
+  if (++count_ > kMaxTraced) return;
+  Value line = trace_value(sending, phase);
+  auto& members = std::get<Value::Object>(line.is);
+  members.emplace_back("event", Value{static_cast<std::int64_t>(world.event())});
+  members.emplace_back("digest", Value{digest_text(world.meter().digest())});
+  text_ += dump_json(line) + "\n";
+}
+
+Status Trace::write(const std::string& path) const {
+  if (const Status few = check_traced(count_); !few) return few;
+  return write_whole(path, text_);
+}
+
+Status check_traced(std::uint64_t messages) {
+  if (messages <= kMaxTraced) return Done{};
+  return fail(Errc::too_large, "trace: " + std::to_string(messages) + " messages",
+              "trace a fleet with at most " + std::to_string(kMaxTraced));
+}
+
+Status write_whole(const std::string& path, BytesView text) {
+  sigset_t held, before;
+  sigemptyset(&held);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&held, signal);
+  sigprocmask(SIG_BLOCK, &held, &before);
+  const Status written = write_file(path, text, 0644);
+  sigprocmask(SIG_SETMASK, &before, nullptr);
+  return written;
+}
+
+std::string digest_text(std::uint64_t digest) {
+  char out[17];
+  std::snprintf(out, sizeof out, "%016llx", static_cast<unsigned long long>(digest));
+  return out;
+}
+
+Value state_value(const world::World& world) {
+  Value::List nodes;
+  for (const auto& [id, node] : world.nodes()) nodes.push_back(node_value(world, id, *node));
+  return Value{Value::Object{{"event", Value{static_cast<std::int64_t>(world.event())}},
+                             {"at_s", Value{world.seconds_passed()}},
+                             {"messages", Value{static_cast<std::int64_t>(world.meter().tally().all().messages)}},
+                             {"digest", Value{digest_text(world.meter().digest())}},
+                             {"nodes", Value{std::move(nodes)}}}};
+}
+
+}  // namespace trb::simulator

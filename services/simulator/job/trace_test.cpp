@@ -1,0 +1,81 @@
+#include "services/simulator/job/trace.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <sstream>
+
+using namespace trb;
+using namespace trb::simulator;
+
+namespace {
+
+const std::string kTracedJob = R"({"protocol": "talkrobots", "robots": 2, "tasks": 3, "seed": 6, "link": "wifi")";
+
+struct Kept {
+  Value job;
+  std::vector<Value> messages;
+};
+
+Kept kept_trace() {
+  ConfigFaults faults;
+  const std::string text = kTracedJob + R"(, "trace": "here"})";
+  const Job job = read_job(text, faults);
+  REQUIRE(faults.empty());
+  Trace trace(text);
+  world::World world(*job.world);
+  world.meter().trace = [&](const world::Sending& sending, CostPhase phase) { trace.on(world, sending, phase); };
+  world.play();
+  Kept out;
+  std::istringstream lines(trace.text());
+  std::string line;
+  std::getline(lines, line);
+  out.job = *parse_json(line)->find("job");
+  while (std::getline(lines, line)) out.messages.push_back(*parse_json(line));
+  return out;
+}
+
+Value state_at(const Value& job, std::int64_t event) {
+  Value with = job;
+  std::get<Value::Object>(with.is).emplace_back("until_event", Value{event});
+  ConfigFaults faults;
+  const Job read = read_job(dump_json(with), faults);
+  REQUIRE_MESSAGE(faults.empty(), to_text(faults));
+  world::World world(*read.world);
+  const world::Played played = world.play();
+  CHECK(played.cut_short);
+  CHECK(played.broken.empty());
+  return state_value(world);
+}
+
+}  // namespace
+
+TEST_CASE("a trace's own job plays the same to any of its events") {
+  const Kept kept = kept_trace();
+  CHECK(kept.job.find("trace") == nullptr);
+  REQUIRE(kept.messages.size() > 100);
+  for (const std::size_t at : {std::size_t{0}, kept.messages.size() / 2, kept.messages.size() - 1}) {
+    CAPTURE(at);
+    const std::int64_t event = kept.messages[at].find("event")->integer();
+    std::size_t last = at;
+    while (last + 1 < kept.messages.size() && kept.messages[last + 1].find("event")->integer() == event) ++last;
+    const Value state = state_at(kept.job, event);
+    CHECK(state.find("event")->integer() == event);
+    CHECK(state.find("messages")->integer() == static_cast<std::int64_t>(last + 1));
+    CHECK(state.find("digest")->text() == kept.messages[last].find("digest")->text());
+    CHECK(state.find("nodes")->list().size() == 3);
+  }
+}
+
+TEST_CASE("the state at an event says what each robot does") {
+  const Kept kept = kept_trace();
+  const auto told = std::ranges::find_if(
+      kept.messages, [](const Value& message) { return message.find("subtype")->text() == Execute::kSubtype; });
+  REQUIRE(told != kept.messages.end());
+  const std::int64_t event = told->find("event")->integer();
+  const Value before = state_at(kept.job, event);
+  CHECK(before.find("nodes")->list()[1].find("robot")->text() == "idle");
+  CHECK(before.find("nodes")->list()[0].find("run")->text() == "OPEN");
+  const Value during = state_at(kept.job, event + 100);
+  CHECK(during.find("nodes")->list()[1].find("robot")->text() == "works on t0");
+}
