@@ -92,7 +92,8 @@ TEST_CASE("every fault of a drive is told, with its key and a cure") {
       {kDriveBase + kDriveAxes + kDriveWords + R"(, "stand": {})", "drives[0].stand.subtype"},
       {kDriveBase + kDriveAxes + kDriveWords + R"(, "speed": 1)", "drives[0].speed"}};
   for (const auto& [keys, key] : cases) {
-    CAPTURE(keys);
+    const std::string given = keys;
+    CAPTURE(given);
     if (key == "drives[0].axes.1") {
       CHECK(drives_of("[{" + keys + "}]").faults.front().key == key);
     } else {

@@ -121,7 +121,7 @@ void read_end(ObjectReader& skill_reader, Skill& skill) {
 }  // namespace
 
 std::string read_capability(ObjectReader& reader, const std::vector<std::string>& capabilities) {
-  const std::string capability = reader.text("capability", Need::required, kMaxIdSize).value_or("");
+  std::string capability = reader.text("capability", Need::required, kMaxIdSize).value_or("");
   if (capability.empty() || std::find(capabilities.begin(), capabilities.end(), capability) != capabilities.end()) {
     return capability;
   }

@@ -57,7 +57,8 @@ TEST_CASE("ends: what each kind needs") {
       {R"({"kind": "time", "duration_s": 60})", "skills.go.end.duration_s"},
       {R"({"kind": "time", "duration_s": 1, "equals": 1})", "skills.go.end.equals"}};
   for (const auto& [end, key] : cases) {
-    CAPTURE(end);
+    const std::string given = end;
+    CAPTURE(given);
     CHECK(skill_fault(place + R"("end": )" + end).key == key);
   }
   CHECK(faults_of(R"({"go": {"capability": "mobile", "end": "acknowledgement"}})").front().key == "skills.go.end");
@@ -116,7 +117,8 @@ TEST_CASE("parameters: types, bounds and defaults") {
       {R"("type": "numbers", "count": 2, "default": [1])", "default"},
       {R"("type": "numbers", "maximum": 3, "default": [1, 4])", "default"}};
   for (const auto& [keys, key] : cases) {
-    CAPTURE(keys);
+    const std::string given = keys;
+    CAPTURE(given);
     const ConfigFaults faults = faults_of("{\"go\": {" + with_parameter(keys) + "}}");
     REQUIRE_MESSAGE(faults.size() == 1, to_text(faults));
     CHECK(faults[0].key == "skills.go.parameters.p." + key);

@@ -44,6 +44,7 @@ std::vector<RobotPreflight> robots_of(const RunPlan& plan) {
     robot.tasks.push_back(task.id);
   }
   std::vector<RobotPreflight> out;
+  out.reserve(by_id.size());
   for (auto& [id, robot] : by_id) out.push_back(std::move(robot));
   return out;
 }
@@ -150,7 +151,8 @@ std::vector<std::string> why_not_ready(const Route& route) {
 }
 
 void preflight(Session& session, Scenario scenario, std::string file, const Callback<Preflight>& done) {
-  plan_run(session, std::move(scenario), std::move(file), on_success<RunPlan>(done, [&session, done](RunPlan plan) {
+  plan_run(session, std::move(scenario), std::move(file),
+           on_success<RunPlan>(done, [&session, done](const RunPlan& plan) {
              const auto collecting = std::make_shared<Collected>();
              collecting->done = done;
              collecting->result.faults = plan.faults;

@@ -35,7 +35,7 @@ struct Watch {
   }
   /// The next order to the sensor's node, which must have this lease.
   SensorWatch order(const std::string& from, double lease_s = 10) {
-    const auto order = node.take<SensorWatch>(from);
+    auto order = node.take<SensorWatch>(from);
     CHECK(order.lease_s == lease_s);
     return order;
   }

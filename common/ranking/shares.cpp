@@ -1,6 +1,7 @@
 #include "common/ranking/shares.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <numeric>
 
@@ -12,7 +13,7 @@ constexpr double kGreatest = 1e300;  // keeps the sum of all values finite
 constexpr double kStep = 1e-12;
 
 std::int64_t in_steps(double score) {
-  return static_cast<std::int64_t>(score / kStep + 0.5);
+  return std::llround(score / kStep);
 }
 
 void add_alike(double weight, std::span<double> scores) {

@@ -51,6 +51,7 @@ void check_words(const ObjectReader& reader, const Condition& read) {
 
 std::vector<std::string> ids_of(const std::map<std::string, NodeProfile>& profiles) {
   std::vector<std::string> out;
+  out.reserve(profiles.size());
   for (const auto& [id, profile] : profiles) out.push_back(id);
   return out;
 }

@@ -243,7 +243,7 @@ Status revoke_certificates(Authority& authority, const std::string& dir, const s
     authority.list.beacon_keys.push_back({id, {seal_beacon_key(fresh, certificate->link_key.bytes)}});
   }
   const Result<SignedRecord> record = sign_list(authority);
-  const Status stored = record ? write_revocations(dir, *record) : Status(record.error());
+  Status stored = record ? write_revocations(dir, *record) : Status(record.error());
   if (!stored) {
     authority.list = before;
     return stored;

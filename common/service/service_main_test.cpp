@@ -30,6 +30,7 @@ Result<int> throws(NodeConfig) {
 int main_of(std::vector<std::string> words, Result<int> (*run)(NodeConfig)) {
   words.insert(words.begin(), "trb-scheduler");
   std::vector<char*> argv;
+  argv.reserve(words.size());
   for (std::string& word : words) argv.push_back(word.data());
   ran = 0;
   return service_main(static_cast<int>(argv.size()), argv.data(),

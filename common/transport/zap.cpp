@@ -46,7 +46,7 @@ void ZapServer::answer_one() {
     if (!socket_.recv(parts.back(), zmq::recv_flags::dontwait)) return;
   } while (parts.back().more());
   std::size_t start = 0;
-  while (start < parts.size() && parts[start].size() != 0) ++start;
+  while (start < parts.size() && !parts[start].empty()) ++start;
   ++start;
   if (parts.size() < start + 6) return;
   const bool curve = view_of(parts[start + 5]) == "CURVE" && parts.size() > start + 6 && parts[start + 6].size() == 32;

@@ -74,8 +74,8 @@ TEST_CASE("AT words: what is wrong is said with a cure") {
       {"REF take_off\nhover for 3", "one at a time"},
       {"FTRIM\nFTRIM\nFTRIM\nFTRIM\nFTRIM\nFTRIM\nFTRIM\nFTRIM\nFTRIM", "more than 8 lines"}};
   for (const auto& [words, said] : cases) {
-    CAPTURE(words);
-    CHECK_MESSAGE(fault_of(words).find(said) != std::string::npos, fault_of(words));
+    const std::string fault = fault_of(words);
+    CHECK_MESSAGE(fault.find(said) != std::string::npos, fault);
   }
 }
 
