@@ -38,9 +38,10 @@ bool ClockBound::is_steady(Now now) const {
   return !is_apart(offset_of(now), offset_, kClockJump) && now.mono - since_ >= kClockSteady;
 }
 
-std::optional<UtcTime> ClockBound::to_store(Now now, const std::vector<std::int64_t>& peers) {
+std::optional<UtcTime> ClockBound::to_store(Now now, const PeerClocks& clocks) {
   const bool fresh = saturating_sub(now.utc.ns, stored_.ns) >= kStoreTime.count();
   if (!fresh || !is_steady(now)) return std::nullopt;
+  const std::vector<std::int64_t> peers = clocks();
   const auto behind = std::count_if(peers.begin(), peers.end(), [&](std::int64_t peer) {
     return saturating_sub(offset_of(now), peer) > kClockAhead.count();
   });

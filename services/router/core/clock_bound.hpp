@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -15,6 +16,9 @@ constexpr Duration kClockSteady =
 constexpr Duration kClockJump = std::chrono::seconds(2);
 constexpr Duration kClockAhead = std::chrono::minutes(5);  ///< of the peers' clocks: too much
 constexpr Duration kStoreTime = std::chrono::minutes(10);  ///< a Raspberry Pi's card wears out by writes
+
+/// Asked only when they are needed.
+using PeerClocks = std::function<std::vector<std::int64_t>()>;
 
 class ClockBound {
  public:
@@ -30,8 +34,8 @@ class ClockBound {
   /// Has the clock run in step with the monotonic clock for kClockSteady?
   [[nodiscard]] bool is_steady(Now now) const;
   /// The time to store now, if the clock is steady, the time is not stored yet, and no majority of the peers' clocks
-  /// says that this clock is ahead. `peers`: UTC at monotonic 0 by each of their verified clocks.
-  std::optional<UtcTime> to_store(Now now, const std::vector<std::int64_t>& peers);
+  /// says that this clock is ahead. `clocks`: UTC at monotonic 0 by each of their verified clocks.
+  std::optional<UtcTime> to_store(Now now, const PeerClocks& clocks);
 
  private:
   UtcTime bound_;

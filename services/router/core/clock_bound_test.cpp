@@ -29,7 +29,7 @@ struct Bench {
     for (Duration left = time; left > Duration{}; left -= Seconds(2)) {
       now = {now.mono + Seconds(2), now.utc + Seconds(2)};
       clock.watch(now);
-      if (const auto utc = clock.to_store(now, peers)) stored.push_back(*utc);
+      if (const auto utc = clock.to_store(now, [this] { return peers; })) stored.push_back(*utc);
     }
   }
   void jump(Duration by) { now.utc = now.utc + by; }
@@ -119,9 +119,9 @@ TEST_CASE("no clock overflows it") {
     bench.peers = {kMost, kLeast, kLeast};
     bench.now.utc = {utc};
     bench.clock.watch(bench.now);
-    CHECK_FALSE(bench.clock.to_store(bench.now, bench.peers));
+    CHECK_FALSE(bench.clock.to_store(bench.now, [&] { return bench.peers; }));
     bench.clock.start({utc}, {{1}, {0}});
-    CHECK_FALSE(bench.clock.to_store({{2}, {0}}, bench.peers));
+    CHECK_FALSE(bench.clock.to_store({{2}, {0}}, [&] { return bench.peers; }));
   }
 }
 

@@ -120,8 +120,9 @@ bool Handshake::may_say_hello(LinkId id, BytesView key, Now now, Effects& out) {
     return false;
   }
   std::vector<const Link*> waiting;
-  for (const auto& [other, link] : table_.links()) {
-    if (!link.dialled && link.key == key && other != peer->link) waiting.push_back(&link);
+  for (const LinkId other : table_.links_of(key)) {
+    const Link& link = *std::as_const(table_).link(other);
+    if (!link.dialled && other != peer->link) waiting.push_back(&link);
   }
   if (waiting.size() < kSpareLinks) return true;
   const auto oldest = std::ranges::min_element(waiting, {}, &Link::opened);
@@ -172,7 +173,7 @@ std::optional<Carried> Handshake::on_hello(LinkId id, BytesView key, const Messa
   if (!certificate) return std::nullopt;
   admission_.settle(key);
   if (!dialled) {
-    table_.links().emplace(id, fresh);
+    table_.add(fresh);
     out.add(AcceptLink{id});
   }
   Link& link = *table_.link(id);
@@ -271,8 +272,8 @@ void Handshake::note(const Link& link, Peer& peer, const Hello& hello) {
 }
 
 bool Handshake::settle_double(const Link& link, Peer& peer, Now now, Effects& out) {
-  const auto old = table_.links().find(peer.link);
-  if (old == table_.links().end() || new_link_wins(old->second, link, node_.is_smaller_than(peer.id))) {
+  const Link* old = table_.link(peer.link);
+  if (old == nullptr || new_link_wins(*old, link, node_.is_smaller_than(peer.id))) {
     const LinkId gone = peer.link;
     peer.link = 0;
     links_.drop(gone, "a better link to " + peer.id + " came up", true, now, out);

@@ -1,6 +1,8 @@
 #include "services/router/core/lane_table.hpp"
 
 #include <algorithm>
+#include <utility>
+#include <vector>
 
 #include "common/base/address.hpp"
 
@@ -48,24 +50,36 @@ bool LaneTable::listens(LinkId link) const {
 void LaneTable::open(const Link& link, const Hello& hello, Now now) {
   Lane& lane = rows_[link.id];
   lane.address = lane_address(link, hello);
-  if (!lane.address.empty()) lane.dial_at = now.mono + kLaneAfter;
+  if (!lane.address.empty()) dials_.set(link.id, lane.dial_at, now.mono + kLaneAfter);
 }
 
 void LaneTable::tick(Now now, Effects& out) {
-  std::erase_if(rows_, [&](const auto& one) { return table_.link(one.first) == nullptr; });
-  for (auto& [id, lane] : rows_) {
-    if (!lane.dial_at || now.mono < *lane.dial_at) continue;
-    lane.dial_at.reset();
+  drop_rows_without_link();
+  std::vector<LinkId> due = dials_.due(now.mono);
+  std::ranges::sort(due);
+  for (const LinkId id : due) {
+    Lane& lane = rows_.at(id);
+    dials_.set(id, lane.dial_at, std::nullopt);
     out.add(DialLane{id, lane.address, table_.link(id)->key});
   }
 }
 
-std::optional<MonotonicTime> LaneTable::next_deadline() const {
-  std::optional<MonotonicTime> next;
-  for (const auto& [id, lane] : rows_) {
-    if (lane.dial_at && table_.link(id) != nullptr) next = earlier(next, lane.dial_at);
+void LaneTable::drop_rows_without_link() {
+  if (std::exchange(removed_, table_.removed()) == table_.removed()) return;
+  for (auto at = rows_.begin(); at != rows_.end();) {
+    if (std::as_const(table_).link(at->first) != nullptr) {
+      ++at;
+    } else {
+      dials_.set(at->first, at->second.dial_at, std::nullopt);
+      at = rows_.erase(at);
+    }
   }
-  return next;
+}
+
+std::optional<MonotonicTime> LaneTable::next_deadline() const {
+  const auto next = std::ranges::find_if(
+      dials_.rows(), [&](const auto& row) { return std::as_const(table_).link(row.second) != nullptr; });
+  return next == dials_.rows().end() ? std::nullopt : std::optional(next->first);
 }
 
 void LaneTable::on_connected(LinkId link, Now now) {
@@ -80,7 +94,7 @@ void LaneTable::on_ended(LinkId link, LinkEnd how, Now now, Effects& out) {
   if (lane->connected && now.mono - *lane->connected > node_.config().timing.lease) lane->wait = {};
   lane->connected.reset();
   lane->wait = std::clamp(lane->wait * 2, kLaneFirst, kLaneMost);
-  lane->dial_at = now.mono + lane->wait;
+  dials_.set(link, lane->dial_at, now.mono + lane->wait);
 }
 
 // ---- this node's lane

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "common/base/deadline_index.hpp"
 #include "services/router/core/lane.hpp"
 #include "services/router/core/link_end.hpp"
 #include "services/router/core/local_node.hpp"
@@ -19,7 +20,7 @@ constexpr Duration kLaneMost = std::chrono::seconds(30);
 /// What a node knows about the lanes of one link: its own and the other side's.
 struct Lane {
   std::string address;                     ///< where the other side's lane can be dialled; empty: it has none
-  std::optional<MonotonicTime> dial_at;    ///< empty while it is dialled or received
+  std::optional<MonotonicTime> dial_at;    ///< empty while it is dialled or received; set by the table alone
   std::optional<MonotonicTime> connected;  ///< since when it is received
   Duration wait{};                         ///< before the last dial
   bool listens = false;                    ///< the other side listens to this node's lane
@@ -71,10 +72,13 @@ class LaneTable {
   /// The lane of the peer with this key, if its link is up and it is not barred.
   Link* listener(BytesView key);
   Lane* row(LinkId link);
+  void drop_rows_without_link();
 
   const LocalNode& node_;
   PeerTable& table_;
   std::map<LinkId, Lane> rows_;  ///< those of links that are gone are removed by the next tick
+  DeadlineIndex<LinkId> dials_;
+  std::uint64_t removed_ = 0;  ///< links, when the rows were last compared
 };
 
 }  // namespace trb::router

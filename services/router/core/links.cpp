@@ -27,29 +27,30 @@ void Links::drop_all(const std::string& why, Now now, Effects& out) {
 }
 
 void Links::redial_all(Now now) {
-  for (auto& [id, peer] : table_.peers()) peer.redial = {now.mono, {}, 0};
+  for (auto& [id, peer] : table_.change_peers()) peer.redial = {now.mono, {}, 0};
   for (Seed& seed : table_.seeds()) seed.redial = {now.mono, {}, 0};
 }
 
 void Links::redial_unlinked(Now now) {
   for (Seed& seed : table_.seeds()) seed.redial = {now.mono, {}, 0};
-  for (auto& [id, peer] : table_.peers()) {
+  for (auto& [id, peer] : table_.change_peers()) {
     if (peer.link == 0) peer.redial = {now.mono, {}, 0};
   }
 }
 
-void Links::dial(Redial& redial, const std::string& address, BytesView key, Now now, Effects& out) {
+void Links::dial(Redial& redial, const Dialled& whom, Now now, Effects& out) {
   Link link;
   link.id = node_.random();
   link.dialled = true;
-  link.key = key;
-  link.address = address;
+  link.key = whom.key;
+  link.address = whom.address;
+  link.dialled_for = whom.peer;
   link.opened = now.mono;
   link.last_heard = now.mono;
   redial.at.reset();
   redial.link = link.id;
-  out.add(Dial{link.id, address, link.key});
-  table_.links().emplace(link.id, std::move(link));
+  out.add(Dial{link.id, link.address, link.key});
+  table_.add(std::move(link));
 }
 
 void Links::redial_later(Redial& redial, Now now, Duration at_least) {
@@ -64,18 +65,17 @@ void Links::redial_soon(Peer& peer, Now now) {
   peer.redial.at = now.mono + (node_.is_smaller_than(peer.id) ? Duration{} : node_.config().timing.yield);
 }
 
-void Links::redial_failed(LinkId id, Now now) {
+void Links::redial_failed(const Link& gone, Now now) {
   const Duration most = node_.config().timing.redial_most;
   for (Seed& seed : table_.seeds()) {
-    if (seed.redial.link != id) continue;
+    if (seed.redial.link != gone.id) continue;
     const bool patient = seed.hint && seed.redial.wait >= most;
     redial_later(seed.redial, now, patient ? kHintPause : Duration{});
   }
-  for (auto& [name, peer] : table_.peers()) {
-    if (peer.redial.link != id) continue;
-    const bool patient = watcher_.is_relayed(peer) && peer.redial.wait >= most;
-    redial_later(peer.redial, now, patient ? kViaPause : Duration{});
-  }
+  Peer* peer = table_.find(gone.dialled_for);
+  if (peer == nullptr || peer->redial.link != gone.id) return;
+  const bool patient = watcher_.is_relayed(*peer) && peer->redial.wait >= most;
+  redial_later(peer->redial, now, patient ? kViaPause : Duration{});
 }
 
 void Links::drop(LinkId id, const std::string& why, bool say_goodbye, Now now, Effects& out) {
@@ -91,8 +91,8 @@ void Links::drop(LinkId id, const std::string& why, bool say_goodbye, Now now, E
           (link->peer.empty() ? "unproven" : link->peer) + ": " + why);
   out.add(CloseLink{id});
   const Link gone = *link;
-  table_.links().erase(id);
-  redial_failed(id, now);
+  table_.remove(id);
+  redial_failed(gone, now);
   Peer* peer = gone.up ? table_.find(gone.peer) : nullptr;
   if (peer != nullptr && peer->link == id) lose(*peer, gone, now, out);
 }
@@ -193,17 +193,7 @@ void Links::expire(Peer& peer, const std::string& reason, Effects& out) {
 // ---- time
 
 std::optional<MonotonicTime> Links::next_deadline() const {
-  const Timing& timing = node_.config().timing;
-  std::optional<MonotonicTime> next;
-  for (const auto& [id, link] : table_.links()) {
-    const MonotonicTime lapse = std::min(link.last_heard, link.confirmed) + timing.lease;
-    next = earlier(next, link.up ? std::min(link.next_keep_alive, lapse) : link.opened + timing.handshake);
-  }
-  for (const auto& [id, peer] : table_.peers()) {
-    if (peer.link != 0) continue;
-    next = earlier(next, peer.redial.at);
-    if (peer.lost && !peer.expired) next = earlier(next, *peer.lost + timing.lease);
-  }
+  std::optional<MonotonicTime> next = table_.deadlines().earliest();
   for (const Seed& seed : table_.seeds()) next = earlier(next, seed.redial.at);
   return next;
 }
@@ -246,11 +236,12 @@ void Links::keep_alive(Link& link, Now now, Effects& out) {
 
 void Links::tick_links(Now now, Effects& out) {
   std::vector<Lapse> lapsed;
-  for (auto& [id, link] : table_.links()) {
-    if (auto lapse = lapse_of(link, now)) {
+  for (Link* link : table_.deadlines().due_links(now.mono, node_.checked_utc(now.utc))) {
+    table_.touch(*link);
+    if (auto lapse = lapse_of(*link, now)) {
       lapsed.push_back(std::move(*lapse));
-    } else if (link.up && now.mono >= link.next_keep_alive) {
-      keep_alive(link, now, out);
+    } else if (link->up && now.mono >= link->next_keep_alive) {
+      keep_alive(*link, now, out);
     }
   }
   for (const auto& [id, code, why] : lapsed) {
@@ -261,11 +252,11 @@ void Links::tick_links(Now now, Effects& out) {
 }
 
 void Links::tick_peers(bool may_dial, Now now, Effects& out) {
-  for (auto& [id, peer] : table_.peers()) {
-    if (peer.link != 0) continue;
-    if (peer.lost && !peer.expired && now.mono >= *peer.lost + node_.config().timing.lease)
-      expire(peer, "lease ended", out);
-    if (peer.redial.at && now.mono >= *peer.redial.at) dial_peer(peer, may_dial, now, out);
+  for (Peer* peer : table_.deadlines().due_peers(now.mono)) {
+    table_.touch(*peer);
+    if (peer->lost && !peer->expired && now.mono >= *peer->lost + node_.config().timing.lease)
+      expire(*peer, "lease ended", out);
+    if (peer->redial.at && now.mono >= *peer->redial.at) dial_peer(*peer, may_dial, now, out);
   }
 }
 
@@ -280,7 +271,7 @@ void Links::dial_peer(Peer& peer, bool may_dial, Now now, Effects& out) {
   } else if (const std::string& address = address_to_dial(peer); address.empty()) {
     peer.redial.at.reset();  // until an address comes: by a beacon, a relay, or its own link
   } else {
-    dial(peer.redial, address, key, now, out);
+    dial(peer.redial, {address, key, peer.id}, now, out);
   }
 }
 
@@ -293,7 +284,7 @@ void Links::dial_seed(Seed& seed, bool may_dial, Now now, Effects& out) {
     // The link exists, or is being dialled at another address; look again later, in case that address is lost.
     seed.redial.at = now.mono + node_.config().timing.redial_most;
   } else {
-    dial(seed.redial, seed.address, seed.key, now, out);
+    dial(seed.redial, {seed.address, seed.key, ""}, now, out);
   }
 }
 

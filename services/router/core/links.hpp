@@ -103,10 +103,15 @@ class Links {
     std::string_view code;
     std::string why;
   };
-  void dial(Redial& redial, const std::string& address, BytesView key, Now now, Effects& out);
+  struct Dialled {
+    const std::string& address;
+    BytesView key;
+    std::string_view peer;  ///< empty: a seed
+  };
+  void dial(Redial& redial, const Dialled& whom, Now now, Effects& out);
   void dial_peer(Peer& peer, bool may_dial, Now now, Effects& out);
   void dial_seed(Seed& seed, bool may_dial, Now now, Effects& out);
-  void redial_failed(LinkId id, Now now);
+  void redial_failed(const Link& gone, Now now);
   void lose(Peer& peer, const Link& gone, Now now, Effects& out);
   [[nodiscard]] std::optional<Lapse> lapse_of(const Link& link, Now now) const;
   void keep_alive(Link& link, Now now, Effects& out);

@@ -26,7 +26,7 @@ void LocalNode::raise_utc_bound(UtcTime utc, Effects& out) {
   out.add(StoreUtc{utc});
 }
 
-void LocalNode::note_time(Now now, const std::vector<std::int64_t>& peers, Effects& out) {
+void LocalNode::note_time(Now now, const PeerClocks& peers, Effects& out) {
   clock_.watch(now);
   if (!knows_the_time(now) || now.utc.ns >= config_.own.not_after) return;
   if (const auto utc = clock_.to_store(now, peers)) out.add(StoreUtc{*utc});

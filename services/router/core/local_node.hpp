@@ -41,7 +41,7 @@ class LocalNode {
   /// The authority has signed something at this time, so it has passed; stored if that is new.
   void raise_utc_bound(UtcTime utc, Effects& out);
   /// Each turn. `peers`: UTC at monotonic 0 by each of their verified clocks.
-  void note_time(Now now, const std::vector<std::int64_t>& peers, Effects& out);
+  void note_time(Now now, const PeerClocks& peers, Effects& out);
   [[nodiscard]] bool clock_is_steady(Now now) const { return clock_.is_steady(now); }
 
  private:

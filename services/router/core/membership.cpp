@@ -90,11 +90,14 @@ void Membership::warn_of_end(Now now, Effects& out) {
 }
 
 void Membership::note_time(Now now, Effects& out) {
-  std::vector<std::int64_t> peers;
-  for (const auto& [id, link] : table_.links()) {
-    if (link.up && link.utc_at_zero) peers.push_back(*link.utc_at_zero);
-  }
-  node_.note_time(now, peers, out);
+  const auto clocks = [this] {
+    std::vector<std::int64_t> peers;
+    for (const auto& [id, link] : table_.links()) {
+      if (link.up && link.utc_at_zero) peers.push_back(*link.utc_at_zero);
+    }
+    return peers;
+  };
+  node_.note_time(now, clocks, out);
 }
 
 }  // namespace trb::router

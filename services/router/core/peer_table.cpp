@@ -6,7 +6,7 @@
 
 namespace trb::router {
 
-PeerTable::PeerTable(const RouterConfig& config) {
+PeerTable::PeerTable(const RouterConfig& config) : deadlines_(config.timing) {
   const Bytes& own = config.own.link_key.bytes;
   for (const SeedAddress& seed : config.seeds) {
     if (seed.key != own) seeds_.push_back({seed.address, seed.key, {}, {}});
@@ -17,9 +17,21 @@ PeerTable::PeerTable(const RouterConfig& config) {
   }
 }
 
+LinkDeadlines& PeerTable::deadlines() {
+  deadlines_.refresh(links_, peers_);
+  return deadlines_;
+}
+
+PeerTable::Peers& PeerTable::change_peers() {
+  for (auto& [id, peer] : peers_) deadlines_.touch(peer);
+  return peers_;
+}
+
 Peer* PeerTable::find(std::string_view id) {
   const auto at = peers_.find(id);
-  return at == peers_.end() ? nullptr : &at->second;
+  if (at == peers_.end()) return nullptr;
+  deadlines_.touch(at->second);
+  return &at->second;
 }
 
 const Peer* PeerTable::find(std::string_view id) const {
@@ -43,6 +55,7 @@ bool PeerTable::has_room_for(std::string_view id) const {
 
 Peer& PeerTable::learn(const Certificate& certificate, const SignedRecord& record) {
   Peer& peer = peers_[certificate.id];
+  deadlines_.touch(peer);
   if (peer.certificate.link_key != certificate.link_key) by_key_.erase(peer.certificate.link_key.bytes);
   const bool other =
       peer.certificate.identity_key != certificate.identity_key || peer.certificate.link_key != certificate.link_key;
@@ -67,17 +80,45 @@ void PeerTable::forget(const std::string& id) {
     if (seed.peer == id) seed.peer.clear();
   }
   by_key_.erase(at->second.certificate.link_key.bytes);
+  deadlines_.forget(at->second);
   peers_.erase(at);
+  ++forgotten_;
 }
 
 Link* PeerTable::link(LinkId id) {
   const auto at = links_.find(id);
-  return at == links_.end() ? nullptr : &at->second;
+  if (at == links_.end()) return nullptr;
+  deadlines_.touch(at->second);
+  return &at->second;
 }
 
 const Link* PeerTable::link(LinkId id) const {
   const auto at = links_.find(id);
   return at == links_.end() ? nullptr : &at->second;
+}
+
+Link& PeerTable::add(Link link) {
+  const LinkId id = link.id;
+  links_by_key_.emplace(link.key, id);
+  Link& row = links_.emplace(id, std::move(link)).first->second;
+  deadlines_.touch(row);
+  return row;
+}
+
+void PeerTable::remove(LinkId id) {
+  const auto at = links_.find(id);
+  if (at == links_.end()) return;
+  links_by_key_.erase({at->second.key, id});
+  deadlines_.forget(at->second);
+  links_.erase(at);
+  ++removed_;
+}
+
+std::vector<LinkId> PeerTable::links_of(BytesView key) const {
+  std::vector<LinkId> out;
+  for (auto at = links_by_key_.lower_bound({Bytes(key), 0}); at != links_by_key_.end() && at->first == key; ++at)
+    out.push_back(at->second);
+  return out;
 }
 
 Link* PeerTable::linked_by_key(BytesView key) {
@@ -94,8 +135,10 @@ std::vector<LinkId> PeerTable::up_links() const {
 }
 
 bool PeerTable::is_dialling(BytesView key) const {
-  return std::any_of(links_.begin(), links_.end(),
-                     [&](const auto& row) { return row.second.dialled && !row.second.up && row.second.key == key; });
+  return std::ranges::any_of(links_of(key), [&](LinkId id) {
+    const Link& one = *link(id);
+    return one.dialled && !one.up;
+  });
 }
 
 }  // namespace trb::router

@@ -2,11 +2,14 @@
 #pragma once
 
 #include <map>
+#include <set>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "services/router/core/config.hpp"
+#include "services/router/core/link_deadlines.hpp"
 #include "services/router/core/peers.hpp"
 
 namespace trb::router {
@@ -18,12 +21,18 @@ class PeerTable {
 
   using Peers = std::map<std::string, Peer, std::less<>>;
   using Links = std::map<LinkId, Link>;
-  [[nodiscard]] Peers& peers() { return peers_; }
   [[nodiscard]] const Peers& peers() const { return peers_; }
-  [[nodiscard]] Links& links() { return links_; }
   [[nodiscard]] const Links& links() const { return links_; }
   [[nodiscard]] std::vector<Seed>& seeds() { return seeds_; }
   [[nodiscard]] const std::vector<Seed>& seeds() const { return seeds_; }
+
+  /// Who gets a row to change it, by any way, makes its deadline be looked at again.
+  [[nodiscard]] LinkDeadlines& deadlines();
+  /// The deadlines give rows, too.
+  void touch(Link& link) { deadlines_.touch(link); }
+  void touch(Peer& peer) { deadlines_.touch(peer); }
+  /// All peers, to change them.
+  [[nodiscard]] Peers& change_peers();
 
   // ---- peers; nullptr: none
 
@@ -38,11 +47,20 @@ class PeerTable {
   /// computer: it gets a number of its own.
   Peer& learn(const Certificate& certificate, const SignedRecord& record);
   void forget(const std::string& id);
+  /// How many were forgotten.
+  [[nodiscard]] std::uint64_t forgotten() const { return forgotten_; }
 
   // ---- links; nullptr: none
 
   [[nodiscard]] Link* link(LinkId id);
   [[nodiscard]] const Link* link(LinkId id) const;
+  /// A link with an id that none has.
+  Link& add(Link link);
+  void remove(LinkId id);
+  /// How many were removed.
+  [[nodiscard]] std::uint64_t removed() const { return removed_; }
+  /// Those with this key at the other side, by their ids.
+  [[nodiscard]] std::vector<LinkId> links_of(BytesView key) const;
   /// The link that is up with the peer of this key.
   [[nodiscard]] Link* linked_by_key(BytesView key);
   /// The links that carry messages, by the ids of their peers.
@@ -55,7 +73,9 @@ class PeerTable {
   std::map<Bytes, std::string, std::less<>> by_key_;
   Links links_;
   std::vector<Seed> seeds_;
-  std::uint64_t last_number_ = 0;
+  std::uint64_t last_number_ = 0, forgotten_ = 0, removed_ = 0;
+  std::set<std::pair<Bytes, LinkId>> links_by_key_;
+  LinkDeadlines deadlines_;
 };
 
 }  // namespace trb::router

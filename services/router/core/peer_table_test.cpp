@@ -34,10 +34,11 @@ TEST_CASE("given a peer that is forgotten, then its key is nobody's, and its see
 TEST_CASE("only the links that carry are up, and a dialled one is not found as a peer's") {
   Parts parts;
   parts.link_with(parts.bee);
-  Link& dialled = parts.table.links()[8];
-  dialled.id = 8;
-  dialled.dialled = true;
-  dialled.key = make_link_key().public_key;
+  Link dial;
+  dial.id = 8;
+  dial.dialled = true;
+  dial.key = make_link_key().public_key;
+  const Link& dialled = parts.table.add(std::move(dial));
   CHECK(parts.table.up_links() == std::vector<LinkId>{7});
   CHECK(parts.table.linked_by_key(parts.bee.link.public_key)->id == 7);
   CHECK(parts.table.linked_by_key(dialled.key) == nullptr);

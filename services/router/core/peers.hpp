@@ -22,6 +22,13 @@ namespace trb::router {
 /// The reason of a Goodbye after a silent lease: it informs the other side that it is not heard.
 constexpr std::string_view kUnheard = "nothing heard for a lease";
 
+/// Kept by LinkDeadlines: when the row is held to be due.
+struct RowDue {
+  bool touched = false;             ///< it is looked at again
+  std::optional<MonotonicTime> at;  ///< of a link, or a peer
+  std::optional<UtcTime> ends;      ///< the peer's certificate
+};
+
 /// One CURVE connection. Down = not in the table.
 struct Link {
   LinkId id = 0;
@@ -29,6 +36,7 @@ struct Link {
   std::string peer;                         ///< empty until its Hello was accepted
   Bytes key;                                ///< the other side's CURVE key
   std::string address;                      ///< that was dialled
+  std::string dialled_for;                  ///< the peer whose Redial it is; empty: a seed's, or accepted
   std::string own_address;                  ///< where this node could be dialled when it said Hello here
   bool relay = false;                       ///< the other side relays, and its certificate allows it
   std::optional<std::int64_t> utc_at_zero;  ///< by the other side's clock, if it is verified: UTC at monotonic 0
@@ -46,6 +54,7 @@ struct Link {
   MonotonicTime confirmed;  ///< when the peer was last known to receive from us
   MonotonicTime next_keep_alive;
   std::deque<std::uint64_t> unconfirmed;  ///< sequences of our keep-alives not yet echoed
+  RowDue due;
 };
 
 /// When to dial, and with how much back-off.
@@ -83,6 +92,7 @@ struct Peer {
   Redial redial;
   MonotonicTime comes_until{};  ///< its own dial has arrived: until when its Hello may come
   Spare spare;
+  RowDue due;
 };
 
 struct Seed {

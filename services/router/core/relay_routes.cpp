@@ -1,6 +1,8 @@
 #include "services/router/core/relay_routes.hpp"
 
 #include <algorithm>
+#include <ranges>
+#include <utility>
 
 #include "common/base/saturate.hpp"
 #include "common/security/relay_box.hpp"
@@ -26,6 +28,7 @@ Message header_only(const HeaderView& header) {
 
 RelayRoute& RelayRoutes::row(const Peer& peer) {
   RelayRoute& route = rows_[peer.id];
+  awake_.insert(peer.id);
   if (route.number == peer.number) return route;
   // Another computer under the same name counts its own boots and messages.
   const RouterConfig& own = node_.config();
@@ -77,8 +80,9 @@ void RelayRoutes::change_carrier(RelayRoute& route) const {
 
 std::vector<std::string> RelayRoutes::relayed_peers() const {
   std::vector<std::string> out;
-  for (const auto& [id, peer] : table_.peers()) {
-    if (relay_of(peer) != nullptr) out.push_back(id);
+  for (const std::string& id : awake_) {  // whatever is open is awake
+    const Peer* peer = std::as_const(table_).find(id);
+    if (peer != nullptr && relay_of(*peer) != nullptr) out.push_back(id);
   }
   return out;
 }
@@ -115,6 +119,8 @@ void RelayRoutes::learn(const Link& relay, const SignedRecord& told, Now now, Ef
 
 /// That relay does not reach the peer any more, or is not reached itself.
 void RelayRoutes::forget_relay(Peer& peer, const std::string& relay, Effects& out) {
+  const auto known = rows_.find(peer.id);
+  if (known == rows_.end() || !known->second.relays.contains(relay)) return;
   RelayRoute& route = row(peer);
   if (route.relays.erase(relay) == 0 || !route.open || carrier_of(route) != nullptr) return;
   leave(peer, peer.id + " was reached by " + relay, out);
@@ -124,7 +130,9 @@ void RelayRoutes::on_link_lost(Peer& peer, const Link& gone, Now now, Effects& o
   RelayRoute& lost = row(peer);
   if (carrier_of(lost) != nullptr) lost.connection.begin(now.mono);
   if (!gone.relay) return;
-  for (auto& [id, other] : table_.peers()) forget_relay(other, gone.peer, out);
+  for (const std::string& id : std::views::keys(rows_)) {
+    if (Peer* other = table_.find(id)) forget_relay(*other, gone.peer, out);
+  }
 }
 
 /// The peer cannot be reached that way any more: its lease runs from its last sign of life.
@@ -350,33 +358,45 @@ void RelayRoutes::on_alive(const Link& relay, Peer& peer, const RelayedFrame& in
 
 // ---- time
 
+/// A route without a deadline that is not open waits for an event, which wakes it (row).
 void RelayRoutes::tick(Now now, Effects& out) {
-  for (auto& [id, peer] : table_.peers()) {
-    RelayRoute& route = row(peer);
-    notify_lost(route.connection.overdue(now.mono), out);
-    if (route.connection.lapse(now.mono) && route.open) leave(peer, id + " says nothing by any relay", out);
-    if (const auto due = profile_due(peer, route); due && now.mono >= *due) send_profile(peer, now, out);
-    if (peer.link != 0) {
-      route.connection.rest();
-    } else if (route.connection.word_due(now.mono)) {
-      if (route.connection.unheard()) change_carrier(route);
-      send_alive(peer, now, out);
-    }
+  for (auto at = awake_.begin(); at != awake_.end();) {
+    Peer* peer = table_.find(*at);
+    if (peer != nullptr) tick_route(*peer, now, out);
+    const RelayRoute& known = rows_.at(*at);
+    const bool sleeps = peer == nullptr || (!known.open && !known.connection.next_deadline());
+    at = sleeps ? awake_.erase(at) : std::next(at);
   }
-  // Every peer has a row by now: an extra row belongs to a peer that is gone.
-  if (rows_.size() == table_.peers().size()) return;
-  std::erase_if(rows_, [&](const auto& row) { return table_.find(row.first) == nullptr; });
+  drop_rows_without_peer();
 }
 
-/// Called at every turn of the loop: both tables have the same order, so nothing is looked up.
+void RelayRoutes::tick_route(Peer& peer, Now now, Effects& out) {
+  RelayRoute& route = row(peer);
+  notify_lost(route.connection.overdue(now.mono), out);
+  if (route.connection.lapse(now.mono) && route.open) leave(peer, peer.id + " says nothing by any relay", out);
+  if (const auto due = profile_due(peer, route); due && now.mono >= *due) send_profile(peer, now, out);
+  if (peer.link != 0) {
+    route.connection.rest();
+  } else if (route.connection.word_due(now.mono)) {
+    if (route.connection.unheard()) change_carrier(route);
+    send_alive(peer, now, out);
+  }
+}
+
+void RelayRoutes::drop_rows_without_peer() {
+  if (std::exchange(forgotten_, table_.forgotten()) == table_.forgotten()) return;
+  const auto is_gone = [&](const std::string& id) { return std::as_const(table_).find(id) == nullptr; };
+  std::erase_if(rows_, [&](const auto& row) { return is_gone(row.first); });
+  std::erase_if(awake_, is_gone);
+}
+
 std::optional<MonotonicTime> RelayRoutes::next_deadline() const {
   std::optional<MonotonicTime> next;
-  auto at = rows_.begin();
-  for (const auto& [id, peer] : table_.peers()) {
-    while (at != rows_.end() && at->first < id) ++at;
-    if (at == rows_.end()) break;
-    if (at->first != id || at->second.number != peer.number) continue;
-    next = earlier(earlier(next, at->second.connection.next_deadline()), profile_due(peer, at->second));
+  for (const std::string& id : awake_) {
+    const Peer* peer = std::as_const(table_).find(id);
+    const auto at = rows_.find(id);
+    if (peer == nullptr || at == rows_.end() || at->second.number != peer->number) continue;
+    next = earlier(earlier(next, at->second.connection.next_deadline()), profile_due(*peer, at->second));
   }
   return next;
 }

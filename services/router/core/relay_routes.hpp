@@ -89,6 +89,8 @@ class RelayRoutes {
 
  private:
   RelayRoute& row(const Peer& peer);
+  void tick_route(Peer& peer, Now now, Effects& out);
+  void drop_rows_without_peer();
   const Bytes& key_of(const Peer& peer, RelayRoute& route);
   [[nodiscard]] const Link* carrier_of(const RelayRoute& route) const;
   [[nodiscard]] const Link* usable(const std::string& relay) const;
@@ -122,7 +124,9 @@ class RelayRoutes {
   LocalBus& bus_;
   LocalProfile& profile_;
   Links& links_;
-  std::map<std::string, RelayRoute, std::less<>> rows_;  ///< by peer
+  std::map<std::string, RelayRoute, std::less<>> rows_;  ///< by peer, once there was anything to know
+  std::set<std::string, std::less<>> awake_;             ///< those of them that may be due
+  std::uint64_t forgotten_ = 0;                          ///< peers, when the rows were last compared
 };
 
 }  // namespace trb::router

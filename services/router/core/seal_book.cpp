@@ -1,5 +1,6 @@
 #include "services/router/core/seal_book.hpp"
 
+#include <algorithm>
 #include <utility>
 
 namespace trb::router {
@@ -18,6 +19,13 @@ void SealBook::bind(const Link& link, const Certificate& certificate, const Hell
   seals.out.peer_serial = certificate.serial;
   seals.in.serial = certificate.serial;
   seals.each = node_.config().seal_before_delivery || hello.seal == kSealBeforeDelivery;
+}
+
+void SealBook::forget(LinkId link) {
+  LinkSeals* seals = row(link);
+  if (seals == nullptr) return;
+  due_.set(link, seals->due, std::nullopt);
+  rows_.erase(link);
 }
 
 const LinkSeals* SealBook::find(LinkId link) const {
@@ -76,15 +84,15 @@ std::optional<Bytes> SealBook::seal(LinkSeals& seals, LinkId link, Now now, Undo
   undo.due = seals.due;
   seals.writer.sealed(record.payload.bytes);
   seals.overdue = false;
-  seals.due.reset();
+  due_.set(link, seals.due, std::nullopt);
   counters_.count("seals.sent");
   return frame;
 }
 
-void SealBook::take_back_seal(LinkSeals& seals, Undo& undo) {
+void SealBook::take_back_seal(LinkId link, LinkSeals& seals, Undo& undo) {
   seals.writer = undo.writer;
   undo.link = 0;
-  seals.due = undo.due;
+  due_.set(link, seals.due, undo.due);
   seals.overdue = true;
   counters_.take_back("seals.sent");
 }
@@ -97,9 +105,9 @@ void SealBook::not_sent(LinkId link, Unsent what) {
     return;
   }
   const bool behind = behind_.link == link;
-  if (behind) take_back_seal(*seals, behind_);
+  if (behind) take_back_seal(link, *seals, behind_);
   if (what == Unsent::behind) return;
-  if (what == Unsent::before && before_.link == link) return take_back_seal(*seals, before_);
+  if (what == Unsent::before && before_.link == link) return take_back_seal(link, *seals, before_);
   seals->writer.take_back();
   seals->overdue = false;  // a seal may have been made over it
 }
@@ -131,28 +139,26 @@ void SealBook::last_seal(LinkId link, Effects& out) {
 
 std::optional<MonotonicTime> SealBook::next_deadline() const {
   if (!fresh_.empty()) return MonotonicTime{};
-  return next_;
+  return due_.earliest();
 }
 
 void SealBook::tick(Now now, Effects& out) {
   for (const LinkId link : fresh_) {
     LinkSeals* seals = row(link);
     if (seals == nullptr) continue;
-    seals->due = seals->overdue ? now.mono : seals->due.value_or(now.mono + kSealWithin);
-    next_ = earlier(next_, seals->due);
+    due_.set(link, seals->due, seals->overdue ? now.mono : seals->due.value_or(now.mono + kSealWithin));
   }
   fresh_.clear();
-  if (!next_ || now.mono < *next_) return;
-  next_.reset();
-  for (auto& [link, seals] : rows_) {
-    if (!seals.due) continue;
-    if (now.mono >= *seals.due) {
-      seal_now(link, out);
-      // One that cannot leave now is tried again.
-      seals.due = seals.writer.unsealed() > 0 ? std::optional(now.mono + kSealWithin) : std::nullopt;
-    }
-    next_ = earlier(next_, seals.due);
-  }
+  std::vector<LinkId> due = due_.due(now.mono);
+  std::ranges::sort(due);
+  for (const LinkId link : due) seal_due(link, now, out);
+}
+
+void SealBook::seal_due(LinkId link, Now now, Effects& out) {
+  LinkSeals& seals = rows_.at(link);
+  seal_now(link, out);
+  // One that cannot leave now is tried again.
+  due_.set(link, seals.due, seals.writer.unsealed() > 0 ? std::optional(now.mono + kSealWithin) : std::nullopt);
 }
 
 // ---- in

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "common/base/deadline_index.hpp"
 #include "services/router/core/counter_table.hpp"
 #include "services/router/core/own_messages.hpp"
 #include "services/router/core/seals.hpp"
@@ -48,7 +49,7 @@ class SealBook {
   /// The other side's Hello was accepted: its certificate is known now.
   void bind(const Link& link, const Certificate& certificate, const Hello& hello);
   /// The link is closed: nothing leaves by it any more.
-  void forget(LinkId link) { rows_.erase(link); }
+  void forget(LinkId link);
   [[nodiscard]] const LinkSeals* find(LinkId link) const;
 
   // ---- out
@@ -92,16 +93,17 @@ class SealBook {
     std::optional<MonotonicTime> due;
   };
   LinkSeals* row(LinkId link);
+  void seal_due(LinkId link, Now now, Effects& out);
   void stamp(LinkSeals& seals, LinkId link, char* frame, std::size_t size);
   std::optional<Bytes> seal(LinkSeals& seals, LinkId link, Now now, Undo& undo);
-  void take_back_seal(LinkSeals& seals, Undo& undo);
+  void take_back_seal(LinkId link, LinkSeals& seals, Undo& undo);
 
   const LocalNode& node_;
   OwnMessages& messages_;
   CounterTable& counters_;
   std::map<LinkId, LinkSeals> rows_;  ///< until the shell has closed the link: a Goodbye follows its end
   std::vector<LinkId> fresh_;         ///< have unsealed frames for which no time is set yet
-  std::optional<MonotonicTime> next_;
+  DeadlineIndex<LinkId> due_;
   Undo before_;
   Undo behind_;
 };

@@ -47,10 +47,11 @@ struct Parts {
   /// A link that is up with this member, and carries its messages.
   Link& link_with(const TestKeys& keys, LinkId id = 7) {
     Peer& peer = table.learn(keys.certificate, keys.record);
-    Link& link = table.links()[id];
-    link.id = id;
-    link.peer = peer.id;
-    link.key = keys.link.public_key;
+    Link fresh;
+    fresh.id = id;
+    fresh.peer = peer.id;
+    fresh.key = keys.link.public_key;
+    Link& link = table.add(std::move(fresh));
     link.up = true;
     link.opened = link.last_heard = link.confirmed = now.mono;
     link.next_keep_alive = now.mono + node.config().timing.keep_alive;

@@ -1,11 +1,23 @@
 #include "services/simulator/job/world_job.hpp"
 
+#include <cstdio>
+
 #include "services/simulator/job/fault_job.hpp"
 #include "services/simulator/job/fleet_job.hpp"
 #include "services/simulator/job/link_job.hpp"
 #include "services/simulator/job/sensor_job.hpp"
 
 namespace trb::simulator {
+namespace {
+
+std::string hex_of(std::uint64_t number) {
+  char out[17];
+  std::snprintf(out, sizeof out, "%016llx", static_cast<unsigned long long>(number));
+  return out;
+}
+
+}  // namespace
+
 world::WorldPlan read_world(ObjectReader& reader) {
   world::WorldPlan plan;
   if (reader.value("fleet", Need::optional) != nullptr) {
@@ -39,6 +51,7 @@ Value world_value(const world::Played& played) {
                              {"linked_s", Value{played.linked_s}},
                              {"submitted_s", Value{played.submitted_s}},
                              {"events", integer(played.events)},
+                             {"digest", Value{hex_of(played.digest)}},
                              {"broken", Value{std::move(broken)}}}};
 }
 

@@ -133,6 +133,7 @@ Played World::play() {
   outcome_.tasks_done = witness_.tasks_done();
   outcome_.seconds = events_.seconds_passed();
   outcome_.events = events_.count();
+  outcome_.digest = meter_.digest();
   outcome_.cut_short = is_stopped();
   if (!outcome_.cut_short) outcome_.broken = broken_invariants(*this, outcome_);
   return outcome_;

@@ -48,6 +48,7 @@ struct Played {
   double seconds = 0;  ///< of virtual time
   std::size_t tasks_done = 0;
   std::uint64_t events = 0;
+  std::uint64_t digest = 0;         ///< of every message: two runs with one digest were the same
   bool cut_short = false;           ///< by `until_event`: nobody asks then what must hold at the end
   std::vector<std::string> broken;  ///< invariants that do not hold, as text
 };
