@@ -1,7 +1,6 @@
 #include "services/router/core/relay_routes.hpp"
 
 #include <algorithm>
-#include <ranges>
 #include <utility>
 
 #include "common/base/saturate.hpp"
@@ -130,8 +129,8 @@ void RelayRoutes::on_link_lost(Peer& peer, const Link& gone, Now now, Effects& o
   RelayRoute& lost = row(peer);
   if (carrier_of(lost) != nullptr) lost.connection.begin(now.mono);
   if (!gone.relay) return;
-  for (const std::string& id : std::views::keys(rows_)) {
-    if (Peer* other = table_.find(id)) forget_relay(*other, gone.peer, out);
+  for (const auto& row : rows_) {
+    if (Peer* other = table_.find(row.first)) forget_relay(*other, gone.peer, out);
   }
 }
 

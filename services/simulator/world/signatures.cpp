@@ -1,0 +1,55 @@
+// A world's signatures. Ed25519 would take half of a large fleet's time and prove nothing here, where all keys are of
+// one process: a keyed BLAKE2b of the same size stands in its place. As with the real one, only who has the secret key
+// can sign, and a signature fits one key and one text. The linker puts these functions before libsodium's own (--wrap).
+#include <sodium.h>
+
+#include <array>
+#include <cstring>
+
+namespace {
+
+constexpr std::size_t kSignature = 64;
+constexpr std::size_t kKey = 32;
+using Signature = std::array<unsigned char, kSignature>;
+
+/// What no core knows: it is not to be had from a public key.
+constexpr std::array<unsigned char, 32> kWorldSecret{'t', 'h', 'e', ' ', 'w', 'o', 'r', 'l', 'd'};
+
+Signature sign(const unsigned char* public_key, const unsigned char* text, unsigned long long size) {
+  Signature out{};
+  crypto_generichash_state state;
+  crypto_generichash_init(&state, kWorldSecret.data(), kWorldSecret.size(), out.size());
+  crypto_generichash_update(&state, public_key, kKey);
+  crypto_generichash_update(&state, text, size);
+  crypto_generichash_final(&state, out.data(), out.size());
+  return out;
+}
+
+}  // namespace
+
+// The linker gives these names.
+// NOLINTBEGIN(bugprone-reserved-identifier, readability-identifier-naming)
+extern "C" {
+
+int __real_crypto_sign_verify_detached(const unsigned char* signature, const unsigned char* text,
+                                       unsigned long long size, const unsigned char* key);
+
+/// libsodium stores the public key after the seed, in the secret key.
+int __wrap_crypto_sign_detached(unsigned char* signature, unsigned long long* made, const unsigned char* text,
+                                unsigned long long size, const unsigned char* secret) {
+  const Signature is = sign(secret + kKey, text, size);
+  std::memcpy(signature, is.data(), is.size());
+  if (made != nullptr) *made = is.size();
+  return 0;
+}
+
+/// One that was not made here may be a real one.
+int __wrap_crypto_sign_verify_detached(const unsigned char* signature, const unsigned char* text,
+                                       unsigned long long size, const unsigned char* key) {
+  const Signature is = sign(key, text, size);
+  if (std::memcmp(signature, is.data(), is.size()) == 0) return 0;
+  return __real_crypto_sign_verify_detached(signature, text, size, key);
+}
+
+}  // extern "C"
+// NOLINTEND(bugprone-reserved-identifier, readability-identifier-naming)
