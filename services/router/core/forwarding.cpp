@@ -143,7 +143,7 @@ Routing Forwarding::route(Link& link, const HeaderView& header, Now now, Effects
             "link of " + link.peer + " carried source " + std::string(header.source));
     return {.reason = Errc::source_mismatch};
   }
-  if (const auto hello = std::exchange(link.waiting, std::nullopt)) {
+  if (const auto hello = std::exchange(link.waiting, nullptr)) {
     inbox_.carry(link, *hello, now, out);
     if (at_.table.link(id) == nullptr) return {.reason = Errc::conflict};
   }

@@ -229,7 +229,7 @@ std::optional<Carried> Handshake::link_up(Link& link, const Certificate& certifi
   send_hello(link, now, out);
   seals_.bind(link, certificate, hello);
   if (link.dialled || !is_in_doubt(link, *table_.find(certificate.id))) return carry(link, hello, now, out);
-  link.waiting = hello;
+  link.waiting = std::make_shared<const Hello>(hello);
   return std::nullopt;
 }
 

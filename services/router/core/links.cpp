@@ -170,10 +170,10 @@ bool Links::receive(Link& link, const HeaderView& header, Now now, Effects& out)
 }
 
 void Links::on_keep_alive(Link& link, const KeepAlive& body, Now now) {
-  while (!link.unconfirmed.empty() && link.unconfirmed.front() <= body.heard) {
-    link.unconfirmed.pop_front();
-    link.confirmed = now.mono;
-  }
+  const auto first = std::ranges::upper_bound(link.unconfirmed, body.heard);
+  if (first == link.unconfirmed.begin()) return;
+  link.unconfirmed.erase(link.unconfirmed.begin(), first);
+  link.confirmed = now.mono;
 }
 
 void Links::set_address(Peer& peer, const std::string& address, Now now, Effects& out) {

@@ -28,15 +28,15 @@ PeerTable::Peers& PeerTable::change_peers() {
 }
 
 Peer* PeerTable::find(std::string_view id) {
-  const auto at = peers_.find(id);
-  if (at == peers_.end()) return nullptr;
-  deadlines_.touch(at->second);
-  return &at->second;
+  const auto at = by_id_.find(id);
+  if (at == by_id_.end()) return nullptr;
+  deadlines_.touch(*at->second);
+  return at->second;
 }
 
 const Peer* PeerTable::find(std::string_view id) const {
-  const auto at = peers_.find(id);
-  return at == peers_.end() ? nullptr : &at->second;
+  const auto at = by_id_.find(id);
+  return at == by_id_.end() ? nullptr : at->second;
 }
 
 Peer* PeerTable::by_key(BytesView key) {
@@ -54,7 +54,9 @@ bool PeerTable::has_room_for(std::string_view id) const {
 }
 
 Peer& PeerTable::learn(const Certificate& certificate, const SignedRecord& record) {
-  Peer& peer = peers_[certificate.id];
+  const auto row = peers_.try_emplace(certificate.id).first;
+  Peer& peer = row->second;
+  by_id_.emplace(row->first, &peer);
   deadlines_.touch(peer);
   if (peer.certificate.link_key != certificate.link_key) by_key_.erase(peer.certificate.link_key.bytes);
   const bool other =
@@ -81,26 +83,28 @@ void PeerTable::forget(const std::string& id) {
   }
   by_key_.erase(at->second.certificate.link_key.bytes);
   deadlines_.forget(at->second);
+  by_id_.erase(at->first);
   peers_.erase(at);
   ++forgotten_;
 }
 
 Link* PeerTable::link(LinkId id) {
-  const auto at = links_.find(id);
-  if (at == links_.end()) return nullptr;
-  deadlines_.touch(at->second);
-  return &at->second;
+  const auto at = by_link_.find(id);
+  if (at == by_link_.end()) return nullptr;
+  deadlines_.touch(*at->second);
+  return at->second;
 }
 
 const Link* PeerTable::link(LinkId id) const {
-  const auto at = links_.find(id);
-  return at == links_.end() ? nullptr : &at->second;
+  const auto at = by_link_.find(id);
+  return at == by_link_.end() ? nullptr : at->second;
 }
 
 Link& PeerTable::add(Link link) {
   const LinkId id = link.id;
   links_by_key_.emplace(link.key, id);
   Link& row = links_.emplace(id, std::move(link)).first->second;
+  by_link_.emplace(id, &row);
   deadlines_.touch(row);
   return row;
 }
@@ -110,6 +114,7 @@ void PeerTable::remove(LinkId id) {
   if (at == links_.end()) return;
   links_by_key_.erase({at->second.key, id});
   deadlines_.forget(at->second);
+  by_link_.erase(id);
   links_.erase(at);
   ++removed_;
 }

@@ -1,12 +1,13 @@
 // The rows of the routing table: which peers are known, by which link, until when.
 #pragma once
 
-#include <deque>
 #include <map>
+#include <memory>
 #include <optional>
 #include <set>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "common/base/result.hpp"
 #include "common/base/time.hpp"
@@ -44,7 +45,7 @@ struct Link {
   bool up = false;                          ///< Hello received and accepted
   /// Its Hello came while another link was up or being dialled, and nothing since: the dialler may have given it up
   /// before this node read it. It carries nothing until one more message comes by it.
-  std::optional<Hello> waiting;
+  std::shared_ptr<const Hello> waiting;
   bool hello_sent = false;
   std::uint64_t profile = 0;  ///< number of this node's profile that was last sent to the other side
   std::uint64_t boot = 0;     ///< the peer's boot counter, from its Hello
@@ -53,7 +54,7 @@ struct Link {
   MonotonicTime last_heard;
   MonotonicTime confirmed;  ///< when the peer was last known to receive from us
   MonotonicTime next_keep_alive;
-  std::deque<std::uint64_t> unconfirmed;  ///< sequences of our keep-alives not yet echoed
+  std::vector<std::uint64_t> unconfirmed;  ///< sequences of our keep-alives not yet echoed
   RowDue due;
 };
 

@@ -27,7 +27,7 @@ void RelayConnection::say_by(MonotonicTime at) {
 
 RelayAlive RelayConnection::make_word(RelayAlive own, std::uint64_t nonce, MonotonicTime now) {
   constexpr std::size_t kNonces = 8;
-  if (nonces_.size() >= kNonces) nonces_.pop_front();
+  if (nonces_.size() >= kNonces) nonces_.erase(nonces_.begin());
   nonces_.push_back({nonce, now});
   wait_ = since_ ? timing_.alive : std::clamp(wait_ * 2, timing_.first, timing_.most);
   last_word_ = now;

@@ -2,7 +2,7 @@
 // arrived, which were lost? It trusts no relay.
 #pragma once
 
-#include <deque>
+#include <list>
 #include <optional>
 #include <string>
 #include <vector>
@@ -112,7 +112,7 @@ class RelayConnection {
 
   RelayTiming timing_;
   std::uint64_t sent_ = 0;
-  std::deque<Nonce> nonces_;  ///< the last eight
+  std::vector<Nonce> nonces_;  ///< the last eight
   std::uint64_t own_boot_ = 0;
   bool knows_us_ = false;         ///< the other side has proven this boot of ours
   std::uint64_t echo_ = 0;        ///< the other side's newest nonce, of the proven boot
@@ -126,7 +126,7 @@ class RelayConnection {
   std::optional<MonotonicTime> next_word_;
   MonotonicTime last_word_{};
   Duration wait_{};
-  std::deque<Unconfirmed> unconfirmed_;
+  std::list<Unconfirmed> unconfirmed_;
 };
 
 }  // namespace trb::router

@@ -7,7 +7,9 @@ namespace trb::router {
 
 void SealBook::open(const Link& link) {
   LinkSeals& seals = rows_[link.id];
-  seals.own = node_.config().certificate;
+  const SignedRecord& own = node_.config().certificate;
+  if (!own_ || *own_ != own) own_ = std::make_shared<const SignedRecord>(own);
+  seals.own = own_;
   seals.out = {link.id, node_.config().own.serial, 0, link.dialled};
   seals.in = {link.id, 0, node_.config().own.serial, !link.dialled};
 }

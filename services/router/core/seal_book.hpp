@@ -2,9 +2,10 @@
 // (proto/README.md, "Seals"). Made and checked after the delivery, or before it if a node is configured so.
 #pragma once
 
-#include <map>
+#include <memory>
 #include <optional>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 #include "common/base/deadline_index.hpp"
@@ -101,8 +102,9 @@ class SealBook {
   const LocalNode& node_;
   OwnMessages& messages_;
   CounterTable& counters_;
-  std::map<LinkId, LinkSeals> rows_;  ///< until the shell has closed the link: a Goodbye follows its end
-  std::vector<LinkId> fresh_;         ///< have unsealed frames for which no time is set yet
+  std::shared_ptr<const SignedRecord> own_;     ///< this node's certificate, for all links since it was renewed
+  std::unordered_map<LinkId, LinkSeals> rows_;  ///< until the shell has closed the link: a Goodbye follows its end
+  std::vector<LinkId> fresh_;                   ///< have unsealed frames for which no time is set yet
   DeadlineIndex<LinkId> due_;
   Undo before_;
   Undo behind_;

@@ -24,7 +24,7 @@ void ProofLog::heard(const LinkSeals& link, UtcTime now, BytesView frame) {
   if (fresh) {
     open.peer = is_valid_id(link.signer.id) ? link.signer.id : "";  // it becomes part of a file's name
     open.link = std::make_shared<const ProofLink>(
-        ProofLink{link.in.link, !link.in.dialled, 1, first_previous(), link.own, link.peer});
+        ProofLink{link.in.link, !link.in.dialled, 1, first_previous(), *link.own, link.peer});
   }
   ++open.frames;
   open.overflow = open.overflow || open.records.size() + frame.size() > max_pending_;

@@ -42,7 +42,7 @@ struct Speaker {
 
   explicit Speaker(LinkId link, std::string of = "ant") : name(std::move(of)) {
     at_bee.in = {link, 7, 7, true};
-    at_bee.own = certificate("bee", make_signing_key());
+    at_bee.own = std::make_shared<const SignedRecord>(certificate("bee", make_signing_key()));
     at_bee.peer = certificate(name, identity);
     at_bee.signer.id = name;
   }

@@ -1,11 +1,19 @@
 #include "services/simulator/world/events.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace trb::world {
 
 void Events::at(MonotonicTime time, What what) {
-  heap_.push_back({std::max(time, now_), ++posted_, std::move(what)});
+  if (free_.empty()) {
+    free_.push_back(whats_.size());
+    whats_.emplace_back();
+  }
+  const std::size_t place = free_.back();
+  free_.pop_back();
+  whats_[place] = std::move(what);
+  heap_.push_back({std::max(time, now_), ++posted_, place});
   std::push_heap(heap_.begin(), heap_.end());
 }
 
@@ -15,11 +23,13 @@ bool Events::step(MonotonicTime limit) {
     return false;
   }
   std::pop_heap(heap_.begin(), heap_.end());
-  const Event event = std::move(heap_.back());
+  const Event event = heap_.back();
   heap_.pop_back();
+  const What what = std::exchange(whats_[event.place], {});
+  free_.push_back(event.place);
   now_ = event.time;
   ++happened_;
-  event.what();
+  what();
   return true;
 }
 

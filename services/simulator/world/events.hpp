@@ -39,13 +39,15 @@ class Events {
   struct Event {
     MonotonicTime time;
     std::uint64_t number = 0;
-    What what;
+    std::size_t place = 0;  ///< of its What: moving a function about the heap would cost more than the heap
     bool operator<(const Event& other) const { return time != other.time ? time > other.time : number > other.number; }
   };
 
   MonotonicTime now_ = kBegin;
   std::uint64_t posted_ = 0, happened_ = 0;
   std::vector<Event> heap_;
+  std::vector<What> whats_;
+  std::vector<std::size_t> free_;
 };
 
 /// A deadline that moves: its owner is woken at the one that was set last.

@@ -16,12 +16,22 @@ void Network::join(const std::string& id, const std::string& address, Host& host
   addresses_[address] = id;
 }
 
+template <class Is>
+std::vector<LinkId> Network::connections_where(Is&& is) const {
+  std::vector<LinkId> out;
+  for (const auto& [link, connection] : connections_) {
+    if (is(connection)) out.push_back(link);
+  }
+  std::ranges::sort(out);
+  return out;
+}
+
 void Network::leave(const std::string& id) {
+  if (over_) return;
   hosts_.erase(id);
-  std::vector<LinkId> ended;
-  for (auto& [link, is] : connections_) {
-    if (is.there.to != id && is.back.to != id) continue;
-    ended.push_back(link);
+  const auto ended = connections_where([&](const Connection& is) { return is.there.to == id || is.back.to == id; });
+  for (const LinkId link : ended) {
+    Connection& is = connections_.at(link);
     (is.back.to == id ? is.there : is.back).held.clear();  // its buffers are gone, too
   }
   for (const LinkId link : ended) close(link, id);
@@ -34,9 +44,11 @@ Host* Network::host(const std::string& id) {
 
 void Network::heal(const std::string& from, const std::string& to) {
   if (cuts_.erase({from, to}) == 0) return;
-  for (auto& [link, is] : connections_) {
-    const bool between = (is.there.to == to && is.back.to == from) || (is.there.to == from && is.back.to == to);
-    if (!between) continue;
+  const auto between = [&](const Connection& is) {
+    return (is.there.to == to && is.back.to == from) || (is.there.to == from && is.back.to == to);
+  };
+  for (const LinkId link : connections_where(between)) {
+    Connection& is = connections_.at(link);
     for (const bool there : {true, false}) {
       Way& way = there ? is.there : is.back;
       way.unproven = 0;

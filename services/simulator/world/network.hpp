@@ -6,6 +6,7 @@
 #include <memory>
 #include <set>
 #include <string>
+#include <unordered_map>
 #include <utility>
 
 #include "services/router/core/effects.hpp"
@@ -54,6 +55,9 @@ class Network {
   void close(LinkId connection, const std::string& by);
   void broadcast(const std::string& from, const Bytes& plain);
 
+  /// The world ends: nobody needs to learn who leaves.
+  void stop() { over_ = true; }
+
   /// Nothing that `from` sends arrives at `to` any more, and nobody is told. What waits arrives when it is healed. No
   /// connection is made then, and on an existing one only a window's bytes go the other way: TCP hears of none that
   /// they came.
@@ -75,7 +79,12 @@ class Network {
     Way there, back;  ///< to the acceptor, to the dialler
     Bytes key;        ///< the dialler's
   };
-  [[nodiscard]] bool is_cut(const std::string& from, const std::string& to) const { return cuts_.contains({from, to}); }
+  [[nodiscard]] bool is_cut(const std::string& from, const std::string& to) const {
+    return !cuts_.empty() && cuts_.contains({from, to});
+  }
+  /// The connections that this is true of, by their ids.
+  template <class Is>
+  [[nodiscard]] std::vector<LinkId> connections_where(Is&& is) const;
   /// A parcel on this way does not arrive.
   bool is_stopped(Way& way, const std::string& from, const Parcel& parcel);
   [[nodiscard]] Host* host(const std::string& id);
@@ -93,7 +102,8 @@ class Network {
   LinkKind kind_;
   std::map<std::string, Host*> hosts_;
   std::map<std::string, std::string> addresses_;  ///< HOST:PORT -> id
-  std::map<LinkId, Connection> connections_;
+  std::unordered_map<LinkId, Connection> connections_;
+  bool over_ = false;
   std::set<std::pair<std::string, std::string>> cuts_;  ///< from, to
 };
 

@@ -58,6 +58,7 @@ class World {
   explicit World(WorldPlan plan, Meddler meddler = {});
   World(const World&) = delete;
   World& operator=(const World&) = delete;
+  ~World() { network_.stop(); }
 
   /// Plays all of it.
   Played play();
