@@ -28,15 +28,13 @@ PeerTable::Peers& PeerTable::change_peers() {
 }
 
 Peer* PeerTable::find(std::string_view id) {
-  const auto at = by_id_.find(id);
-  if (at == by_id_.end()) return nullptr;
-  deadlines_.touch(*at->second);
-  return at->second;
+  Peer* peer = by_id_.find(id);
+  if (peer != nullptr) deadlines_.touch(*peer);
+  return peer;
 }
 
 const Peer* PeerTable::find(std::string_view id) const {
-  const auto at = by_id_.find(id);
-  return at == by_id_.end() ? nullptr : at->second;
+  return by_id_.find(id);
 }
 
 Peer* PeerTable::by_key(BytesView key) {
@@ -56,7 +54,7 @@ bool PeerTable::has_room_for(std::string_view id) const {
 Peer& PeerTable::learn(const Certificate& certificate, const SignedRecord& record) {
   const auto row = peers_.try_emplace(certificate.id).first;
   Peer& peer = row->second;
-  by_id_.emplace(row->first, &peer);
+  by_id_.set(row->first, peer);
   deadlines_.touch(peer);
   if (peer.certificate.link_key != certificate.link_key) by_key_.erase(peer.certificate.link_key.bytes);
   const bool other =
@@ -89,22 +87,20 @@ void PeerTable::forget(const std::string& id) {
 }
 
 Link* PeerTable::link(LinkId id) {
-  const auto at = by_link_.find(id);
-  if (at == by_link_.end()) return nullptr;
-  deadlines_.touch(*at->second);
-  return at->second;
+  Link* link = by_link_.find(id);
+  if (link != nullptr) deadlines_.touch(*link);
+  return link;
 }
 
 const Link* PeerTable::link(LinkId id) const {
-  const auto at = by_link_.find(id);
-  return at == by_link_.end() ? nullptr : at->second;
+  return by_link_.find(id);
 }
 
 Link& PeerTable::add(Link link) {
   const LinkId id = link.id;
   links_by_key_.emplace(link.key, id);
   Link& row = links_.emplace(id, std::move(link)).first->second;
-  by_link_.emplace(id, &row);
+  by_link_.set(id, row);
   deadlines_.touch(row);
   return row;
 }

@@ -5,10 +5,10 @@
 #include <set>
 #include <string>
 #include <string_view>
-#include <unordered_map>
 #include <utility>
 #include <vector>
 
+#include "common/base/lookup_table.hpp"
 #include "services/router/core/config.hpp"
 #include "services/router/core/link_deadlines.hpp"
 #include "services/router/core/peers.hpp"
@@ -71,10 +71,10 @@ class PeerTable {
 
  private:
   Peers peers_;
-  std::unordered_map<std::string_view, Peer*> by_id_;  ///< the same rows, for those who look one up
+  LookupTable<std::string_view, Peer> by_id_;  ///< the same rows, for those who look one up
   std::map<Bytes, std::string, std::less<>> by_key_;
   Links links_;
-  std::unordered_map<LinkId, Link*> by_link_;
+  LookupTable<LinkId, Link> by_link_;
   std::vector<Seed> seeds_;
   std::uint64_t last_number_ = 0, forgotten_ = 0, removed_ = 0;
   std::set<std::pair<Bytes, LinkId>> links_by_key_;

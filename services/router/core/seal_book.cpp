@@ -7,6 +7,7 @@ namespace trb::router {
 
 void SealBook::open(const Link& link) {
   LinkSeals& seals = rows_[link.id];
+  by_link_.set(link.id, seals);
   const SignedRecord& own = node_.config().certificate;
   if (!own_ || *own_ != own) own_ = std::make_shared<const SignedRecord>(own);
   seals.own = own_;
@@ -16,6 +17,7 @@ void SealBook::open(const Link& link) {
 
 void SealBook::bind(const Link& link, const Certificate& certificate, const Hello& hello) {
   LinkSeals& seals = rows_[link.id];
+  by_link_.set(link.id, seals);
   seals.peer = hello.certificate;
   seals.signer = certificate;
   seals.out.peer_serial = certificate.serial;
@@ -27,17 +29,16 @@ void SealBook::forget(LinkId link) {
   LinkSeals* seals = row(link);
   if (seals == nullptr) return;
   due_.set(link, seals->due, std::nullopt);
+  by_link_.erase(link);
   rows_.erase(link);
 }
 
 const LinkSeals* SealBook::find(LinkId link) const {
-  const auto at = rows_.find(link);
-  return at == rows_.end() ? nullptr : &at->second;
+  return by_link_.find(link);
 }
 
 LinkSeals* SealBook::row(LinkId link) {
-  const auto at = rows_.find(link);
-  return at == rows_.end() ? nullptr : &at->second;
+  return by_link_.find(link);
 }
 
 // ---- out
@@ -157,7 +158,7 @@ void SealBook::tick(Now now, Effects& out) {
 }
 
 void SealBook::seal_due(LinkId link, Now now, Effects& out) {
-  LinkSeals& seals = rows_.at(link);
+  LinkSeals& seals = *row(link);
   seal_now(link, out);
   // One that cannot leave now is tried again.
   due_.set(link, seals.due, seals.writer.unsealed() > 0 ? std::optional(now.mono + kSealWithin) : std::nullopt);
@@ -196,7 +197,7 @@ void SealBook::proven(const CheckSeal& seal, Effects& out) {
 }
 
 bool SealBook::holds(LinkId link) const {
-  return !kUnsealed && node_.config().seal_before_delivery && rows_.count(link) != 0;
+  return !kUnsealed && node_.config().seal_before_delivery && find(link) != nullptr;
 }
 
 void SealBook::note_open_end(LinkId link, const std::string& peer, Effects& out) const {

@@ -2,13 +2,14 @@
 // (proto/README.md, "Seals"). Made and checked after the delivery, or before it if a node is configured so.
 #pragma once
 
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
-#include <unordered_map>
 #include <vector>
 
 #include "common/base/deadline_index.hpp"
+#include "common/base/lookup_table.hpp"
 #include "services/router/core/counter_table.hpp"
 #include "services/router/core/own_messages.hpp"
 #include "services/router/core/seals.hpp"
@@ -102,9 +103,10 @@ class SealBook {
   const LocalNode& node_;
   OwnMessages& messages_;
   CounterTable& counters_;
-  std::shared_ptr<const SignedRecord> own_;     ///< this node's certificate, for all links since it was renewed
-  std::unordered_map<LinkId, LinkSeals> rows_;  ///< until the shell has closed the link: a Goodbye follows its end
-  std::vector<LinkId> fresh_;                   ///< have unsealed frames for which no time is set yet
+  std::shared_ptr<const SignedRecord> own_;  ///< this node's certificate, for all links since it was renewed
+  std::map<LinkId, LinkSeals> rows_;         ///< until the shell has closed the link: a Goodbye follows its end
+  LookupTable<LinkId, LinkSeals> by_link_;
+  std::vector<LinkId> fresh_;  ///< have unsealed frames for which no time is set yet
   DeadlineIndex<LinkId> due_;
   Undo before_;
   Undo behind_;
