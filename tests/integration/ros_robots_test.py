@@ -2,10 +2,12 @@
 as the other side. Addresses 127.0.158.x and 127.0.159.x."""
 import importlib.util
 import json
+import math
 import os
 import pathlib
 import shutil
 import subprocess
+import sys
 import unittest
 
 import support
@@ -125,6 +127,55 @@ class RosRobots(unittest.TestCase):
         self.fleet.trb("stop", "ridgeback", node="cloud")
         robot.wait_line("twist 0.000 0.000 0.000", 5, start)
         robot.wait_line("cancelled", 5, start)
+
+    def client(self, robot):
+        client = trb_fleet.Process([sys.executable, pathlib.Path(__file__).parent / "ros_client.py", robot],
+                                   self.fleet.root / "ros_client.log", stdin=subprocess.PIPE, env=self.env)
+        self.addCleanup(client.stop)
+        client.wait_line("ready", 30)
+        return client
+
+    def ask(self, client, *lines):
+        for line in lines:
+            start = len(client.lines)
+            client.say(line)
+            said, _ = client.wait_line("", 30, start)
+        return json.loads(said)
+
+    def test_a_ros_client_s_bad_goals_and_speeds_are_refused_and_odometry_stays_a_number(self):
+        robot, client = self.fleet.virtual["turtlebot"], self.client("turtlebot")
+        start = len(robot.lines)
+        for line, wanted in (
+                ("goal kitchen 1 1 0 1", "refused goal no transform from frame 'kitchen' to 'map'"),
+                ("goal - 1 1 0 1", "refused goal no transform from frame '' to 'map'"),
+                ("goal map 1 1 0 0", "refused goal the quaternion has no length"),
+                ("goal map nan 1 0 1", "refused goal a number is not finite"),
+                ("goal map 1 1 0 inf", "refused goal a number is not finite"),
+                ("twist nan 0", "refused cmd_vel a number is not finite"),
+                ("twist 0.1 -inf", "refused cmd_vel a number is not finite")):
+            self.ask(client, line)
+            _, start = robot.wait_line(wanted, 10, start)
+        before = self.ask(client, "odom")
+        self.assertTrue(all(math.isfinite(number) for number in before), before)
+        self.ask(client, "goal base_link 0.5 0 0 1")
+        x, y, qz, qw = before
+        yaw = 2 * math.atan2(qz, qw)
+        robot.wait_line(f"goal {x + 0.5 * math.cos(yaw):.3f} {y + 0.5 * math.sin(yaw):.3f}", 10, start)
+
+    def test_a_battery_s_voltage_is_told_and_what_is_not_measured_is_nan_there_and_null_here(self):
+        battery = self.ask(self.client("turtlebot"), "battery")
+        self.assertGreater(battery["voltage"], 20)
+        self.assertTrue(0 <= battery["percentage"] <= 1)
+        for name in ("temperature", "current", "charge", "capacity", "design_capacity"):
+            self.assertTrue(math.isnan(battery[name]), (name, battery))
+        self.assertLessEqual(self.request("turtlebot", "battery"), 1)
+        self.assertIs(self.request("turtlebot", "battery_state")["current"], None)
+
+    def test_no_nan_is_sent_to_a_robot_and_the_refusal_names_the_field(self):
+        done = self.fleet.trb("send", "turtlebot", "command", "move", '{"linear":{"x":"nan"}}', "--take", node="turtlebot",
+                              check=False)
+        self.assertNotEqual(done.returncode, 0)
+        self.assertIn("linear.x: 'nan' is no number that a robot can follow", done.stdout + done.stderr)
 
     def test_rostopic_echo_hears_a_command(self):
         echo = self.rostopic("echo", "/turtlebot/cmd_vel")

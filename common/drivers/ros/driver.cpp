@@ -12,10 +12,11 @@ constexpr Duration kSilent = std::chrono::seconds(4);
 constexpr std::ptrdiff_t kMaxPending = 64;
 constexpr std::string_view kPosition = "position";
 
+/// None if one of them was not measured (null): the others would stand in its place.
 std::vector<double> numbers_of(const std::string& json) {
   std::vector<double> numbers;
   const auto value = parse_json(json);
-  if (!value) return numbers;
+  if (!value || (value->is_list() && std::ranges::any_of(value->list(), &Value::is_null))) return numbers;
   const auto take = [&](const Value& item) {
     if (item.is_number()) numbers.push_back(item.number());
     if (item.is_bool()) numbers.push_back(item.boolean() ? 1 : 0);

@@ -100,8 +100,7 @@ class Reader {
   template <class T, class Bits>
   Value real() {
     const T read = std::bit_cast<T>(number<Bits>());
-    if (std::isnan(read)) return Value{std::string("nan")};
-    if (std::isinf(read)) return Value{std::string(read < 0 ? "-inf" : "inf")};
+    if (!std::isfinite(read)) return Value{nullptr};
     return Value{static_cast<double>(read)};
   }
 

@@ -1,6 +1,7 @@
 #include <sodium.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <limits>
@@ -15,6 +16,16 @@ namespace {
 
 std::string kinds(const Value& value) {
   return "a " + std::string(value.kind());
+}
+
+/// What others write for a number that is not finite.
+bool is_no_number(const Value& json) {
+  constexpr std::array<std::string_view, 8> kWords = {"nan",  "-nan",     "inf",       "+inf",
+                                                      "-inf", "infinity", "+infinity", "-infinity"};
+  if (!json.is_text()) return false;
+  std::string word = json.text().substr(0, 10);
+  std::ranges::transform(word, word.begin(), [](char c) { return c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c; });
+  return std::ranges::find(kWords, word) != kWords.end();
 }
 
 /// Writes one message; remembers where it is for the error.
@@ -240,10 +251,9 @@ class Writer {
     if (json.is_number()) {
       number = static_cast<T>(json.number());
       if (!std::isfinite(number)) return refuse(Errc::bad_value, "a number that is too large for its type");
-    } else if (json.is_text() && json.text() == "nan") {
-      number = std::numeric_limits<T>::quiet_NaN();
-    } else if (json.is_text() && (json.text() == "inf" || json.text() == "-inf")) {
-      number = std::numeric_limits<T>::infinity() * (json.text().front() == '-' ? T{-1} : T{1});
+    } else if (is_no_number(json)) {
+      return refuse(Errc::bad_value, "'" + json.text() + "' is no number that a robot can follow",
+                    "send a finite number, or leave the field out: it is then 0");
     } else {
       return wrong(json, "a number");
     }

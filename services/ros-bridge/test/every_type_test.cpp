@@ -27,8 +27,8 @@ void put_random(Bytes& out, const RosType& type, Random& random);
 template <class T, class Bits>
 void put_real(Bytes& out, Random& random) {
   auto bits = static_cast<Bits>(random());
-  // What a NaN carries besides is not kept.
-  if (std::isnan(std::bit_cast<T>(bits))) bits = std::bit_cast<Bits>(std::numeric_limits<T>::quiet_NaN());
+  // What is not finite does not come back: it is told as null, and refused.
+  if (!std::isfinite(std::bit_cast<T>(bits))) bits = std::bit_cast<Bits>(std::numeric_limits<T>::lowest());
   put_little(out, bits);
 }
 

@@ -54,6 +54,11 @@ void Body::load_out(double now) {
   begin_task({{kLoadOut, {}}}, now);
 }
 
+void Body::refuse_task(double now) {
+  cancel(now);
+  task_ = Task::Failed;
+}
+
 void Body::begin_task(std::vector<Leg> legs, double now) {
   advance(now);
   if (!can_do(legs)) {

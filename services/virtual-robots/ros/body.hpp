@@ -33,6 +33,8 @@ class Body {
   /** Drives to `from`, takes the box, drives to `to`, puts it down. */
   void fetch(const Pose& from, const Pose& to, double now);
   void load_out(double now);
+  /** A task that cannot be begun, as its data are no poses: it has failed. */
+  void refuse_task(double now);
   /** Stands still; a running task has failed. */
   void cancel(double now);
   /** Of the base: it stands and does not drive until cleared. Of the arm: its task fails, and no new one begins. */

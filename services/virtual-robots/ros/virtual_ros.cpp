@@ -16,7 +16,9 @@
 
 #include <array>
 #include <cmath>
+#include <limits>
 
+#include "services/virtual-robots/ros/goal.hpp"
 #include "services/virtual-robots/support/control.hpp"
 #include "services/virtual-robots/support/process.hpp"
 #include "services/virtual-robots/support/text.hpp"
@@ -32,8 +34,32 @@ constexpr double kBatteryPeriod = 1.0;
 constexpr double kDriveHolds = 0.5;  // as the bases' own time-out for commands
 constexpr std::uint32_t kQueue = 10;
 
-Pose pose_of(const geometry_msgs::Pose& pose) {
-  return {pose.position.x, pose.position.y, 2 * std::atan2(pose.orientation.z, pose.orientation.w)};
+constexpr double kEmptyVolts = 21.0;  // lead-acid of 24 V, from empty to full
+constexpr double kFullVolts = 25.4;
+
+SentPose sent(const geometry_msgs::Pose& pose) {
+  return {pose.position.x,    pose.position.y,    pose.position.z,   pose.orientation.x,
+          pose.orientation.y, pose.orientation.z, pose.orientation.w};
+}
+
+bool is_finite(const geometry_msgs::Twist& twist) {
+  for (const auto& one : {twist.linear, twist.angular}) {
+    if (!std::isfinite(one.x) || !std::isfinite(one.y) || !std::isfinite(one.z)) return false;
+  }
+  return true;
+}
+
+/** Voltage must be told; of the rest this robot measures the charge, and NaN is "not measured". */
+sensor_msgs::BatteryState battery_state(double percent) {
+  constexpr float kNotMeasured = std::numeric_limits<float>::quiet_NaN();
+  sensor_msgs::BatteryState battery;
+  battery.voltage = static_cast<float>(kEmptyVolts + (kFullVolts - kEmptyVolts) * percent / 100);
+  battery.percentage = static_cast<float>(percent / 100);
+  battery.temperature = battery.current = battery.charge = kNotMeasured;
+  battery.capacity = battery.design_capacity = kNotMeasured;
+  battery.power_supply_status = sensor_msgs::BatteryState::POWER_SUPPLY_STATUS_DISCHARGING;
+  battery.present = 1;
+  return battery;
 }
 
 std::string text_of(const Pose& pose) {
@@ -78,27 +104,51 @@ class VirtualRos {
   }
 
   void listen() {
-    on<geometry_msgs::Twist>("cmd_vel", [this](const auto& twist) {
-      print_line("twist " + format_fixed(twist.linear.x, 3) + " " + format_fixed(twist.linear.y, 3) + " " +
-                 format_fixed(twist.angular.z, 3));
-      body_.drive({twist.linear.x, twist.linear.y, twist.angular.z}, now(), now() + kDriveHolds * settings_.speed);
-    });
-    on<geometry_msgs::PoseStamped>("move_base_simple/goal", [this](const auto& goal) {
-      print_line("goal " + text_of(pose_of(goal.pose)));
-      body_.go_to(pose_of(goal.pose), now());
-    });
+    on<geometry_msgs::Twist>("cmd_vel", [this](const auto& twist) { drive(twist); });
+    on<geometry_msgs::PoseStamped>("move_base_simple/goal", [this](const auto& goal) { go_to(goal); });
     on<actionlib_msgs::GoalID>("move_base/cancel", [this](const auto&) { cancel(); });
     if (!settings_.arm) return;
-    on<geometry_msgs::PoseArray>("task/fetch", [this](const auto& way) {
-      if (way.poses.size() != 2) return print_line("bad_fetch " + std::to_string(way.poses.size()));
-      print_line("fetch " + text_of(pose_of(way.poses[0])) + " " + text_of(pose_of(way.poses[1])));
-      body_.fetch(pose_of(way.poses[0]), pose_of(way.poses[1]), now());
-    });
+    on<geometry_msgs::PoseArray>("task/fetch", [this](const auto& way) { fetch(way); });
     on<std_msgs::Empty>("task/load_out", [this](const auto&) {
       print_line("load_out");
       body_.load_out(now());
     });
     on<std_msgs::Empty>("task/cancel", [this](const auto&) { cancel(); });
+  }
+
+  void drive(const geometry_msgs::Twist& twist) {
+    if (!is_finite(twist)) return print_line("refused cmd_vel a number is not finite");
+    print_line("twist " + format_fixed(twist.linear.x, 3) + " " + format_fixed(twist.linear.y, 3) + " " +
+               format_fixed(twist.angular.z, 3));
+    body_.drive({twist.linear.x, twist.linear.y, twist.angular.z}, now(), now() + kDriveHolds * settings_.speed);
+  }
+
+  /** As with move_base a goal that is refused has already taken the place of the one before. */
+  void go_to(const geometry_msgs::PoseStamped& sent_goal) {
+    body_.advance(now());
+    const Goal goal = goal_in_map(sent_goal.header.frame_id, sent(sent_goal.pose), body_.pose());
+    if (!goal.refused.empty()) {
+      body_.cancel(now());
+      return print_line("refused goal " + escape_line(goal.refused));
+    }
+    print_line("goal " + text_of(goal.pose));
+    body_.go_to(goal.pose, now());
+  }
+
+  void fetch(const geometry_msgs::PoseArray& way) {
+    if (way.poses.size() != 2) return refuse_fetch("two poses are needed, not " + std::to_string(way.poses.size()));
+    body_.advance(now());
+    const Goal from = goal_in_map(way.header.frame_id, sent(way.poses[0]), body_.pose());
+    const Goal to = goal_in_map(way.header.frame_id, sent(way.poses[1]), body_.pose());
+    if (!from.refused.empty()) return refuse_fetch(from.refused);
+    if (!to.refused.empty()) return refuse_fetch(to.refused);
+    print_line("fetch " + text_of(from.pose) + " " + text_of(to.pose));
+    body_.fetch(from.pose, to.pose, now());
+  }
+
+  void refuse_fetch(const std::string& reason) {
+    body_.refuse_task(now());
+    print_line("refused fetch " + escape_line(reason));
   }
 
   void advertise() {
@@ -219,10 +269,8 @@ class VirtualRos {
   void publish_battery(double at) {
     next_battery_ = at + kBatteryPeriod;
     publish_errors();
-    sensor_msgs::BatteryState battery;
+    sensor_msgs::BatteryState battery = battery_state(body_.battery_percent());
     battery.header.stamp = roscpp::Time::now();
-    battery.percentage = static_cast<float>(body_.battery_percent() / 100);
-    battery.present = 1;
     battery_.publish(battery);
   }
 

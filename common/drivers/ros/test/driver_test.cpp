@@ -115,6 +115,27 @@ TEST_CASE("a skill that ends at a position is seen to end by the watched topic")
   CHECK(fixture.one<Outcome>().outcome == TaskOutcome::finished);
 }
 
+TEST_CASE("a value that the robot has not measured stays null for its reader, and ends no skill") {
+  RosBench fixture;
+  fixture.bridge(true);
+  const auto watched = fixture.asked();
+  REQUIRE(watched.size() == 1);
+  fixture.deliver(MessageType::command, Execute{{"run", "t1", 1, 1}, 1, kInstance, "go_to", R"({"place":"dock"})", 0},
+                  "ridgeback");
+  const auto asked = fixture.asked();
+  REQUIRE(asked.size() == 1);
+  fixture.tell(asked[0].token, BridgeResult::done);
+  fixture.wait(0.2);
+  // The dock is at 1, 2: with the null left out, x would be taken for 1 and y for 2.
+  fixture.tell(watched[0].token, BridgeResult::value, "[null,1.0,2.0]");
+  CHECK(fixture.told<Outcome>().empty());
+  const auto id = fixture.send(MessageType::request, "scan", "");
+  const auto scan = fixture.asked();
+  REQUIRE(scan.size() == 1);
+  fixture.tell(scan[0].token, BridgeResult::value, R"({"ranges":[null,1.0]})");
+  CHECK(fixture.answer(id) == R"({"ranges":[null,1.0]})");
+}
+
 TEST_CASE("a skill ends as its state says: well at one value, badly at another") {
   for (const auto& [said, outcome] : {std::pair{"0", TaskOutcome::finished}, {"2", TaskOutcome::failed}}) {
     Settings settings = ridgeback();
