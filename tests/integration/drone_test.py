@@ -103,8 +103,28 @@ class RawClient(unittest.TestCase):
         self.client.hold(AIR)
         self.client.state = []
         heard = self.client.wait("the watchdog", lambda n: n["state"] & raw_drone.WATCHDOG)
+        self.assertFalse(heard["state"] & raw_drone.COM_LOST)
         self.assertEqual(heard["control"], raw_drone.HOVERING)
-        self.client.wait("it lands", lambda n: n["control"] == raw_drone.LANDED)
+        self.drone.wait_line("communication lost", 10)
+        self.drone.wait_line("state landed", 10)
+        self.client.wake()  # it was told nothing more
+        self.client.wait("it is lost", lambda n: n["state"] & raw_drone.COM_LOST and n["control"] == raw_drone.LANDED)
+        self.client.send(f"REF,{AIR}")
+        self.client.send("COMWDG")
+        heard = self.client.wait("it is there again", lambda n: not n["state"] & raw_drone.COM_LOST)
+        self.assertEqual(heard["control"], raw_drone.LANDED)
+        self.client.hold(AIR)
+        self.client.wait("it takes off", lambda n: n["control"] == raw_drone.TAKING_OFF)
+
+    def test_all_options_are_told_to_who_wants_no_demo(self):
+        self.client.wake()
+        self.client.wait("bootstrap", lambda n: n["state"] & raw_drone.BOOTSTRAP)
+        self.client.send("COMWDG", 'CONFIG,"general:navdata_demo","FALSE"')
+        heard = self.client.wait("all of it", lambda n: not n["state"] & raw_drone.BOOTSTRAP)
+        self.assertFalse(heard["state"] & raw_drone.DEMO)
+        self.assertEqual(heard["options"], list(range(28)))
+        self.assertEqual(heard["vision"], 1)
+        self.assertTrue(heard["state"] & raw_drone.CAMERA and heard["state"] & raw_drone.PIC)
 
     def test_emergency_and_back(self):
         self.take_off()

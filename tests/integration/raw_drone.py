@@ -7,6 +7,7 @@ import time
 
 MAGIC = 0x55667788
 FLYING, COMMAND, BOOTSTRAP, COM_LOST, BATTERY_LOW = 1 << 0, 1 << 6, 1 << 11, 1 << 13, 1 << 15
+CAMERA, DEMO, PIC = 1 << 7, 1 << 10, 1 << 23
 CUTOUT, WATCHDOG, EMERGENCY = 1 << 22, 1 << 30, 1 << 31
 LANDED, FLIES, HOVERING, TAKING_OFF, LANDING = 2, 3, 4, 6, 8
 GROUND, AIR, TOGGLE = 290717696, 290718208, 290717952
@@ -26,15 +27,17 @@ def pack_navdata(sequence, state, control=LANDED, battery=90, altitude_mm=0, spe
 
 def read_navdata(packet):
     """Header and flight data as a dictionary; an assertion fails for a packet that is wrong."""
-    magic, state, sequence, _ = struct.unpack_from("<4I", packet)
+    magic, state, sequence, vision = struct.unpack_from("<4I", packet)
     assert magic == MAGIC, hex(magic)
-    out, at = {"state": state, "sequence": sequence}, 16
+    out, at = {"state": state, "sequence": sequence, "vision": vision, "options": []}, 16
     while True:
         tag, size = struct.unpack_from("<HH", packet, at)
         if tag == 0xFFFF:
             assert size == 8 and at + 8 == len(packet), "the checksum is not at the end"
             assert struct.unpack_from("<I", packet, at + 4)[0] == sum(packet[:at]), "wrong checksum"
             return out
+        assert size >= 4, size
+        out["options"].append(tag)
         if tag == 0:
             assert size == 148, size
             control, battery, theta, phi, psi, altitude, vx, vy, vz = struct.unpack_from("<II3fi3f", packet, at + 4)
@@ -79,7 +82,9 @@ class Client:
         end, next_state = time.monotonic() + timeout, 0
         while time.monotonic() < end:
             if self.state and time.monotonic() >= next_state:
-                self.send(*self.state)
+                # As the maker's guide asks: a drone whose watchdog was set obeys after COMWDG.
+                bitten = self.last is not None and self.last["state"] & WATCHDOG
+                self.send(*(["COMWDG"] if bitten else []), *self.state)
                 next_state = time.monotonic() + 0.03
             if not select.select([self.navdata], [], [], 0.01)[0]:
                 continue

@@ -15,6 +15,8 @@ constexpr Duration kLost = std::chrono::seconds(2);
 constexpr Duration kWakePeriod = std::chrono::seconds(1);
 constexpr Duration kDemoPeriod = std::chrono::milliseconds(500);
 constexpr Duration kYounger = std::chrono::milliseconds(100);
+/// Its watchdog's bit comes with every gap of 50 ms and goes with COMWDG: only one that stays is a fault.
+constexpr Duration kWatchdogStays = std::chrono::seconds(1);
 constexpr const char* kLink = "link";
 constexpr std::size_t kMaxDatagram = 1024;
 constexpr BytesView kWakeUp("\1\0\0\0", 4);
@@ -195,7 +197,7 @@ void AtDriver::on_navdata(const ArNavdata& drone, Now now, const DriverOut& out)
   if (!online_) return;
   remember(drone, now);
   flight_.on_navdata(drone, now, out);
-  tell_faults(drone, out);
+  tell_faults(without_passing(drone, now), out);
   confirm_stop(now, out);
   out.emit(ValuesHeard{});
 }
@@ -215,6 +217,7 @@ void AtDriver::go_down(const std::string& reason, const DriverOut& out) {
   calls_.clear();
   values_.clear();
   heard_ = {};
+  bitten_.reset();
   drone_.sequence = 0;
   if (!std::exchange(online_, false)) return;
   flight_.lose(reason, out);
@@ -226,6 +229,14 @@ void AtDriver::go_down(const std::string& reason, const DriverOut& out) {
                          " (" + reason + ")",
                      kLink});
   out.emit(LinkDown{reason});
+}
+
+/// The drone's state without a watchdog's bit that was only just set.
+ArNavdata AtDriver::without_passing(ArNavdata drone, Now now) {
+  if (!drone.has(kArComWatchdog)) bitten_.reset();
+  if (!bitten_ && drone.has(kArComWatchdog)) bitten_ = now.mono;
+  if (bitten_ && now.mono - *bitten_ < kWatchdogStays) drone.state &= ~kArComWatchdog;
+  return drone;
 }
 
 void AtDriver::tell_faults(const ArNavdata& drone, const DriverOut& out) {

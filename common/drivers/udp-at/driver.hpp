@@ -40,6 +40,7 @@ class AtDriver : public WordsDriver<std::vector<AtLine>> {
   void on_navdata(const ArNavdata& drone, Now now, const DriverOut& out);
   void come_up(Now now, const DriverOut& out);
   void go_down(const std::string& reason, const DriverOut& out);
+  ArNavdata without_passing(ArNavdata drone, Now now);
   void tell_faults(const ArNavdata& drone, const DriverOut& out);
   void remember(const ArNavdata& drone, Now now);
   void confirm_stop(Now now, const DriverOut& out);
@@ -61,6 +62,7 @@ class AtDriver : public WordsDriver<std::vector<AtLine>> {
   MonotonicTime next_demo_;
   MonotonicTime next_state_;
   bool watchdog_due_ = false;
+  std::optional<MonotonicTime> bitten_;  ///< since when its watchdog's bit is set
   std::optional<Token> stop_waits_;
   MonotonicTime stopped_at_;
   std::vector<AtCall> calls_;  ///< for the next datagram

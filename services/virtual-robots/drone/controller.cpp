@@ -11,6 +11,7 @@ namespace {
 constexpr std::uint32_t kTakeOffBit = 1U << 9;
 constexpr std::uint32_t kEmergencyBit = 1U << 8;
 constexpr std::int32_t kAcknowledge = 5;
+constexpr double kMostOptions = 0xffffffff;
 
 std::string_view name_of(Phase phase) {
   switch (phase) {
@@ -54,8 +55,9 @@ bool Controller::is_new(const Command& command) {
 void Controller::take_command(const Command& command, double now) {
   if (!is_new(command)) return;
   last_command_ = now;
+  has_client_ = true;
   if (command.name == "COMWDG") {
-    if (std::exchange(watchdog_, false)) events_.emplace_back("watchdog off");
+    end_watchdog();
   } else if (command.name == "REF") {
     take_reference(command);
   } else if (command.name == "PCMD") {
@@ -76,7 +78,7 @@ void Controller::take_reference(const Command& command) {
   const bool toggle = (reference & kEmergencyBit) != 0;
   if (toggle && !emergency_bit_) toggle_emergency();
   emergency_bit_ = toggle;
-  if (watchdog_ || emergency_) return;
+  if (holds_ || emergency_) return;
   if ((reference & kTakeOffBit) == 0) {
     refused_take_off_ = false;
     return aircraft_.land();
@@ -94,7 +96,7 @@ void Controller::take_motion(const Command& command) {
     axes[i] = *axis;
   }
   const bool progressive = (*mode & 1) != 0;
-  if (!watchdog_) aircraft_.steer(progressive ? Stick{axes[0], axes[1], axes[2], axes[3]} : Stick{});
+  if (!holds_) aircraft_.steer(progressive ? Stick{axes[0], axes[1], axes[2], axes[3]} : Stick{});
 }
 
 void Controller::take_config(const Command& command) {
@@ -102,8 +104,11 @@ void Controller::take_config(const Command& command) {
   const std::string& key = command.arguments[0];
   const std::string& value = command.arguments[1];
   command_taken_ = true;
-  if (key == "general:navdata_demo") demo_ = value == "TRUE";
+  if (key == "general:navdata_demo") wish_.kind = value == "TRUE" ? NavdataKind::Demo : NavdataKind::All;
   const auto number = parse_number(value);
+  if (key == "general:navdata_options" && number && *number >= 0 && *number <= kMostOptions) {
+    wish_.options = static_cast<std::uint32_t>(*number);
+  }
   if (key == "control:altitude_max" && number) aircraft_.set_ceiling(*number / 1000);
   events_.push_back("config " + escape_line(key) + " " + escape_line(value));
 }
@@ -137,7 +142,13 @@ void Controller::clear_faults() {
 }
 
 void Controller::wake(bool other_client) {
-  if (other_client) demo_ = false;
+  tells_ = true;
+  if (other_client) wish_ = {};
+}
+
+void Controller::end_watchdog() {
+  if (std::exchange(watchdog_, false)) events_.emplace_back("watchdog off");
+  holds_ = lost_ = false;
 }
 
 void Controller::advance(double now) {
@@ -147,13 +158,16 @@ void Controller::advance(double now) {
   tell_phase();
 }
 
+/** Before its first client a drone is watched by nobody: it has the bit, but has lost nobody. */
 void Controller::watch(double now) {
   const double silence = now - last_command_;
-  if (silence >= kWatchdog_s && !watchdog_) {
-    watchdog_ = true;
+  if (silence >= kWatchdog_s && !std::exchange(watchdog_, true)) events_.emplace_back("watchdog on");
+  if (!has_client_) return;
+  if (silence >= kHolds_s && !std::exchange(holds_, true)) aircraft_.steer({});
+  if (silence >= kLost_s && !std::exchange(lost_, true)) {
     last_sequence_ = 0;
-    aircraft_.steer({});
-    events_.emplace_back("watchdog on");
+    tells_ = false;
+    events_.emplace_back("communication lost");
   }
   if (silence >= kLandsAfter_s) aircraft_.land();
 }
@@ -164,18 +178,20 @@ void Controller::tell_phase() {
 }
 
 std::uint32_t Controller::state() const {
-  std::uint32_t state = bits::kAltitudeControl | bits::kThreads | injected_;
+  std::uint32_t state = bits::kAltitudeControl | bits::kCameraReady | bits::kPicVersionOk | bits::kThreads | injected_;
   if (aircraft_.in_air()) state |= bits::kFlying;
   if (command_taken_) state |= bits::kCommandTaken;
-  state |= demo_ ? bits::kDemo : bits::kBootstrap;
-  if (watchdog_) state |= bits::kComWatchdog | bits::kComLost;
+  if (wish_.kind == NavdataKind::Demo) state |= bits::kDemo;
+  if (wish_.kind == NavdataKind::Bootstrap) state |= bits::kBootstrap;
+  if (watchdog_) state |= bits::kComWatchdog;
+  if (lost_) state |= bits::kComLost;
   if (aircraft_.battery_low()) state |= bits::kBatteryLow;
   if (emergency_) state |= bits::kEmergency;
   return state;
 }
 
 std::string Controller::navdata() {
-  return navdata_packet(state(), ++navdata_sequence_, aircraft_, demo_);
+  return navdata_packet(state(), ++navdata_sequence_, aircraft_, wish_, last_advance_ - begin_);
 }
 
 std::vector<std::string> Controller::take_events() {

@@ -15,14 +15,19 @@ namespace trb::virtual_robots::drone {
  */
 class Controller {
  public:
-  static constexpr double kWatchdog_s = 2;    ///< without a command: it hovers
-  static constexpr double kLandsAfter_s = 4;  ///< without a command: it lands
+  // Without a command for so long ...
+  static constexpr double kWatchdog_s = 0.05;  ///< ... it sets comWatchdog; only COMWDG clears it
+  static constexpr double kHolds_s = 0.25;     ///< ... a client is not merely late: it hovers, and obeys after COMWDG
+  static constexpr double kLost_s = 2;         ///< ... communication is lost: it tells its client nothing any more
+  static constexpr double kLandsAfter_s = 4;   ///< ... it lands
 
-  Controller(double speed, double now) : speed_(speed), last_advance_(now), last_command_(now) {}
+  Controller(double speed, double now) : speed_(speed), begin_(now), last_advance_(now), last_command_(now) {}
 
   void take(std::string_view datagram, double now);
   /** A client wants navdata; a new client gets no flight data until it configures that. */
   void wake(bool other_client);
+  /** Not after communication was lost, until a client wakes it again. */
+  bool tells() const { return tells_; }
   void advance(double now);
 
   // Events outside of the protocol.
@@ -42,6 +47,7 @@ class Controller {
   void take_reference(const Command& command);
   void take_motion(const Command& command);
   void take_config(const Command& command);
+  void end_watchdog();
   void take_other(const Command& command);
   void reject(const Command& command) { events_.push_back("rejected " + command.name); }
   void toggle_emergency();
@@ -50,6 +56,7 @@ class Controller {
   std::uint32_t state() const;
 
   double speed_;
+  double begin_;
   double last_advance_;
   double last_command_;
   Aircraft aircraft_;
@@ -58,11 +65,15 @@ class Controller {
   std::uint32_t navdata_sequence_ = 0;
   std::uint32_t injected_ = 0;
   bool refused_take_off_ = false;
-  bool demo_ = false;
+  NavdataWish wish_;
   bool command_taken_ = false;
   bool emergency_ = false;
   bool emergency_bit_ = false;  ///< of the last REF
+  bool has_client_ = false;     ///< a command has come since its start: before, nobody is missed
+  bool tells_ = false;
   bool watchdog_ = false;
+  bool holds_ = false;
+  bool lost_ = false;
   std::vector<std::string> events_;
 };
 

@@ -2,6 +2,8 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <bit>
+#include <map>
 
 #include "services/virtual-robots/drone/controller.hpp"
 
@@ -27,7 +29,10 @@ class Pilot {
       send("PCMD", motion);
     }
   }
-  void pass(double seconds) { drone_.advance(now_ += seconds); }
+  /** In the steps of the loop around it. */
+  void pass(double seconds) {
+    for (double left = seconds; left > 0; left -= 0.05) drone_.advance(now_ += std::min(left, 0.05));
+  }
   bool said(const std::string& line) {
     for (std::string& event : drone_.take_events()) events_.push_back(std::move(event));
     return std::find(events_.begin(), events_.end(), line) != events_.end();
@@ -82,12 +87,83 @@ TEST_CASE("commands: names, numbers, texts with commas, several in a datagram") 
 
 TEST_CASE("navdata: the golden bytes") {
   Aircraft aircraft;
-  const std::string bare = navdata_packet(bits::kBootstrap, 1, aircraft, false);
-  CHECK(hex(bare) == "88776655000800000100000000000000ffff0800c3010000");
-  const std::string demo = navdata_packet(bits::kDemo, 0x0102, aircraft, true);
+  const std::string bare = navdata_packet(bits::kBootstrap, 1, aircraft, {}, 0);
+  CHECK(hex(bare) == "88776655000800000100000001000000ffff0800c4010000");
+  const std::string demo = navdata_packet(bits::kDemo, 0x0102, aircraft, {NavdataKind::Demo, 1U << 0}, 0);
   CHECK(demo.size() == 172);
-  CHECK(hex(demo).substr(0, 64) == "8877665500040000020100000000000000009400000002006400000000000000");
-  CHECK(hex(demo).substr(328) == "ffff0800bb020000");
+  CHECK(hex(demo).substr(0, 64) == "8877665500040000020100000100000000009400000002006400000000000000");
+  CHECK(hex(demo).substr(328) == "ffff0800bc020000");
+  CHECK(navdata_packet(bits::kDemo, 1, aircraft, {NavdataKind::Demo}, 0).size() == 500);
+}
+
+namespace {
+
+/** The options of a datagram by tag, each without its header; what navdata_common.h calls a structure. */
+std::map<std::uint32_t, std::string> options_of(const std::string& packet) {
+  const auto number = [&](std::size_t at, int size) {
+    std::uint32_t out = 0;
+    while (size-- > 0) out = out << 8U | static_cast<unsigned char>(packet.at(at + static_cast<std::size_t>(size)));
+    return out;
+  };
+  std::map<std::uint32_t, std::string> out;
+  for (std::size_t at = 16; at < packet.size(); at += number(at + 2, 2)) {
+    out[number(at, 2)] = packet.substr(at + 4, number(at + 2, 2) - 4);
+  }
+  return out;
+}
+
+std::uint32_t word(const std::string& bytes, std::size_t at) {
+  std::uint32_t out = 0;
+  for (std::size_t i = 4; i-- > 0;) out = out << 8U | static_cast<unsigned char>(bytes.at(at + i));
+  return out;
+}
+
+float real(const std::string& bytes, std::size_t at) {
+  return std::bit_cast<float>(word(bytes, at));
+}
+
+}  // namespace
+
+TEST_CASE("all options are sent to who wants no demo, by their tags and sizes, and the bits say so") {
+  Pilot pilot(10);
+  pilot.fly(0.6, kAir);
+  pilot.fly(0.3, kAir, "1,0,0,0,1056964608");  // turns right
+  pilot.send("CONFIG", "\"general:navdata_demo\",\"FALSE\"");
+  CHECK((pilot.state() & (bits::kBootstrap | bits::kDemo)) == 0);
+  auto options = options_of(pilot.drone().navdata());
+  REQUIRE(options.size() == 29);
+  const std::map<std::uint32_t, std::size_t> sizes = {{0, 148}, {1, 8},   {2, 52},  {3, 46},   {4, 16},   {6, 88},
+                                                      {9, 76},  {10, 56}, {13, 92}, {14, 108}, {15, 364}, {16, 328},
+                                                      {19, 65}, {21, 18}, {22, 75}, {27, 12}};
+  for (const auto& [tag, size] : sizes) {
+    CAPTURE(tag);
+    CHECK(options[tag].size() == size - 4);
+  }
+  const auto altitude = static_cast<std::int32_t>(word(options[0], 20));
+  CHECK(altitude > 500);
+  CHECK(static_cast<std::int32_t>(word(options[10], 0)) == altitude);
+  CHECK((word(options[1], 0) >> 21U) == 0);
+  CHECK(double(word(options[1], 0) & 0x1fffffU) == doctest::Approx(900'000).epsilon(0.01));
+  CHECK(word(options[2], 16) > 12'000);
+  CHECK(real(options[3], 14) == -1000);
+  CHECK(real(options[22], 42) == doctest::Approx(real(options[0], 16) / 1000));
+}
+
+TEST_CASE("the demo comes with the options that were asked for; vision_detect is one if none were") {
+  Pilot pilot;
+  pilot.send("CONFIG", "\"general:navdata_demo\",\"TRUE\"");
+  CHECK(options_of(pilot.drone().navdata()).contains(16));
+  pilot.send("CONFIG", "\"general:navdata_options\",\"3\"");
+  const auto options = options_of(pilot.drone().navdata());
+  CHECK(options.size() == 3);
+  CHECK(options.contains(1));
+}
+
+TEST_CASE("a healthy drone says that its camera and its PIC's version are well") {
+  Pilot pilot;
+  CHECK((pilot.state() & (bits::kCameraReady | bits::kPicVersionOk)) == (bits::kCameraReady | bits::kPicVersionOk));
+  CHECK(bits::kCameraReady == 0x80);
+  CHECK(bits::kPicVersionOk == 0x800000);
 }
 
 TEST_CASE("take-off, hover and land take their time") {
@@ -143,26 +219,69 @@ TEST_CASE("a number that does not rise is ignored; 1 is a client that has starte
   CHECK(pilot.aircraft().phase() == Phase::TakingOff);
 }
 
-TEST_CASE("without a command for 2 s it hovers and says so, then it lands; COMWDG gives it back") {
+TEST_CASE("comWatchdog comes after 50 ms, communicationLost after 2 s; COMWDG clears both") {
+  Pilot pilot;
+  pilot.send("COMWDG");
+  pilot.pass(0.04);
+  CHECK((pilot.state() & (bits::kComWatchdog | bits::kComLost)) == 0);
+  pilot.pass(0.02);
+  CHECK((pilot.state() & (bits::kComWatchdog | bits::kComLost)) == bits::kComWatchdog);
+  pilot.send("REF", kGround);
+  CHECK((pilot.state() & bits::kComWatchdog) != 0);  // traffic alone does not end it
+  pilot.pass(1.95);
+  CHECK((pilot.state() & bits::kComLost) == 0);
+  pilot.pass(0.1);
+  CHECK((pilot.state() & bits::kComLost) != 0);
+  CHECK(pilot.said("communication lost"));
+  pilot.send("COMWDG");
+  CHECK((pilot.state() & (bits::kComWatchdog | bits::kComLost)) == 0);
+}
+
+TEST_CASE("after a silence it does not take off, nor obey in the air, until COMWDG") {
+  for (const double silence : {0.3, 1.0, 2.5}) {
+    CAPTURE(silence);
+    Pilot pilot;
+    pilot.send("COMWDG");
+    pilot.pass(silence);
+    pilot.sequence_ = std::max(pilot.sequence_, 7U);
+    pilot.fly(0.1, kAir);
+    CHECK(pilot.aircraft().phase() == Phase::Landed);
+    pilot.send("COMWDG");
+    pilot.fly(3, kAir);
+    CHECK(pilot.aircraft().phase() == Phase::Hovering);
+    pilot.fly(0.5, kAir, "1,0,-1085485875,0,0");
+    pilot.pass(silence);
+    CHECK(pilot.aircraft().phase() == Phase::Hovering);
+    pilot.fly(0.5, kAir, "1,0,-1085485875,0,0");
+    CHECK(pilot.aircraft().phase() == Phase::Hovering);
+    pilot.send("COMWDG");
+    pilot.fly(0.5, kAir, "1,0,-1085485875,0,0");
+    CHECK(pilot.aircraft().phase() == Phase::Flying);
+  }
+}
+
+TEST_CASE("a client that is only late is obeyed, and the first one needs no COMWDG: nobody was lost") {
+  Pilot pilot;
+  pilot.pass(60);
+  CHECK((pilot.state() & (bits::kComWatchdog | bits::kComLost)) == bits::kComWatchdog);
+  pilot.send("REF", kAir);
+  pilot.pass(0.2);
+  pilot.send("REF", kGround);
+  CHECK(pilot.aircraft().phase() == Phase::Landing);
+}
+
+TEST_CASE("a lost client is told nothing until it wakes the drone again; without a command for 4 s it lands") {
   Pilot pilot;
   pilot.fly(2.5, kAir);
-  pilot.fly(0.5, kAir, "1,0,-1085485875,0,0");
-  pilot.pass(1.9);
-  CHECK((pilot.state() & bits::kComWatchdog) == 0);
-  pilot.pass(0.2);
-  CHECK((pilot.state() & bits::kComWatchdog) != 0);
+  CHECK(pilot.drone().tells());
+  pilot.pass(2.1);
+  CHECK(!pilot.drone().tells());
   CHECK(pilot.aircraft().phase() == Phase::Hovering);
   pilot.pass(2);
   CHECK(pilot.aircraft().phase() == Phase::Landing);
-  pilot.pass(3);
-  CHECK(pilot.aircraft().phase() == Phase::Landed);
-  pilot.sequence_ = 7;  // lower ones are accepted again
-  pilot.send("REF", kAir);
-  CHECK(pilot.aircraft().phase() == Phase::Landed);  // its watchdog still acts
-  pilot.send("COMWDG");
-  CHECK((pilot.state() & bits::kComWatchdog) == 0);
-  pilot.send("REF", kAir);
-  CHECK(pilot.aircraft().phase() == Phase::TakingOff);
+  pilot.drone().wake(false);
+  CHECK(pilot.drone().tells());
+  CHECK((pilot.state() & bits::kComLost) != 0);
 }
 
 TEST_CASE("emergency is toggled by the bit's edge: motors cut, and back on the ground") {
@@ -211,11 +330,11 @@ TEST_CASE("a setting is acknowledged by a bit until it is put down; the flight i
   CHECK(pilot.drone().navdata().size() == 24);
   pilot.send("CONFIG", "\"general:navdata_demo\",\"TRUE\"");
   CHECK((pilot.state() & (bits::kCommandTaken | bits::kBootstrap)) == bits::kCommandTaken);
-  CHECK(pilot.drone().navdata().size() == 172);
+  CHECK(pilot.drone().navdata().size() == 500);
   pilot.send("CTRL", "5,0");
   CHECK((pilot.state() & bits::kCommandTaken) == 0);
   pilot.drone().wake(false);
-  CHECK(pilot.drone().navdata().size() == 172);
+  CHECK(pilot.drone().navdata().size() == 500);
   pilot.drone().wake(true);
   CHECK(pilot.drone().navdata().size() == 24);
 }
@@ -225,7 +344,7 @@ TEST_CASE("robot time runs faster, its watchdog does not") {
   pilot.fly(0.3, kAir);
   CHECK(pilot.aircraft().phase() == Phase::Hovering);
   pilot.pass(1.9);
-  CHECK((pilot.state() & bits::kComWatchdog) == 0);
+  CHECK((pilot.state() & bits::kComLost) == 0);
 }
 
 TEST_CASE("what is no command, or not for it, changes nothing and is said") {

@@ -111,7 +111,7 @@ void VirtualDrone::send_navdata() {
   // After a long pause of the process the missed packets are not sent all at once.
   next_navdata_ = std::max(next_navdata_ + kNavdataPeriod, now);
   controller_.advance(now);
-  if (!client_) return;
+  if (!client_ || !controller_.tells()) return;
   const std::string packet = controller_.navdata();
   ::sendto(navdata_.get(), packet.data(), packet.size(), MSG_NOSIGNAL | MSG_DONTWAIT,
            reinterpret_cast<const sockaddr*>(&*client_), sizeof *client_);
