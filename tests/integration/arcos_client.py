@@ -24,13 +24,20 @@ def command(number, argument=None):
     return packet(bytes([number, 0x1B if argument < 0 else 0x3B]) + struct.pack("<H", abs(argument)))
 
 
+def counter(word):
+    """A counter of 15 bits: 32767 is a millimetre behind the origin."""
+    return (word & 0x7FFF) - (0x8000 if word & 0x4000 else 0)
+
+
 class Sip:
     """A standard server information packet."""
 
     def __init__(self, data):
         self.moving = data[0] == 0x33
-        (self.x, self.y, heading, self.left, self.right, battery, self.stall, _, self.flags, _, sonar) = struct.unpack(
-            "<hhhhhBHHHBB", data[1:20])
+        (x, y, heading, self.left, self.right, battery, self.stall, _, self.flags, _, sonar) = struct.unpack(
+            "<HHhhhBHHHBB", data[1:20])
+        self.words = (x, y)
+        self.x, self.y = counter(x), counter(y)
         self.heading = heading * 360 / 4096
         self.volts = battery / 10
         self.sonar = [struct.unpack("<BH", data[20 + 3 * i:23 + 3 * i]) for i in range(sonar)]

@@ -69,6 +69,7 @@ class Protocol(unittest.TestCase):
         self.assertTrue(all(-760 <= speed <= 0 for speed in speeds), speeds)
         sip = client.sip()
         self.assertAlmostEqual(sip.x, -800, delta=2)
+        self.assertEqual(sip.words[0], sip.x & 0x7FFF)  # 15 bits, as ARIA masks them
         client.send(12, 135)
         client.wait("it turns", lambda sip: sip.left < 0 < sip.right)
         sip = client.wait("it stands", lambda sip: not sip.moving)

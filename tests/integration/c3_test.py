@@ -3,6 +3,7 @@
 Addresses 127.0.148.x and 127.0.149.x.
 """
 import json
+import re
 import struct
 import tempfile
 import unittest
@@ -97,6 +98,19 @@ class Alone(unittest.TestCase):
         self.addCleanup(other.socket.close)
         self.assertTrue(self.client.write("$OV_PRO", "33"))
         self.assertEqual(other.read("$ov_pro"), "33")
+
+    def test_each_variable_begins_as_trb_dat_has_it(self):
+        text = (support.REPO / "config/robots/kuka/trb.dat").read_text().split("; Of the program alone.")[0]
+        declared = re.findall(r"^DECL GLOBAL (INT|BOOL|E6AXIS|E6POS) (\w+)=(\{.*\}|\w+)", text, re.MULTILINE)
+        self.assertGreater(len(declared), 10)
+        for kind, name, value in declared:
+            told = self.client.read(name)
+            if kind in ("INT", "BOOL"):
+                self.assertEqual(told, value, name)
+            else:
+                number = re.compile(r"(\w+) (-?[\d.]+)")
+                self.assertEqual({part: float(is_) for part, is_ in number.findall(told)},
+                                 {part: float(is_) for part, is_ in number.findall(value)}, name)
 
     def test_the_position_moves_and_the_end_is_told(self):
         client = self.client

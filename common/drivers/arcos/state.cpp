@@ -51,19 +51,22 @@ void read_tail(Cursor& cursor, ArcosSip& sip) {
   sip.rotation = cursor.signed_word() / 10.0;
 }
 
-int signed_of(std::uint16_t word) {
-  return static_cast<std::int16_t>(word);
+constexpr unsigned kCounter = 0x7fffU;  ///< the counters of x and y have 15 bits; the 16th tells nothing
+
+/// -16384 to 16383: a robot 1 mm behind its origin counts 32767.
+int signed_of(unsigned word) {
+  const auto turn = static_cast<int>(word & kCounter);
+  return turn < 0x4000 ? turn : turn - 0x8000;
 }
 
-/// From one packet to the next, modulo 2^15.
+/// From one packet to the next.
 int way(std::uint16_t from, std::uint16_t to) {
-  const unsigned turn = static_cast<unsigned>(to - from) & 0x7fffU;
-  return turn < 0x4000U ? static_cast<int>(turn) : static_cast<int>(turn) - 0x8000;
+  return signed_of(static_cast<unsigned>(to) - static_cast<unsigned>(from));
 }
 
 /// Of the values that the word may stand for, the one nearest to `last`.
 double nearest_to(double last, std::uint16_t word) {
-  constexpr double kTurn = 65536;
+  constexpr double kTurn = 0x8000;
   return signed_of(word) + kTurn * std::round((last - signed_of(word)) / kTurn);
 }
 

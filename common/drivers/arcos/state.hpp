@@ -14,7 +14,7 @@ constexpr std::uint8_t kArcosMoving = 0x33;
 /// A SIP as received, without its sonar readings. Older robots end it after those.
 struct ArcosSip {
   bool moving = false;
-  std::uint16_t x = 0;  ///< mm, wraps
+  std::uint16_t x = 0;  ///< mm; the lower 15 bits count, and wrap
   std::uint16_t y = 0;
   double heading = 0;  ///< degrees, over -180 and up to 180, counter-clockwise
   int left = 0;        ///< mm/s
@@ -37,8 +37,8 @@ struct ArcosSip {
 /// Empty if the packet is not a SIP, or is incomplete.
 std::optional<ArcosSip> read_arcos_sip(const ArcosPacket& packet);
 
-/// The robot's own position. The packets' 16 bits wrap after 32 m (on old robots 15 bits), so the distance since the
-/// last packet is added up.
+/// The robot's own position. The packets' counters of 15 bits wrap after 32 m, so the distance since the last packet is
+/// added up. One that is met for the first time is within 16 m of its origin: more cannot be told of it.
 class ArcosOdometry {
  public:
   void hear(const ArcosSip& sip);

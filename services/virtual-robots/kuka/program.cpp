@@ -51,8 +51,9 @@ void Program::declare_variables() {
   for (const char* name : {"TRB_CHUNK", "TRB_COMMAND", "TRB_DONE", "TRB_OUT", "TRB_STOP", "TRB_STOPPED"}) {
     v.declare(name, Type::Bool, "FALSE");
   }
-  v.declare("TRB_AXIS", Type::Axis, "");
-  v.declare("TRB_POS", Type::Pos, "");
+  // As trb.dat has them before anybody has written them.
+  v.declare("TRB_AXIS", Type::Axis, "{A1 0,A2 -90,A3 90}");
+  v.declare("TRB_POS", Type::Pos, "{S 2,T 35}");
   v.declare("$OV_PRO", Type::Int, "100");
   v.declare("$STOPMESS", Type::Bool, "FALSE");
   v.declare("$ALARM_STOP", Type::Bool, "TRUE");  // as on the controller: FALSE while the emergency stop is pressed

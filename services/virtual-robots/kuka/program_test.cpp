@@ -43,6 +43,17 @@ constexpr const char* kTarget = "{E6AXIS: A1 60, A2 -90, A3 90, A4 0, A5 0, A6 0
 
 }  // namespace
 
+TEST_CASE("a move whose target nobody has written goes to what trb.dat has") {
+  Node node;
+  CHECK(node.get("TRB_AXIS").starts_with("{E6AXIS: A1 0.0000, A2 -90.0000, A3 90.0000, A4 0.0000,"));
+  CHECK(node.get("TRB_POS.S") == "2");
+  CHECK(node.get("TRB_POS.T") == "35");
+  node.order("move");
+  node.wait(5);
+  CHECK(node.end() == "1 0 \"\"");
+  CHECK(node.get("$AXIS_ACT.A2") == "-90.0000");
+}
+
 TEST_CASE("a command is taken, moves the arm, and its end is told until it is read") {
   Node node;
   node.set("TRB_AXIS", kTarget);

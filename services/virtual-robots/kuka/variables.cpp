@@ -72,9 +72,13 @@ std::string structure_text(Type type, const std::vector<double>& parts) {
 void Variables::declare(const std::string& name, Type type, const std::string& value, std::size_t room) {
   Variable variable;
   variable.type = type;
-  variable.value = value;
   variable.room = room;
-  if (is_structure(type)) variable.parts.assign(components_of(type).size(), 0);
+  if (is_structure(type)) {
+    variable.parts.assign(components_of(type).size(), 0);
+    set_parts(type, value, variable.parts);
+  } else {
+    variable.value = value;
+  }
   variables_[name] = std::move(variable);
 }
 

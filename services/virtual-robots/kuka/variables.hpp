@@ -17,7 +17,7 @@ const std::vector<std::string>& components_of(Type type);
 /** The variables of a controller, with their types, read and written as text, as on the controller. */
 class Variables {
  public:
-  /** A stored variable. `room`: of a text, in characters. */
+  /** A stored variable. A structure's value names what is not 0. `room`: of a text, in characters. */
   void declare(const std::string& name, Type type, const std::string& value, std::size_t room = 0);
   /** A read-only variable: `value` gives its present value. */
   void declare_live(const std::string& name, std::function<std::string()> value);

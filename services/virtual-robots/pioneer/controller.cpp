@@ -36,6 +36,7 @@ enum Number : int {
 };
 
 constexpr int kSyncs = 3;
+constexpr int kCounter = 0x7fff;  // x and y are counted in 15 bits
 constexpr int kOutOfSequence = 255;
 constexpr int kSonarDiscs = 16;
 constexpr int kSonarPerSip = 4;
@@ -131,6 +132,7 @@ std::string Controller::on_command(const Command& command) {
 
 void Controller::on_limit(const Command& command) {
   const int value = command.value.value_or(0);
+  if (flash_.take(command.number, value)) return;
   if (command.number == kSetA) limit(drive_.drive_limits, value);
   if (command.number == kSetRa) limit(drive_.turn_limits, value);
   if (command.number == kSetV && value > 0) drive_.drive_limits.speed = value;
@@ -227,8 +229,7 @@ std::string Controller::sip() {
   const double turning = drive_.turn() * kHalfWheelbase;
   const int tenths = whole(voltage() * 10);
   PacketWriter out(moving_ ? 0x33 : 0x32);
-  // Beyond 32767 the robot's counters wrap, like a 16-bit word.
-  out.word(whole(at.x)).word(whole(at.y)).word(whole(at.heading * 2048 / std::numbers::pi));
+  out.word(whole(at.x) & kCounter).word(whole(at.y) & kCounter).word(whole(at.heading * 2048 / std::numbers::pi));
   out.word(whole(drive_.speed() - turning)).word(whole(drive_.speed() + turning));
   out.byte(tenths).word(stall_bits()).word(0).word(flag_bits()).byte(0);
   out.byte(sonar_ ? kSonarPerSip : 0);
@@ -246,16 +247,18 @@ std::string Controller::config() const {
   const Drive::Limits& turn = drive_.turn_limits;
   PacketWriter out(0x20);
   out.text("Pioneer").text("p3dx-sh").text("VIRTUAL").byte(0);
-  out.word(300).word(1500).word(300).word(2000).word(400);  // the highest turn, speed, accelerations and PWM
-  out.text(start_.name).byte(100).byte(0).byte(0);          // packets every 100 ms; baud rates
-  out.word(0).word(1).byte(1);                              // gripper; front and rear sonar
-  out.word(115).word(0).word(2000).byte(0);                 // low battery, watchdog
-  out.word(0).word(0).word(0).word(0);                      // stalls, joystick
+  out.word(300).word(1500).word(300).word(2000).word(400);           // the highest turn, speed, accelerations and PWM
+  out.text(start_.name).byte(100).byte(0).byte(0);                   // packets every 100 ms; baud rates
+  out.word(0).word(1).byte(1);                                       // gripper; front and rear sonar
+  out.word(115).word(flash_.encoder_revolution).word(2000).byte(0);  // low battery, watchdog
+  out.word(flash_.stall_pwm).word(flash_.stall_ms).word(0).word(0);  // joystick
   out.word(whole(turn.speed)).word(whole(drive.speed));
-  out.word(whole(turn.acceleration)).word(whole(turn.deceleration)).word(0).word(0).word(0);
-  out.word(whole(drive.acceleration)).word(whole(drive.deceleration)).word(0).word(0).word(0);
-  out.byte(5).byte(5).byte(0).byte(40).byte(0).byte(0).word(0);  // bumpers, charger, sonar cycle, baud, gyro
-  out.byte(0).byte(0).word(0).word(110).text("2.6");             // baud rates, ticks, shutdown voltage, version
+  out.word(whole(turn.acceleration)).word(whole(turn.deceleration));
+  out.word(flash_.turn.proportional).word(flash_.turn.derivative).word(flash_.turn.integral);
+  out.word(whole(drive.acceleration)).word(whole(drive.deceleration));
+  out.word(flash_.drive.proportional).word(flash_.drive.derivative).word(flash_.drive.integral);
+  out.byte(5).byte(5).byte(0).byte(40).byte(0).byte(0).word(0);  // bumpers, charger, sonar cycle, baud, gyro, drift
+  out.byte(0).byte(0).word(flash_.encoder_ticks_mm).word(110).text("2.6");  // baud rates, shutdown voltage, version
   return out.word(0).word(0).byte(0).packet();
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "services/virtual-robots/pioneer/drive.hpp"
+#include "services/virtual-robots/pioneer/flash_settings.hpp"
 #include "services/virtual-robots/pioneer/packet.hpp"
 
 namespace trb::virtual_robots::pioneer {
@@ -62,6 +63,7 @@ class Controller {
 
   Start start_;
   Drive drive_;
+  FlashSettings flash_;
   Position turned_;  ///< where in the hall the odometry's origin is: metres, radians
   CommandReader reader_;
   int synced_ = 0;  ///< SYNCs answered; 3: connected

@@ -146,14 +146,18 @@ TEST_CASE("pioneer: SETO is the new origin, and the hall stays where it is") {
   CHECK(bench.stands_at(1, 4, M_PI / 2));
 }
 
-TEST_CASE("pioneer: its position wraps at 16 bits") {
+TEST_CASE("pioneer: its counters have 15 bits: a millimetre behind its origin is 32767, and 33 m are 232 mm") {
   Connected bench;
+  bench.send(command(8, -1));
+  bench.wait(2);
+  CHECK(bench.x() == 0x7fff);
+  bench.send(command(7));
   bench.send(command(6, 1500));
   for (int i = 0; i < 7; ++i) {
     bench.send(command(8, 4900));
     bench.wait(40);
   }
-  CHECK(bench.x() == doctest::Approx(7 * 4900 - 65536).epsilon(0.001));
+  CHECK(std::abs(bench.x() - (7 * 4900 - 32768)) <= 3);
 }
 
 TEST_CASE("pioneer: without a packet for 2 s it halts, and goes on with the next one") {
@@ -223,4 +227,92 @@ TEST_CASE("pioneer: it tells its settings when it is asked for them") {
   const std::string answer = bench.send(command(18));
   CHECK(answer.substr(3, 24) == std::string("\x20Pioneer\0p3dx-sh\0VIRTUAL\0", 25).substr(0, 24));
   CHECK(answer.size() == static_cast<unsigned char>(answer[2]) + 3U);
+}
+
+namespace {
+
+/** A CONFIGpac by the manual's table: every field in its order. */
+class Config {
+ public:
+  explicit Config(const std::string& packet) : rest_(packet.substr(4, packet.size() - 6)) {}
+  std::string text() {
+    std::string out = rest_.substr(0, rest_.find('\0'));
+    rest_.erase(0, out.size() + 1);
+    return out;
+  }
+  int byte() {
+    const int out = static_cast<unsigned char>(rest_.at(0));
+    rest_.erase(0, 1);
+    return out;
+  }
+  int word() {
+    const int low = byte();
+    return low | byte() << 8;
+  }
+  std::vector<int> words(int count) {
+    std::vector<int> out;
+    for (; count > 0; --count) out.push_back(word());
+    return out;
+  }
+  bool empty() const { return rest_.empty(); }
+
+ private:
+  std::string rest_;
+};
+
+struct Told {
+  int rev_count = 0, stall_val = 0, ticks_mm = 0;
+  std::vector<int> turn, drive;  // speed is apart: acceleration, deceleration, Kp, Kv, Ki
+  bool whole = false;
+};
+
+Told told(const std::string& packet) {
+  Config config(packet);
+  for (int i = 0; i < 3; ++i) config.text();  // type, subtype, serial number
+  config.byte();                              // 4Mots
+  config.words(5);                            // RotVelTop, TransVelTop, RotAccTop, TransAccTop, PwmMax
+  config.text();                              // name
+  for (int i = 0; i < 3; ++i) config.byte();  // SIPcycle, HostBaud, AuxBaud
+  config.words(2);                            // Gripper, FrontSonar
+  config.byte();                              // RearSonar
+  config.word();                              // LowBattery
+  Told out;
+  out.rev_count = config.word();
+  config.word();  // WatchDog
+  config.byte();  // P2Mpacs
+  out.stall_val = config.word();
+  config.words(5);  // StallCount, JoyVel, JoyRVel, RotVelMax, TransVelMax
+  out.turn = config.words(5);
+  out.drive = config.words(5);
+  for (int i = 0; i < 6; ++i) config.byte();  // FrontBumps, RearBumps, Charger, SonarCycle, AutoBaud, HasGyro
+  config.word();                              // DriftFactor
+  config.words(1);                            // Aux2Baud, Aux3Baud
+  out.ticks_mm = config.word();
+  config.word();  // ShutdownVolts
+  config.text();  // version
+  config.words(2);
+  config.byte();  // gyro's factors, kinematics delay
+  out.whole = config.empty();
+  return out;
+}
+
+}  // namespace
+
+TEST_CASE("pioneer: its CONFIGpac has encoders, stall and gains where the manual has them, as commands changed them") {
+  Connected bench;
+  const Told at_first = told(bench.send(command(18)));
+  CHECK(at_first.whole);
+  CHECK(at_first.ticks_mm == 128);
+  CHECK(at_first.rev_count == 16570);
+  CHECK(at_first.stall_val == 200);
+  CHECK(at_first.turn == std::vector<int>{100, 100, 40, 20, 0});
+  CHECK(at_first.drive == std::vector<int>{300, 300, 40, 30, 0});
+  for (int number = 82; number <= 87; ++number) bench.send(command(number, number));
+  bench.send(command(88, 17000));
+  bench.send(command(93, 130));
+  const Told changed = told(bench.send(command(18)));
+  CHECK(changed.turn == std::vector<int>{100, 100, 82, 83, 84});
+  CHECK(changed.drive == std::vector<int>{300, 300, 85, 86, 87});
+  CHECK(changed.rev_count == 17000);
+  CHECK(changed.ticks_mm == 130);
 }

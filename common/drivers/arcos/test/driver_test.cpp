@@ -162,6 +162,24 @@ TEST_CASE("a position that wraps goes on; SETO begins again at 0") {
   CHECK(fixture.answer(fixture.send(MessageType::request, "position", "")) == "[0,0,0]");
 }
 
+TEST_CASE("counters have 15 bits: a robot a millimetre behind its origin tells 32767, and is at -1") {
+  PioneerFixture fixture;
+  fixture.robot.x = 0x7fff;
+  fixture.robot.y = 0x7ffe;
+  fixture.connect();
+  fixture.sip_now();
+  CHECK(fixture.answer(fixture.send(MessageType::request, "position", "")) == "[-1,-2,0]");
+  fixture.robot.x = 4;
+  fixture.robot.y = 0xffff;  // the 16th bit is no part of it
+  fixture.sip_now();
+  CHECK(fixture.answer(fixture.send(MessageType::request, "position", "")) == "[4,-1,0]");
+  for (int x = 0x8004; x > 0x4000; x -= 500) {
+    fixture.robot.x = x & 0x7fff;
+    fixture.sip_now();
+  }
+  CHECK(fixture.answer(fixture.send(MessageType::request, "position", "")) == "[-15996,-1,0]");
+}
+
 TEST_CASE("a connection that comes back finds the robot where it was, or at its origin if it was switched on again") {
   PioneerFixture fixture;
   fixture.connect();
