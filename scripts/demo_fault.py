@@ -23,7 +23,7 @@ ASK_AFTER_S = 8  # the policy gathers for 2 s; after this it is waiting for a pe
 ROBOTS = {
     **trb_fleet.DEMO_ROBOTS,
     "pioneer1": ("pioneer", "pioneer", ["--name", "pioneer1", "--pose", "1,3,0", "--battery", "90"]),
-    "pioneer2": ("pioneer", "pioneer", ["--name", "pioneer2", "--pose", "2,3,0", "--battery", "85"]),
+    "pioneer2": ("pioneer-fields", "pioneer-fields", ["--name", "pioneer2", "--pose", "2,3,0", "--battery", "85"]),
     "turtlebot": ("ros", "turtlebot", ["--pose", "3,3,0", "--battery", "30"]),
 }
 # Words of the fault that go from node to node, and what for. Equation 11 has the first two, once each.

@@ -28,12 +28,13 @@ ROBOTS = {
     "drone": ("lines", "drone", ["--skill", "take_off=2", "--skill", "land=2", "--skill", "hover=2"]),
     "conveyor": ("lines", "conveyor", ["--skill", "run=3"]),
 }
-# The demonstration's: each robot over its maker's protocol.
+# The demonstration's: each robot over its maker's protocol, but pioneer2, which is reached field by field, as in the
+# paper's Figure 4: a program on it (config/robots/c/pioneer.c) takes the fields and drives it by ARCOS.
 DEMO_ROBOTS = {
     "ridgeback": ("ridgeback", "ridgeback", ["--arm", "--pose", "0,0,0"]),
     "ur3": ("ur", "ur3", []),
     "pioneer1": ("pioneer", "pioneer", ["--name", "pioneer1", "--pose", "1,3,0"]),
-    "pioneer2": ("pioneer", "pioneer", ["--name", "pioneer2", "--pose", "2,3,0"]),
+    "pioneer2": ("pioneer-fields", "pioneer-fields", ["--name", "pioneer2", "--pose", "2,3,0"]),
     "turtlebot": ("ros", "turtlebot", ["--pose", "3,3,0"]),
     "drone": ("ardrone", "drone", []),
     "conveyor": ("plc", "conveyor", ["--bring-boxes"]),
@@ -41,6 +42,7 @@ DEMO_ROBOTS = {
     "kuka1": ("kuka", "kuka", []),
 }
 CLOUD = "cloud"
+ON_BOARD = {"pioneer-fields": ("pioneer", "trb-field-pioneer", 8101)}  # its virtual robot, the program on it, its port
 ROS = ("ros", "ridgeback")  # frameworks that are reached over a ROS master
 CONTROL_PORT = 46000  # where a virtual robot is told to fail
 
@@ -165,6 +167,7 @@ class Fleet:
         self.node_names = list(self.robots) + ([CLOUD] if cloud else [])
         self.nodes = {}
         self.virtual = {}
+        self.on_board = {}  # node: the program on its robot that takes fields
         self.ros_port = free_port() if self.ros_robots() else None
         self.ros_master = None
         self.sensor_sides = {}  # node: its sensor_side.SensorSide
@@ -261,10 +264,10 @@ class Fleet:
         if framework in ROS:
             robot.update(host=self.ros_address(), namespace=node)
             services.insert(2, "ros-bridge")
-        if framework == "pioneer":
+        if self.player(node) == "pioneer":
             robot["origin"] = self.origin(node)
-        return {"id": node, "framework": framework, "description": f"robots/{description}.json", "robot": robot,
-                "services": services}
+        return {"id": node, "framework": "lines" if framework in ON_BOARD else framework,
+                "description": f"robots/{description}.json", "robot": robot, "services": services}
 
     def with_sensors(self, node, node_json):
         if node in self.sensor_sides:
@@ -305,6 +308,20 @@ class Fleet:
                    "--speed", self.speed, "--die-with-parent", *more]
         self.virtual[node] = Process(command, self.root / f"robot-{node}.log", stdin=subprocess.PIPE)
         self.virtual[node].wait_line("ready", 15)
+        if self.robots[node][0] in ON_BOARD and node not in self.on_board:
+            self.start_on_board(node)
+
+    def start_on_board(self, node):
+        """What runs on the robot's own computer: it dials the robot and the node until both are there."""
+        _, program, port = ON_BOARD[self.robots[node][0]]
+        robot = self.robot_address(node)
+        command = [self.programs / program, self.address(node), 40000, robot, port, robot]
+        self.on_board[node] = Process(command, self.root / f"on-board-{node}.log")
+
+    def player(self, node):
+        """Which virtual robot plays it: trb-virtual-NAME."""
+        framework = self.robots[node][0]
+        return {"ardrone": "drone"}.get(framework, ON_BOARD.get(framework, (framework,))[0])
 
     def virtual_robot(self, node):
         """The program that plays the robot, and how it is told its addresses."""
@@ -315,9 +332,8 @@ class Fleet:
         if framework in ROS:
             return [self.programs / "trb-virtual-ros-robot", "--master", self.ros_uri(), "--ip", address,
                     "--namespace", node]
-        name = {"ardrone": "drone"}.get(framework, framework)
         port = ["--port", plc_port()] if framework == "plc" else []
-        return [self.programs / f"trb-virtual-{name}", "--address", address, *port]
+        return [self.programs / f"trb-virtual-{self.player(node)}", "--address", address, *port]
 
     def start_node(self, node):
         self.start_supervisor(node)
@@ -341,7 +357,8 @@ class Fleet:
 
     def processes(self):
         sides = [process for side in self.sensor_sides.values() for process in side.processes()]
-        return [*self.nodes.values(), *self.virtual.values(), *sides, *([self.ros_master] if self.ros_master else [])]
+        return [*self.nodes.values(), *self.virtual.values(), *self.on_board.values(), *sides,
+                *([self.ros_master] if self.ros_master else [])]
 
     def pump(self):
         """Keeps the children's output flowing."""
@@ -400,6 +417,7 @@ class Fleet:
             side.stop()
         self.nodes.clear()
         self.virtual.clear()
+        self.on_board.clear()
         self.ros_master = None
 
     def __enter__(self):

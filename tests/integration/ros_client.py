@@ -3,10 +3,10 @@
 import json
 import sys
 
+import genpy.dynamic
 import rospy
 from geometry_msgs.msg import PoseStamped, Twist
 from nav_msgs.msg import Odometry
-from sensor_msgs.msg import BatteryState
 
 NAMESPACE = "/" + sys.argv[1] + "/"
 WAIT_S = 20
@@ -29,6 +29,13 @@ def twist_of(x, turn):
     twist = Twist()
     twist.linear.x, twist.angular.z = float(x), float(turn)
     return twist
+
+
+def heard(topic):
+    """A message of a type that need not be installed here: its definition comes with the connection."""
+    raw = rospy.wait_for_message(topic, rospy.AnyMsg, WAIT_S)
+    header = raw._connection_header
+    return genpy.dynamic.generate_dynamic(header["type"], header["message_definition"])[header["type"]]().deserialize(raw._buff)
 
 
 def members(message):
@@ -56,7 +63,7 @@ def main():
             twists.publish(twist_of(*rest))
             answer("sent")
         elif word == "battery":
-            answer(members(rospy.wait_for_message(NAMESPACE + "battery", BatteryState, WAIT_S)))
+            answer(members(heard(NAMESPACE + "battery")))
         else:
             answer(pose(rospy.wait_for_message(NAMESPACE + "odom", Odometry, WAIT_S)))
 

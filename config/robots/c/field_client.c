@@ -33,19 +33,29 @@ void trb_open(struct trb_channel *c, char *data, size_t room, size_t chunk_bytes
   c->chunk_bytes = chunk_bytes;
 }
 
-int trb_dial(struct trb_channel *c, const char *host, int port) {
-  struct sockaddr_in node;
+void trb_hang_up(struct trb_channel *c) { hang_up(c); }
+
+/* An address, or with a NULL host any; 0, or -1: it is none. */
+static int address_of(struct sockaddr_in *out, const char *host, int port) {
+  memset(out, 0, sizeof *out);
+  out->sin_family = AF_INET;
+  out->sin_port = htons((unsigned short)port);
+  return host == NULL || inet_pton(AF_INET, host, &out->sin_addr) == 1 ? 0 : -1;
+}
+
+int trb_dial(struct trb_channel *c, const char *host, int port) { return trb_dial_from(c, host, port, NULL); }
+
+int trb_dial_from(struct trb_channel *c, const char *host, int port, const char *own) {
+  struct sockaddr_in node, here;
   const int on = 1;
   hang_up(c);
   begin_message(c); /* a new connection begins with a new message */
   c->input_begin = c->input_end = 0;
-  memset(&node, 0, sizeof node);
-  node.sin_family = AF_INET;
-  node.sin_port = htons((unsigned short)port);
-  if (inet_pton(AF_INET, host, &node.sin_addr) != 1) return -1;
+  if (host == NULL || address_of(&node, host, port) != 0 || address_of(&here, own, 0) != 0) return -1;
   c->fd = socket(AF_INET, SOCK_STREAM, 0);
   if (c->fd < 0) return -1;
-  if (connect(c->fd, (const struct sockaddr *)&node, sizeof node) != 0) {
+  if ((own != NULL && bind(c->fd, (const struct sockaddr *)&here, sizeof here) != 0) ||
+      connect(c->fd, (const struct sockaddr *)&node, sizeof node) != 0) {
     hang_up(c);
     return -1;
   }

@@ -42,6 +42,12 @@ void trb_open(struct trb_channel *c, char *data, size_t room, size_t chunk_bytes
 /* Connects to the node, an IPv4 address. 0, or -1: try again a little later. */
 int trb_dial(struct trb_channel *c, const char *host, int port);
 
+/* The same from one of several addresses of this computer: the node takes its robot.host's alone. */
+int trb_dial_from(struct trb_channel *c, const char *host, int port, const char *own);
+
+/* Leaves the node; it may be dialled again. */
+void trb_hang_up(struct trb_channel *c);
+
 /* Waits for what comes next, at most so long. Call it often, also while the robot moves: it is how a stop gets through. */
 enum trb_event trb_wait(struct trb_channel *c, int timeout_ms);
 
