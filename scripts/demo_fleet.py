@@ -190,7 +190,7 @@ def print_next_steps(fleet, fault):
     say(f"  export PATH={below(here, fleet.programs)}:$PATH TRB_NODE={below(here, fleet.dir('cloud'))}")
     mended = fault.next_steps() if fault else []
     for line in [*mended, "trb robot list", "trb send ur3 command move '[0.5,-1.2,1.0,-1.4,-1.57,0]'", "trb request ur3 position",
-                 "trb send pioneer1 command turn '[90]'", "trb request drone altitude", "trb sensor list", "trb sensor read temperature", "trb sensor watch temperature",
+                 "trb send pioneer1 command turn '[90]'", "trb send pioneer2 command turn 90", "trb request drone altitude", "trb sensor list", "trb sensor read temperature", "trb sensor watch temperature",
                  "trb tap", "trb scenario run config/scenarios/paper-temperature.json --watch",
                  "trb run list --all", "trb stop --all", "trb release --all", "trb help"]:
         say("  " + line)

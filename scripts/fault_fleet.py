@@ -171,7 +171,7 @@ class FaultFleet(trb_fleet.Fleet):
         """The commands that a robot has taken since the mark. That a drone lands without its node is none."""
         out, watchdog = [], False
         for line in self.said(robot):
-            watchdog = line == "watchdog on" or (watchdog and line != "watchdog off")
+            watchdog = line == "communication lost" or (watchdog and line != "watchdog off")
             command = command_in(robot, line)
             if command and not (watchdog and command == "land"):
                 out.append(command)

@@ -5,6 +5,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
+
 #include "tests/support/node_folder.hpp"
 
 using namespace trb;
@@ -251,6 +253,17 @@ TEST_CASE("profile.json: unknown modes") {
   CHECK(only_fault(folder).hint == "use one of: interpreter, direct, ros");
 }
 
+TEST_CASE("a maker's words that a former profile.json calls interpreter are direct: the fault says so") {
+  const NodeFolder folder("ur");
+  folder.change("profile.json", R"("ur": "direct")", R"("ur": "interpreter")");
+  folder.change("commands.json", R"("port": 30002)", R"("port": 30002, "transport": "arcos")");
+  const ConfigFaults faults = without_keys(folder.check().faults);
+  const auto told = std::ranges::find(faults, "ur.transport", &ConfigFault::key);
+  REQUIRE_MESSAGE(told != faults.end(), to_text(faults));
+  CHECK(told->what == "'arcos' is of the direct mode, and profile.json says 'interpreter'");
+  CHECK(told->hint.starts_with(R"(write "ur": "direct" in profile.json)"));
+}
+
 TEST_CASE("the ros mode: its service, topics, types, data, and ends that it can see") {
   check_changes("ros",
                 {{"node.json", R"( "ros-bridge",)", "", "services", "has no \"ros-bridge\""},
@@ -278,7 +291,7 @@ TEST_CASE("commands.json: values") {
                  {"commands.json", "ur-primary", "ur-rtde", "ur.monitor.protocol", "'ur-rtde'"},
                  {"commands.json", "urscript-program", "program", "ur.wrap", "'program'"},
                  {"commands.json", R"("language": "urscript")", R"("language": "plain")", "ur.wrap", "wraps URScript"},
-                 {"commands.json", R"("port": 30002)", R"("port": 30002, "transport": "c3")", "ur.transport",
+                 {"commands.json", R"("port": 30002)", R"("port": 30002, "transport": "lines")", "ur.transport",
                   "is of the interpreter mode"},
                  {"commands.json", R"("port": 30002)", R"("port": 30002, "transport": "tcp")", "ur.transport", "'tcp'"},
                  {"commands.json", R"("port": 30002)", R"("prt": 1, "port": 30002)", "ur.prt", "no key"},

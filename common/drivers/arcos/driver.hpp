@@ -1,4 +1,4 @@
-// The interpreter mode over arcos: the node dials a MobileRobots Pioneer and sends it the commands that commands.json
+// The direct mode over arcos: the node dials a MobileRobots Pioneer and sends it the commands that commands.json
 // names; the robot's packets report its position and state. "goto" is driven by this class, step by step.
 #pragma once
 

@@ -7,7 +7,7 @@ namespace trb::drivers {
 void check_arcos(const NodeConfig& config, const FileFaults& faults);  // check.cpp
 
 DriverRow arcos_row() {
-  return {.transport = {.name = "arcos", .mode = Mode::interpreter, .check = check_arcos},
+  return {.transport = {.name = "arcos", .mode = Mode::direct, .check = check_arcos},
           .wire = Wire::stream,
           .make = make_with<ArcosDriver, read_arcos_commands>};
 }

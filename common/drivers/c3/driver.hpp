@@ -1,4 +1,4 @@
-// The interpreter mode over C3: a message is written into a KUKA's variables, field by field or by the assignments of
+// The direct mode over C3: a message is written into a KUKA's variables, field by field or by the assignments of
 // commands.json; flags show when the robot's program has taken it and when it is over.
 #pragma once
 

@@ -1,4 +1,4 @@
-// The interpreter mode for an ABB with a RAPID socket server. A move blocks the robot's program until it has ended: its
+// The direct mode for an ABB with a RAPID socket server. A move blocks the robot's program until it has ended: its
 // answer is the command's end, and whatever cannot wait goes to a service task on another port.
 #pragma once
 

@@ -8,7 +8,7 @@ void check_rapid(const NodeConfig& config, const FileFaults& faults);  // check.
 
 DriverRow rapid_row() {
   return {
-      .transport = {.name = "rapid", .mode = Mode::interpreter, .check = check_rapid, .monitors = {"rapid-service"}},
+      .transport = {.name = "rapid", .mode = Mode::direct, .check = check_rapid, .monitors = {"rapid-service"}},
       .wire = Wire::stream,
       .make = make_with<RapidDriver, read_rapid_commands>};
 }

@@ -80,8 +80,8 @@ Task states: WAITING INITIALIZING RUNNING PAUSED RETRIABLE FINISHED FAILED SKIPP
     {"modes",
      R"(Three modes reach any robot (profile.json):
 
-  interpreter  messages field by field over TCP_PORT, for robots that parse no strings
-  direct       the vendor's own commands from commands.json
+  interpreter  messages field by field over TCP_PORT, to functions of a program on the robot
+  direct       commands.json translates into the maker's own words
   ros          ROS 1 topics of any type
 
 A subtype that commands.json does not know falls back to fields; that needs a robot connected on TCP_PORT.

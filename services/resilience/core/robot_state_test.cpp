@@ -42,11 +42,11 @@ TEST_CASE("the charge is percent by what is known of each robot's battery") {
   CHECK(charge("direct", "udp-at", "battery", "87") == 87);
   CHECK(charge("interpreter", "", "battery", "87.5") == 87.5);
   CHECK(charge("interpreter", "lines", "battery", "\"87.5\"") == 87.5);
-  CHECK(charge("interpreter", "arcos", "state_of_charge", "61.1") == 61.1);
+  CHECK(charge("direct", "arcos", "state_of_charge", "61.1") == 61.1);
 }
 
 TEST_CASE("what cannot be percent is unknown, not guessed") {
-  CHECK_FALSE(charge("interpreter", "arcos", "battery", "12.4"));  // volts
+  CHECK_FALSE(charge("direct", "arcos", "battery", "12.4"));  // volts
   CHECK_FALSE(charge("direct", "modbus", "battery", "50"));        // its unit is not defined
   for (const char* value : {"87", "-0.1", "null", "true", "[0.5]", "{}", "\"full\"", "nan", "\"nan\"", "inf", ""}) {
     CAPTURE(value);
@@ -69,7 +69,7 @@ TEST_CASE("a robot is asked for its charge by the word whose answer can be read"
   CHECK(asked("ros", "ros") == "battery");
   CHECK(asked("direct", "udp-at") == "battery");
   CHECK(asked("interpreter", "") == "battery");
-  CHECK(asked("interpreter", "arcos") == "state_of_charge");
+  CHECK(asked("direct", "arcos") == "state_of_charge");
   RobotRecord robot = robot_that_tells("ros", "ros", "", "");
   robot.profile.is.sensors = {"state_of_charge"};
   CHECK(charge_request(robot.profile.is) == "state_of_charge");
@@ -104,7 +104,7 @@ TEST_CASE("a robot that does not move stands at its origin, if that was said") {
 }
 
 TEST_CASE("the mode is the robot's own word") {
-  CHECK(mode_of(robot_that_tells("interpreter", "c3", "operating_mode", "\"#AUT\""))->is == "#AUT");
+  CHECK(mode_of(robot_that_tells("direct", "c3", "operating_mode", "\"#AUT\""))->is == "#AUT");
   CHECK(mode_of(robot_that_tells("direct", "tcp-text", "robot_mode", "7"))->is == "7");
   CHECK_FALSE(mode_of(robot_that_tells("direct", "tcp-text", "joints", "7")));
 }

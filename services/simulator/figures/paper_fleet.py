@@ -15,7 +15,7 @@ import demo_place  # noqa: E402
 import sensor_side  # noqa: E402
 import trb_fleet  # noqa: E402
 
-ROBOTS = {name: demo_fault.ROBOTS[name] for name in ("ridgeback", "ur3", "pioneer1", "drone", "conveyor")}
+ROBOTS = {name: demo_fault.ROBOTS[name] for name in ("ridgeback", "ur3", "pioneer2", "drone", "conveyor")}
 SECONDS = 180
 TEMPERATURE = 15  # degC: the UR3 picks on the left
 

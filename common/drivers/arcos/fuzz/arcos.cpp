@@ -32,7 +32,7 @@ Settings pioneer() {
   Settings settings;
   settings.id = "pioneer";
   settings.framework = "pioneer";
-  settings.mode = Mode::interpreter;
+  settings.mode = Mode::direct;
   settings.description.capabilities = {"mobile"};
   settings.commands.transport = "arcos";
   settings.commands.port = 8101;

@@ -9,7 +9,7 @@
 namespace trb::adapter {
 
 inline Settings pioneer3() {
-  Settings settings = robot_settings("pioneer1", "pioneer", Mode::interpreter, "arcos");
+  Settings settings = robot_settings("pioneer1", "pioneer", Mode::direct, "arcos");
   settings.description.capabilities = {"mobile"};
   settings.description.frame = {1000, 180 / M_PI, {1, 3, 0, 0}};
   settings.description.skills = {

@@ -17,7 +17,7 @@ Bytes reply(int tag, std::string_view value) {
 }
 
 Settings settings() {
-  Settings out = robot_settings("kuka", Mode::interpreter, "c3", "grab");
+  Settings out = robot_settings("kuka", Mode::direct, "c3", "grab");
   out.description.has_field_channel = true;
   out.commands.commands = {{"stop", "TRB_STOP = TRUE"}, {"release", "TRB_STOP = FALSE"}};
   out.commands.values = {{"position", "$POS_ACT X Y"}};

@@ -1,4 +1,4 @@
-// The interpreter mode over C3: what is written into a KUKA's variables, and what is read from them.
+// The direct mode over C3: what is written into a KUKA's variables, and what is read from them.
 #include "common/drivers/c3/krl.hpp"
 #include "common/drivers/c3/test/fixture.hpp"
 #include "common/drivers/c3/wire.hpp"

@@ -9,7 +9,7 @@
 namespace trb::adapter {
 
 inline Settings kuka() {
-  Settings settings = robot_settings("kuka", "kuka", Mode::interpreter, "c3");
+  Settings settings = robot_settings("kuka", "kuka", Mode::direct, "c3");
   settings.description.capabilities = {"grab", "reach"};
   settings.description.has_field_channel = true;
   settings.description.field_channel.chunk_bytes = 16;

@@ -24,7 +24,7 @@ NodeFolder folder() {
 }
 
 void prepare(const NodeFolder& folder) {
-  folder.write("profile.json", R"({"kuka": "interpreter"})");
+  folder.write("profile.json", R"({"kuka": "direct"})");
   folder.write("commands.json", kGood);
 }
 

@@ -8,7 +8,7 @@ namespace {
 using namespace trb::adapter;
 
 Settings settings() {
-  Settings out = robot_settings("abb", Mode::interpreter, "rapid", "grab");
+  Settings out = robot_settings("abb", Mode::direct, "rapid", "grab");
   out.commands.commands = {{"move", "2 1 1"}, {"stop", "service 91"}, {"release", "service 92"}};
   out.commands.values = {{"joints", "service 4 0 1"}, {"position", "3 0"}};
   return out;

@@ -1,4 +1,4 @@
-// The interpreter mode for a RAPID server: moves that block, and a service task beside them.
+// The direct mode for a RAPID server: moves that block, and a service task beside them.
 #include "common/drivers/rapid/wire.hpp"
 #include "services/mode-adapter/test/fixture.hpp"
 
@@ -8,7 +8,7 @@ using namespace trb::adapter;
 namespace {
 
 Settings abb() {
-  Settings settings = robot_settings("abb", "abb", Mode::interpreter, "rapid");
+  Settings settings = robot_settings("abb", "abb", Mode::direct, "rapid");
   settings.description.capabilities = {"grab", "reach"};
   settings.description.skills = {make_skill("home", "")};
   settings.commands.port = 5000;

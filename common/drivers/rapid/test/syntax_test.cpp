@@ -53,7 +53,7 @@ TEST_CASE("an ABB's files: each mistake is told with its key") {
       {"\"go\":", "\"goo\":", "abb.commands.go", "is missing"}};
   for (const Change& change : changes) {
     const NodeFolder folder("abb");
-    folder.write("profile.json", R"({"abb": "interpreter"})");
+    folder.write("profile.json", R"({"abb": "direct"})");
     folder.write("commands.json", kGood);
     if (!change.key.empty()) folder.change("commands.json", change.from, change.to);
     const ConfigFaults faults = without_keys(folder.check().faults);

@@ -50,7 +50,7 @@ describe('the charge', () => {
     [90, { state_of_charge: 90, battery: 12.4 }, {}],
     [50, { battery: 0.5 }, { mode: 'ros' }],
     [98, { battery: 98 }, { transport: 'udp-at' }],
-    [null, { battery: 12.4 }, { mode: 'interpreter', transport: 'arcos' }],
+    [null, { battery: 12.4 }, { mode: 'direct', transport: 'arcos' }],
     [null, { battery: 7 }, { mode: 'ros' }],
     [null, {}, { mode: 'ros' }],
   ] as const)('is %s', (is, values, of) => {

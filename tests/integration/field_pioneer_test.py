@@ -1,0 +1,129 @@
+"""A Pioneer that is reached field by field: the program in C on it (config/robots/c/pioneer.c) between its node and the virtual
+Pioneer, by the channel's cases and in a fleet. Addresses 127.0.206.x and 127.0.207.x."""
+import json
+import signal
+import subprocess
+import unittest
+
+import support
+import trb_fleet
+
+SPEED = 4.0
+PROGRAM = support.PROGRAMS / "trb-field-pioneer"
+DESCRIPTION = support.REPO / "config/robots/pioneer-fields.json"
+
+
+class Channel(unittest.TestCase):
+    def test_its_program_passes_every_case_of_the_field_channel(self):
+        root = support.temporary_folder(self)
+        address, node = "127.0.207.9", "127.0.206.9"
+        for command in ([support.PROGRAMS / "trb-virtual-pioneer", "--address", address, "--die-with-parent"],
+                        [PROGRAM, node, "40000", address, "8101", address]):
+            self.addCleanup(trb_fleet.Process(command, root / "robot.log").stop)
+        done = subprocess.run([support.PROGRAMS / "trb", "robot", "conform", DESCRIPTION, "--listen", f"{node}:40000",
+                               "--large", "4000", "--json"], capture_output=True, text=True, timeout=120)
+        rows = json.loads(done.stdout)["cases"]
+        self.assertEqual([row for row in rows if row["verdict"] == "WRONG"], [])
+        self.assertEqual({row["case"] for row in rows if row["verdict"] != "ok"},
+                         {"no-acknowledge", "numbers", "chunks", "skill"} & {row["case"] for row in rows})
+
+
+class InAFleet(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.fleet = support.make_fleet(cls, block=206, robots={"pioneer2": trb_fleet.DEMO_ROBOTS["pioneer2"]}, speed=SPEED)
+        cls.fleet.start()
+        cls.fleet.wait_formed(30)
+
+    def setUp(self):
+        self.robot = self.fleet.virtual["pioneer2"]
+        self.start = len(self.robot.lines)
+
+    def trb(self, *words, check=True):
+        return self.fleet.trb(*words, node="cloud", check=check)
+
+    def send(self, *words):
+        return self.trb("send", "pioneer2", "command", *words, "--take")
+
+    def position(self):
+        return [float(word) for word in self.fleet.json("request", "pioneer2", "position", node="cloud")["data"].split()]
+
+    def go(self, place):
+        path = self.fleet.root / "go.json"
+        path.write_text(json.dumps({"name": "go", "tasks": [
+            {"id": "go", "robot": "pioneer2", "skill": "go_to", "data": {"place": place}}]}))
+        return self.fleet.json("scenario", "run", path, node="cloud")["run"]
+
+    def state(self, run):
+        return self.fleet.json("scenario", "watch", run, "--once", node="cloud", check=False)["tasks"][0]
+
+    def wait_state(self, run, wanted):
+        self.fleet.wait(f"the task is {wanted}", lambda: self.state(run)["state"] == wanted, 30)
+        return self.state(run)
+
+    def capabilities_out(self):
+        return self.trb("robot", "list").stdout.count("out of use, ")
+
+    def test_it_is_reached_in_the_interpreter_mode_and_goes_where_the_hall_s_places_are(self):
+        task = self.wait_state(self.go("ur3_front"), "FINISHED")
+        self.assertEqual((task["mode"], task["transport"]), ("interpreter", "lines"))
+        at = [line for line in self.robot.lines[self.start:] if line.startswith("at ")][-1]
+        x, y, _ = map(float, at.split()[1:])
+        self.assertAlmostEqual(x, 5, delta=0.06)
+        self.assertAlmostEqual(y, 1, delta=0.06)
+        x, y, _ = self.position()  # its own, mm, from where it was switched on: 2, 3
+        self.assertAlmostEqual(x, 3000, delta=60)
+        self.assertAlmostEqual(y, -2000, delta=60)
+        self.fleet.json("request", "pioneer2", "battery", node="cloud")
+
+    def test_a_message_calls_a_function_that_drives_it_and_a_millimetre_behind_is_behind(self):
+        heading = self.position()[2]
+        self.send("turn", "90")
+        self.robot.wait_line("command 13 90", 10, self.start)
+        self.fleet.wait("it has turned", lambda: abs((self.position()[2] - heading + 180) % 360 - 270) < 2, 20)
+        before = self.position()
+        self.send("move", "-300")
+        self.robot.wait_line("command 8 -300", 10, self.start)
+        self.fleet.wait("it has moved", lambda: sum(abs(a - b) for a, b in zip(before, self.position())) > 250, 20)
+        self.assertTrue(all(abs(number) < 16_000 for number in self.position()))
+
+    def test_a_stop_on_the_way_stands_and_is_confirmed(self):
+        run = self.go("dock")
+        self.robot.wait_line("command 8 ", 10, self.start)
+        self.assertIn("confirmed", self.trb("stop", "pioneer2").stdout)
+        self.robot.wait_line("command 55", 10, self.start)
+        self.assertIn("confirmed", self.trb("release", "pioneer2").stdout)
+        self.trb("scenario", "abort", run, check=False)
+
+    def test_a_fault_is_told_by_the_program_and_its_end_too(self):
+        run = self.go("table1")
+        self.robot.wait_line("command 8 ", 10, self.start)
+        self.trb("robot", "fault", "pioneer2", "mobile", "--text", "a box")
+        self.fleet.wait("the task has failed", lambda: self.state(run)["state"] == "FAILED", 20)
+        listed = self.trb("robot", "list").stdout
+        self.assertIn("mobile out of use, CRITICAL", listed)
+        self.assertIn("the motors are off", listed)
+        self.trb("robot", "fault", "pioneer2", "--clear")
+        self.trb("release", "pioneer2")
+        self.fleet.wait("it is over", lambda: "out of use," not in self.trb("robot", "list").stdout, 20)
+        self.trb("scenario", "abort", run, check=False)
+
+    def test_a_robot_that_is_gone_is_offline_and_one_that_is_back_is_served(self):
+        self.robot.stop(signal.SIGKILL)
+        self.fleet.wait("it is gone", lambda: not self.fleet.formed(), 20)
+        self.fleet.start_robot("pioneer2")
+        self.fleet.wait("it is back", self.fleet.formed, 30)
+        self.assertLess(abs(self.position()[0]), 1)
+
+    def test_who_has_lost_its_node_stands(self):
+        run = self.go("ur3_front")
+        self.robot.wait_line("command 8 ", 10, self.start)
+        self.fleet.nodes["pioneer2"].child.kill()
+        self.robot.wait_line("command 55", 20, self.start)
+        self.fleet.start_node("pioneer2")
+        self.fleet.wait("it is served again", self.fleet.formed, 30)
+        self.trb("scenario", "abort", run, check=False)
+
+
+if __name__ == "__main__":
+    support.main()
