@@ -43,7 +43,8 @@ void Transports::check(const NodeConfig& config, const FileFaults& faults) const
   std::string cure = "use one of " + names_of(config.mode) + ", or correct profile.json";
   // So arcos, rapid and c3 were called before: what commands.json translates is direct.
   if (config.mode == Mode::interpreter && found->mode == Mode::direct) {
-    cure = "write \"" + config.framework + R"(": "direct" in profile.json: the interpreter mode sends fields to a program of yours)";
+    cure = "write \"" + config.framework +
+           R"(": "direct" in profile.json: the interpreter mode sends fields to a program of yours)";
   }
   faults.add(config.framework + ".transport",
              in_quotes(found->name) + " is of the " + std::string(name_of(found->mode)) +

@@ -54,15 +54,19 @@ class InAFleet(unittest.TestCase):
             {"id": "go", "robot": "pioneer2", "skill": "go_to", "data": {"place": place}}]}))
         return self.fleet.json("scenario", "run", path, node="cloud")["run"]
 
+    def go_far(self):
+        """To the farther one of two places, until it drives."""
+        x, y, _ = self.position()
+        run = self.go("dock" if abs(x - 3000) + abs(y + 2000) < 1500 else "ur3_front")
+        self.robot.wait_line("command 8 ", 20, self.start)
+        return run
+
     def state(self, run):
         return self.fleet.json("scenario", "watch", run, "--once", node="cloud", check=False)["tasks"][0]
 
     def wait_state(self, run, wanted):
         self.fleet.wait(f"the task is {wanted}", lambda: self.state(run)["state"] == wanted, 30)
         return self.state(run)
-
-    def capabilities_out(self):
-        return self.trb("robot", "list").stdout.count("out of use, ")
 
     def test_it_is_reached_in_the_interpreter_mode_and_goes_where_the_hall_s_places_are(self):
         task = self.wait_state(self.go("ur3_front"), "FINISHED")
@@ -88,16 +92,14 @@ class InAFleet(unittest.TestCase):
         self.assertTrue(all(abs(number) < 16_000 for number in self.position()))
 
     def test_a_stop_on_the_way_stands_and_is_confirmed(self):
-        run = self.go("dock")
-        self.robot.wait_line("command 8 ", 10, self.start)
+        run = self.go_far()
         self.assertIn("confirmed", self.trb("stop", "pioneer2").stdout)
         self.robot.wait_line("command 55", 10, self.start)
         self.assertIn("confirmed", self.trb("release", "pioneer2").stdout)
         self.trb("scenario", "abort", run, check=False)
 
     def test_a_fault_is_told_by_the_program_and_its_end_too(self):
-        run = self.go("table1")
-        self.robot.wait_line("command 8 ", 10, self.start)
+        run = self.go_far()
         self.trb("robot", "fault", "pioneer2", "mobile", "--text", "a box")
         self.fleet.wait("the task has failed", lambda: self.state(run)["state"] == "FAILED", 20)
         listed = self.trb("robot", "list").stdout
@@ -116,8 +118,7 @@ class InAFleet(unittest.TestCase):
         self.assertLess(abs(self.position()[0]), 1)
 
     def test_who_has_lost_its_node_stands(self):
-        run = self.go("ur3_front")
-        self.robot.wait_line("command 8 ", 10, self.start)
+        run = self.go_far()
         self.fleet.nodes["pioneer2"].child.kill()
         self.robot.wait_line("command 55", 20, self.start)
         self.fleet.start_node("pioneer2")

@@ -7,10 +7,9 @@ namespace trb::drivers {
 void check_rapid(const NodeConfig& config, const FileFaults& faults);  // check.cpp
 
 DriverRow rapid_row() {
-  return {
-      .transport = {.name = "rapid", .mode = Mode::direct, .check = check_rapid, .monitors = {"rapid-service"}},
-      .wire = Wire::stream,
-      .make = make_with<RapidDriver, read_rapid_commands>};
+  return {.transport = {.name = "rapid", .mode = Mode::direct, .check = check_rapid, .monitors = {"rapid-service"}},
+          .wire = Wire::stream,
+          .make = make_with<RapidDriver, read_rapid_commands>};
 }
 
 }  // namespace trb::drivers

@@ -17,7 +17,7 @@ static struct arcos robot;
 static struct journey journey;
 static char data[4096];
 static int stopped;      /* from a stop to its release; it outlasts a connection */
-static int stop_waits;   /* it is confirmed once the robot stands */
+static int stops_wait;   /* so many are confirmed once the robot stands */
 static unsigned wrong;   /* what was told to be wrong: a bit each */
 static int battery_told; /* that it is low */
 
@@ -131,7 +131,8 @@ static void take_request(void) {
 
 static void take(enum trb_event event) {
   if (event == TRB_STOP) {
-    stopped = stop_waits = 1;
+    stopped = 1;
+    ++stops_wait;
     journey.under_way = 0;
     arcos_send(&robot, ARCOS_E_STOP, 0);
   } else if (event == TRB_RELEASE) {
@@ -175,10 +176,7 @@ static void watch_robot(void) {
     halt();
     trb_report(&channel, "go_to", reason);
   }
-  if (stop_waits && arcos_stands(&robot)) {
-    stop_waits = 0;
-    trb_confirm(&channel, TRB_STOP);
-  }
+  for (; stops_wait > 0 && arcos_stands(&robot); --stops_wait) trb_confirm(&channel, TRB_STOP);
 }
 
 /* ---- its two connections */
@@ -187,7 +185,7 @@ static void watch_robot(void) {
 static void lose_node(void) {
   halt();
   wrong = 0;
-  battery_told = stop_waits = 0;
+  battery_told = stops_wait = 0;
 }
 
 /* 1 once the controller is there: a robot that cannot be driven is not offered to the node. */

@@ -47,7 +47,7 @@ TEST_CASE("the charge is percent by what is known of each robot's battery") {
 
 TEST_CASE("what cannot be percent is unknown, not guessed") {
   CHECK_FALSE(charge("direct", "arcos", "battery", "12.4"));  // volts
-  CHECK_FALSE(charge("direct", "modbus", "battery", "50"));        // its unit is not defined
+  CHECK_FALSE(charge("direct", "modbus", "battery", "50"));   // its unit is not defined
   for (const char* value : {"87", "-0.1", "null", "true", "[0.5]", "{}", "\"full\"", "nan", "\"nan\"", "inf", ""}) {
     CAPTURE(value);
     CHECK_FALSE(charge("ros", "ros", "battery", value));
