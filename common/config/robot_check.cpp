@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <map>
 
 #include "common/base/files.hpp"
 #include "common/config/json_file.hpp"
@@ -127,26 +128,38 @@ class RobotChecker {
     return names;
   }
 
+  /// The maker's own commands serve every skill, whatever else may be wrong with them.
+  [[nodiscard]] bool serves(const VendorCommands& words) const {
+    const std::vector<Skill>& skills = out_.description.skills;
+    return std::all_of(skills.begin(), skills.end(),
+                       [&](const Skill& skill) { return words.commands.contains(skill.subtype); });
+  }
+
   /// A maker's own commands fit if they serve every skill and nothing is missing; fields fit a framework whose robots
   /// use them.
   bool fits(const std::string& framework, Mode mode, VendorCommands& words) {
     const bool well = faults_of(framework, mode, words).empty();
     const Transport* transport = known_.find(words.transport);
     if (transport != nullptr && !transport->names_values) return out_.description.has_field_channel;
-    const auto served = [&](const Skill& skill) { return words.commands.contains(skill.subtype); };
-    const std::vector<Skill>& skills = out_.description.skills;
-    return well && std::all_of(skills.begin(), skills.end(), served);
+    return well && serves(words);
   }
 
   void look_for_words() {
     if (profile_.empty() || commands_path_.empty()) return;
+    std::multimap<std::size_t, std::string> nearly;  ///< by the number of faults
     for (const auto& [framework, mode] : profile_) {
       const auto at = words_.find(framework);
       VendorCommands words = at == words_.end() ? VendorCommands() : at->second;
       if (mode == Mode::none || (at == words_.end() && mode != Mode::interpreter)) continue;
-      if (fits(framework, mode, words)) out_.spoken_to.push_back({framework, mode, words.transport});
+      if (fits(framework, mode, words)) {
+        out_.spoken_to.push_back({framework, mode, words.transport});
+      } else if (!out_.description.skills.empty() && serves(words)) {
+        nearly.emplace(faults_of(framework, mode, words).size(), framework);
+      }
     }
     if (!out_.spoken_to.empty() || !out_.faults.empty()) return;
+    // The one that has all words and the fewest faults is the one that is meant: what is wrong with it is told.
+    if (!nearly.empty() && nearly.count(nearly.begin()->first) == 1) return check_words_of(nearly.begin()->second);
     std::string names;
     for (const std::string& name : frameworks()) names += (names.empty() ? "" : ", ") + name;
     sink(files_.description)

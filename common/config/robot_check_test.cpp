@@ -108,6 +108,17 @@ TEST_CASE("words that fit nobody, and a framework that is not there") {
   CHECK(only_fault(files_of(folder, "ur")).key == "ur.commands.fly");
 }
 
+TEST_CASE("a pose beyond the reach is named, as far as the description gives reach") {
+  const NodeFolder folder("ur");
+  folder.change("commands.json", R"("stop": "stop program")",
+                R"json("stop": "stop program", "far": "movel(p[10, 0, 0, 0, 0, 0])")json");
+  CHECK(check_robot_files(files_of(folder, "ur"), drivers::robot_transports()).faults.empty());
+  folder.change("robots/r.json", R"("skills")", R"("numbers": {"reach": {"value": 0.5, "unit": "m"}}, "skills")");
+  const ConfigFault fault = only_fault(files_of(folder, "ur"));
+  CHECK(fault.key == "ur.commands.far");
+  CHECK(fault.what.starts_with("the pose p[10, 0, 0, …] is 10 m away from the robot's foot"));
+}
+
 TEST_CASE("a drive whose words commands.json does not have is told with the nearest one") {
   const NodeFolder folder("ur");
   folder.change("robots/r.json", R"("skills")",

@@ -13,9 +13,9 @@
 namespace trb {
 
 /// A byte stream to the robot. `field`: the robot dialled TCP_PORT; `command` and `monitor`: the node dials the robot.
-enum class Channel : std::uint8_t { field = 0, command, monitor };
+enum class Channel : std::uint8_t { field = 0, command, monitor, data };
 constexpr auto enum_names(Channel) {
-  return std::array<std::string_view, 3>{"field", "command", "monitor"};
+  return std::array<std::string_view, 4>{"field", "command", "monitor", "data"};
 }
 
 struct RobotWrite {

@@ -33,7 +33,7 @@ class UrFleet(trb_fleet.Fleet):
         # Words for what a maker would not ship: a typing error, and a text of the user's.
         path = self.dir(node) / "commands.json"
         path.write_text(path.read_text().replace(
-            '"move": "movej({data})"', '"move": "movej({data})", "typo": "moovej({data})", "say": "textmsg({data})", '
+            '"move": "movej({data})"', '"move": "movej({data})", "typo": "moovej({data})", "line": "movel(p{data})", "say": "textmsg({data})", '
             '"say_two": "textmsg({0})\\nset_digital_out({1}, True)"'))
         path = self.dir(node) / "robots" / "ur3.json"
         path.write_text(path.read_text().replace('"skills": {', '''"skills": {
@@ -66,9 +66,11 @@ class UrFleet(trb_fleet.Fleet):
 
 
 class Case(unittest.TestCase):
+    FLEET = UrFleet
+
     @classmethod
     def setUpClass(cls):
-        cls.fleet = support.make_fleet(cls, UrFleet)
+        cls.fleet = support.make_fleet(cls, cls.FLEET)
         cls.fleet.start()
         cls.fleet.wait_formed(30)
         cls.tap = support.Tap(cls.fleet, "ur3")
@@ -145,6 +147,14 @@ class Scripts(Case):
         self.assertIn("compile_error_wrong_joint_count", self.refusal("move", "[1, 2]"))
         self.assertEqual(self.programs(), [])
         self.moves()
+
+    def test_a_pose_out_of_reach_is_not_sent_and_what_the_controller_knows_is_told(self):
+        self.assertIn("10 m away from the arm's shoulder", self.refusal("line", "[10, 0, 0.15, 0, 0, 0]"))
+        self.assertEqual(self.programs(), [])
+        done = self.fleet.ur("request", "ur3", "reach")
+        self.assertIn("0.6071", done.stdout)  # by the calibration that the controller sends
+        self.assertIn("true", self.fleet.ur("request", "ur3", "power").stdout)
+        self.assertRegex(self.fleet.ur("request", "ur3", "tool").stdout, r"\[-?\d+\.\d{4}(,-?\d+\.\d{4}){5}\]")
 
     def test_a_quote_or_a_newline_in_any_text_field_never_reaches_the_script(self):
         for name, text in UNHARMED:
@@ -224,7 +234,7 @@ class Stops(Case):
 
         self.assertEqual(self.fleet.send("power_off").returncode, 0)
         off = self.tap.wait("robot_state", "power off", mode("3"))
-        self.assertEqual([value["name"] for value in off["values"]], ["robot_mode", "safety", "program_running", "joints"])
+        self.assertEqual([value["name"] for value in off["values"]], ["robot_mode", "safety", "program_running", "joints", "power", "tool"])
         self.tap.wait("robot_fault", "the fault of the description", lambda body: body["text"] == "the arm is powered off: robot_mode is 3")
         error = self.refusal("move", json.dumps(HOME))
         self.assertIn("powered off", error)

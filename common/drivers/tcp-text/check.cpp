@@ -1,6 +1,8 @@
 // What the transport tcp-text requires of commands.json.
 #include "common/config/transports.hpp"
 #include "common/drivers/check_names.hpp"
+#include "common/drivers/tcp-text/reach.hpp"
+#include "common/drivers/tcp-text/ur_rtde.hpp"
 
 namespace trb::drivers {
 
@@ -13,6 +15,10 @@ void check_monitor(const VendorCommands& vendor, const std::string& name, const 
   if (vendor.monitor && vendor.monitor->protocol == "ar-navdata") {
     faults.add(name + ".monitor.protocol", "'ar-navdata' is not spoken beside tcp-text",
                R"(use "ur-primary", or the transport that the robot speaks)");
+  }
+  if (vendor.data_port && !vendor.monitor) {
+    faults.add(name + ".rtde_port", "is beside a monitor, which tells the ends of programs, and there is none",
+               R"(add "monitor": {"protocol": "ur-primary", "port": 30001}, or remove "rtde_port")");
   }
   if (vendor.requests.empty() || vendor.monitor) return;
   faults.add(name + ".requests", "are answered from the monitor, but no monitor is configured",
@@ -34,6 +40,10 @@ void check_skills(const NodeConfig& config, const FileFaults& faults) {
 }  // namespace
 
 void read_tcp_text_keys(ObjectReader& vendor, VendorCommands& into) {
+  if (vendor.value("rtde_port", Need::optional) != nullptr) {
+    into.data_port = static_cast<std::uint16_t>(vendor.integer("rtde_port", Need::optional, 1, 65535).value_or(0));
+  }
+  into.numbers[kRtdeRate] = vendor.number("rtde_hz", Need::optional, {1, kFastestRtde}).value_or(kUsualRtde);
   if (into.wrap.empty() || into.language == "urscript") return;
   vendor.faults().add(vendor.path("wrap"), "wraps URScript, but \"language\" is '" + into.language + "'",
                       "set \"language\" to \"urscript\", or remove \"wrap\"");
@@ -45,6 +55,7 @@ void check_tcp_text(const NodeConfig& config, const FileFaults& faults) {
   require_port(config, faults, "30002 for a Universal Robot");
   check_words(vendor, name, faults);
   check_monitor(vendor, name, faults);
+  check_reach(config, faults);
   check_skills(config, faults);
 }
 

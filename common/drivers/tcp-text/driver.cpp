@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdio>
 
+#include "common/drivers/tcp-text/reach.hpp"
 #include "common/drivers/tcp-text/urscript.hpp"
 
 namespace trb::drivers {
@@ -19,15 +20,21 @@ constexpr Duration kWarningPause = std::chrono::seconds(1);
 constexpr const char* kSafety = "safety";
 constexpr std::int32_t kWorthALine = 2;  ///< reports of this level or higher are logged: warning
 
+std::string number_json(double number) {
+  std::array<char, 40> text{};  // the monitor accepts nothing beyond 1000 rad or m
+  std::snprintf(text.data(), text.size(), "%.4f", number);
+  return text.data();
+}
+
 std::string joints_json(const std::array<double, 6>& joints) {
   std::string out = "[";
-  for (const double joint : joints) {
-    std::array<char, 40> text{};  // the monitor accepts no joint beyond 1000 rad
-    std::snprintf(text.data(), text.size(), "%.4f", joint);
-    if (out.size() > 1) out += ",";
-    out += text.data();
-  }
+  for (const double joint : joints) out += (out.size() > 1 ? "," : "") + number_json(joint);
   return out + "]";
+}
+
+double rtde_rate(const VendorCommands& words) {
+  const auto found = words.numbers.find(std::string(kRtdeRate));
+  return found == words.numbers.end() ? kUsualRtde : found->second;
 }
 
 std::string text_or_empty(const std::map<std::string, std::string>& words, const std::string& key) {
@@ -43,7 +50,8 @@ TcpTextDriver::TcpTextDriver(const VendorCommands& words, std::string own_id)
       release_text_(text_or_empty(words.commands, "release")),
       urscript_(words.language == "urscript"),
       wraps_(words.wrap == "urscript-program"),
-      has_monitor_(words.monitor.has_value()) {
+      has_monitor_(words.monitor.has_value()),
+      rtde_(rtde_rate(words)) {
   for (const auto& [subtype, text] : words.commands) {
     commands_.emplace(subtype, TcpCommand{VendorTemplate(text), wraps_ && !is_interface_command(text), text});
   }
@@ -66,6 +74,7 @@ Result<Progress> TcpTextDriver::hand_over(const Handover& message, Now now, cons
   if (!text) return text.error();
   if (command->second.wrapped && has_monitor_) {
     if (auto why = disabled(now)) return std::move(*why);
+    if (auto why = out_of_reach(*text, reach_)) return std::move(*why);
   }
   last_write_ = now.mono;
   out.out.count("to_robot." + std::string(message.subtype));
@@ -147,6 +156,12 @@ void TcpTextDriver::on_up(Channel channel, Now now, const DriverOut& out) {
     last_heard_ = now.mono;
     monitor_.clear();
   }
+  if (channel == Channel::data) {
+    data_up_ = true;
+    sampled_at_.reset();
+    last_data_ = now.mono;
+    out.robot.write(Channel::data, rtde_.begin());
+  }
   if (!before && online()) out.emit(LinkUp{});
 }
 
@@ -154,6 +169,7 @@ void TcpTextDriver::on_down(Channel channel, const std::string& reason, Now, con
   const bool before = online();
   if (channel == Channel::command) command_up_ = false;
   if (channel == Channel::monitor) monitor_up_ = heard_ = false;
+  if (channel == Channel::data) data_up_ = false;
   if (!monitor_up_) safety_ = kUrSafetyNormal;  // after a reconnection every fault is reported again
   if (!before || online()) return;
   track_.drop_all(fail(Errc::robot_offline, "the connection to the robot's controller was lost: " + reason,
@@ -163,6 +179,7 @@ void TcpTextDriver::on_down(Channel channel, const std::string& reason, Now, con
 }
 
 void TcpTextDriver::on_bytes(Channel channel, BytesView bytes, Now now, const DriverOut& out) {
+  if (channel == Channel::data && data_up_) return on_data(bytes, now, out);
   // The command port reports the same state again, in a form that differs between vendors.
   if (channel != Channel::monitor || !monitor_up_) return;
   events_.clear();
@@ -195,6 +212,7 @@ void TcpTextDriver::on_error(const UrError& error, Now now, const DriverOut& out
   if (error.level < kWorthALine) return;
   last_error_ = text;
   last_error_at_ = now.mono;
+  track_.on_error(text);
   // Anything worse than a warning stops the arm, which its state shows.
   if (error.level == kWorthALine) warn(text, now, out);
 }
@@ -213,15 +231,50 @@ void TcpTextDriver::on_state(const UrState& state, Now now, const DriverOut& out
   last_heard_ = last_state_ = now.mono;
   program_running_ = state.program_running;
   robot_mode_ = state.robot_mode;
-  remember("robot_mode", {double(state.robot_mode)}, std::to_string(state.robot_mode), now);
-  remember("safety", {double(state.safety)}, std::to_string(state.safety), now);
-  remember("program_running", {double(state.program_running)}, state.program_running ? "true" : "false", now);
-  if (state.joints) remember("joints", {state.joints->begin(), state.joints->end()}, joints_json(*state.joints), now);
+  remember_state(state, now);
   if (!before && online()) out.emit(LinkUp{});
   report_safety(state.safety, now, out);
   if (const auto why = disabled(now)) track_.on_disabled(*why, out);
   if (surely_idle()) confirm_stop(out);
   out.emit(ValuesHeard{});
+}
+
+void TcpTextDriver::remember_state(const UrState& state, Now now) {
+  remember("robot_mode", {double(state.robot_mode)}, std::to_string(state.robot_mode), now);
+  remember("safety", {double(state.safety)}, std::to_string(state.safety), now);
+  remember("program_running", {double(state.program_running)}, state.program_running ? "true" : "false", now);
+  remember("power", {double(state.power)}, state.power ? "true" : "false", now);
+  remember("speed", {state.speed_fraction}, number_json(state.speed_fraction), now);
+  if (state.reach) {
+    reach_ = state.reach;
+    remember("reach", {reach_->length}, number_json(reach_->length), now);
+  }
+  // What RTDE has measured meanwhile is newer.
+  if (sampled_at_ && now.mono - *sampled_at_ < kHung) return;
+  if (state.joints) remember_six("joints", *state.joints, now);
+  if (state.tool) remember_six("tool", *state.tool, now);
+}
+
+void TcpTextDriver::on_data(BytesView bytes, Now now, const DriverOut& out) {
+  Bytes answers;
+  std::vector<UrSample> samples;
+  const Status read = rtde_.add(bytes, samples, answers);
+  if (!answers.empty()) out.robot.write(Channel::data, std::move(answers));
+  if (!samples.empty()) {
+    last_data_ = now.mono;
+    sampled_at_ = now.mono;
+    remember_six("joints", samples.back().joints, now);
+    remember_six("tool", samples.back().tool, now);
+    out.emit(ValuesHeard{});
+  }
+  if (!read) drop_data(read.error().what, out);
+}
+
+/// The joints are read from the monitor again, until the next connection.
+void TcpTextDriver::drop_data(const std::string& reason, const DriverOut& out) {
+  out.refuse("rtde", "the RTDE connection is closed: " + reason);
+  out.robot.close(Channel::data, reason);
+  data_up_ = false;
 }
 
 void TcpTextDriver::report_safety(int safety, Now now, const DriverOut& out) {
@@ -270,6 +323,10 @@ std::string TcpTextDriver::how_to(std::initializer_list<std::string_view> words)
   return out.empty() ? "use the robot's pendant" : out;
 }
 
+void TcpTextDriver::remember_six(const std::string& name, const std::array<double, 6>& numbers, Now now) {
+  remember(name, {numbers.begin(), numbers.end()}, joints_json(numbers), now);
+}
+
 void TcpTextDriver::remember(const std::string& name, std::vector<double> numbers, std::string json, Now now) {
   values_[name] = RobotValue{std::move(numbers), std::move(json), now.mono};
 }
@@ -287,11 +344,13 @@ void TcpTextDriver::drop_monitor(std::string_view counted, const std::string& re
 void TcpTextDriver::tick(Now now, const DriverOut& out) {
   track_.tick(now, out);
   if (monitor_up_ && now.mono - last_heard_ >= kHung) drop_monitor("monitor_silent", "no state for 3 s", now, out);
+  if (data_up_ && now.mono - last_data_ >= kHung) drop_data("no data for 3 s", out);
 }
 
 std::optional<MonotonicTime> TcpTextDriver::next_deadline() const {
   const auto hung = monitor_up_ ? std::optional(last_heard_ + kHung) : std::nullopt;
-  return earlier(hung, track_.next_deadline());
+  const auto silent = data_up_ ? std::optional(last_data_ + kHung) : std::nullopt;
+  return earlier(earlier(hung, silent), track_.next_deadline());
 }
 
 }  // namespace trb::drivers

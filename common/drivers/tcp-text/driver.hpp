@@ -7,6 +7,7 @@
 #include "common/config/node_config.hpp"
 #include "common/drivers/tcp-text/program_track.hpp"
 #include "common/drivers/tcp-text/ur_monitor.hpp"
+#include "common/drivers/tcp-text/ur_rtde.hpp"
 #include "common/drivers/text/vendor_template.hpp"
 #include "common/drivers/words_driver.hpp"
 
@@ -47,6 +48,9 @@ class TcpTextDriver : public WordsDriver<TcpCommand> {
   void write_line(std::string_view text, Now now, const DriverOut& out);
   void on_event(const UrEvent& event, Now now, const DriverOut& out);
   void on_state(const UrState& state, Now now, const DriverOut& out);
+  void remember_state(const UrState& state, Now now);
+  void on_data(BytesView bytes, Now now, const DriverOut& out);
+  void drop_data(const std::string& reason, const DriverOut& out);
   void report_safety(int safety, Now now, const DriverOut& out);
   void on_error(const UrError& error, Now now, const DriverOut& out);
   void warn(const std::string& text, Now now, const DriverOut& out);
@@ -55,6 +59,7 @@ class TcpTextDriver : public WordsDriver<TcpCommand> {
   /// "trb send ID command SUBTYPE" for each of these subtypes that commands.json has.
   [[nodiscard]] std::string how_to(std::initializer_list<std::string_view> words) const;
   [[nodiscard]] std::string with_own_words(std::string text, Now now) const;
+  void remember_six(const std::string& name, const std::array<double, 6>& numbers, Now now);
   void remember(const std::string& name, std::vector<double> numbers, std::string json, Now now);
   [[nodiscard]] bool surely_idle() const;
   void confirm_stop(const DriverOut& out);
@@ -85,6 +90,11 @@ class TcpTextDriver : public WordsDriver<TcpCommand> {
   ProgramTrack track_;
   UrMonitor monitor_;
   std::vector<UrEvent> events_;
+  UrRtde rtde_;
+  bool data_up_ = false;
+  MonotonicTime last_data_;
+  std::optional<MonotonicTime> sampled_at_;  ///< by RTDE, on this connection
+  std::optional<UrReach> reach_;
 };
 
 }  // namespace trb::drivers

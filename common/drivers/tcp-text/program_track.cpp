@@ -37,7 +37,7 @@ void ProgramTrack::send_next(const DriverOut& out) {
 void ProgramTrack::on_started(std::string_view name, const DriverOut& out) {
   if (!sent_ || sent_->name != name) return;
   out.emit(Started{sent_->token});
-  running_ = Running{std::move(*sent_), false, {}};
+  running_ = Running{std::move(*sent_), false, {}, {}};
   sent_.reset();
   send_next(out);
 }
@@ -52,6 +52,10 @@ void ProgramTrack::on_text(std::string_view text, const DriverOut& out) {
   if (!running_ || running_->program.end_text != text) return;
   running_->reached_end = true;
   if (running_->cut_short_at) end_running(true, {}, out);
+}
+
+void ProgramTrack::on_error(std::string_view text) {
+  if (running_) running_->error = text;
 }
 
 void ProgramTrack::on_exception(std::string_view text, const std::string& shown, const DriverOut& out) {
@@ -108,7 +112,8 @@ void ProgramTrack::drop_all(const Error& why, const DriverOut& out) {
 
 void ProgramTrack::tick(Now now, const DriverOut& out) {
   if (!running_ || !running_->cut_short_at || now.mono < *running_->cut_short_at) return;
-  end_running(false, "the robot's program was stopped before its end", out);
+  const std::string why = running_->error.empty() ? "" : ": " + running_->error;
+  end_running(false, "the robot's program was stopped before its end" + why, out);
 }
 
 std::optional<MonotonicTime> ProgramTrack::next_deadline() const {

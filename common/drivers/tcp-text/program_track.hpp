@@ -33,6 +33,8 @@ class ProgramTrack {
   void on_started(std::string_view name, const DriverOut& out);
   void on_stopped(std::string_view name, Now now, const DriverOut& out);
   void on_text(std::string_view text, const DriverOut& out);
+  /// The controller's error, while a program runs: why it may be cut short.
+  void on_error(std::string_view text);
   void on_exception(std::string_view text, const std::string& shown, const DriverOut& out);
 
   /// The robot carries nothing out any more: the running program has ended, sent or waiting ones are refused.
@@ -53,6 +55,7 @@ class ProgramTrack {
   struct Running {
     Program program;
     bool reached_end = false;
+    std::string error;                          ///< the controller's last one
     std::optional<MonotonicTime> cut_short_at;  ///< stopped without its end text: when it counts as cut short
   };
 

@@ -15,7 +15,8 @@ DriverRow tcp_text_row() {
                         .monitors = {"ur-primary"},
                         .languages = {"urscript"},
                         .wraps = {"urscript-program"},
-                        .monitored_values = {"joints", "robot_mode", "safety", "program_running"}},
+                        .monitored_values = {"joints", "robot_mode", "safety", "program_running", "power", "tool",
+                                             "speed", "reach"}},
           .wire = Wire::stream,
           .make = [](const DriverSettings& settings) -> Result<std::unique_ptr<Driver>> {
             return std::unique_ptr<Driver>(std::make_unique<TcpTextDriver>(settings.commands, settings.id));

@@ -15,6 +15,9 @@ constexpr std::uint8_t kRobotState = 16;
 constexpr std::uint8_t kRobotMessage = 20;
 constexpr std::uint8_t kModePart = 0;
 constexpr std::uint8_t kJointPart = 1;
+constexpr std::uint8_t kCartesianPart = 4;
+constexpr std::uint8_t kKinematicsPart = 5;
+constexpr double kLongestLink = 10;  ///< m
 constexpr std::size_t kJointSize = 41;
 enum MessageKind : std::uint8_t { kText = 0, kError = 6, kKey = 7, kException = 10 };
 
@@ -55,7 +58,8 @@ std::size_t length_at(BytesView bytes) {
 bool read_mode(BytesView part, UrState& state) {
   Reader in(part);
   in.skip(8);  // the controller's clock
-  in.skip(3);  // connected, enabled, powered
+  in.skip(2);  // connected, enabled
+  state.power = in.u8() != 0;
   const bool emergency = in.u8() != 0;
   const bool protective = in.u8() != 0;
   state.program_running = in.u8() != 0;
@@ -63,7 +67,42 @@ bool read_mode(BytesView part, UrState& state) {
   const int mode = in.u8();
   state.robot_mode = mode < 128 ? mode : mode - 256;
   state.safety = emergency ? kUrSafetyEmergencyStop : protective ? kUrSafetyProtectiveStop : kUrSafetyNormal;
+  in.skip(1);  // the control mode
+  const double fraction = in.f64();
+  if (in.ok() && fraction >= 0 && fraction <= 1) state.speed_fraction = fraction;
   return in.ok();
+}
+
+std::array<double, 6> six(Reader& in) {
+  std::array<double, 6> out{};
+  for (double& number : out) number = in.f64();
+  return out;
+}
+
+bool within(const std::array<double, 6>& numbers, double most) {
+  return std::ranges::all_of(numbers, [most](double number) { return std::abs(number) <= most; });
+}
+
+void read_tool(BytesView part, UrState& state) {
+  Reader in(part);
+  const auto pose = six(in);
+  const auto offset = six(in);
+  if (!in.ok() || !within(pose, kMostTurn) || !within(offset, kMostTurn)) return;
+  state.tool = pose;
+  state.tool_length = std::hypot(offset[0], offset[1], offset[2]);
+}
+
+/// The arm's own lengths, as its maker calibrated it.
+void read_kinematics(BytesView part, UrState& state) {
+  Reader in(part);
+  in.skip(6 * sizeof(std::uint32_t));
+  six(in);
+  const auto a = six(in);
+  const auto d = six(in);
+  if (!in.ok() || !within(a, kLongestLink) || !within(d, kLongestLink)) return;
+  const double ahead = std::abs(a[1]) + std::abs(a[2]) + std::hypot(d[4], d[5]);
+  const double aside = std::abs(d[3]) + std::abs(d[5]);
+  state.reach = UrReach{d[0], std::hypot(ahead, aside)};
 }
 
 void read_joints(BytesView part, UrState& state) {
@@ -88,8 +127,11 @@ void read_state(BytesView parts, std::vector<UrEvent>& events) {
     const auto type = static_cast<std::uint8_t>(parts[kHeader - 1]);
     if (type == kModePart) has_mode = read_mode(body, state);
     if (type == kJointPart) read_joints(body, state);
+    if (type == kCartesianPart) read_tool(body, state);
+    if (type == kKinematicsPart) read_kinematics(body, state);
     parts.remove_prefix(size);
   }
+  if (state.reach) state.reach->length += state.tool_length;
   if (has_mode) events.emplace_back(state);
 }
 

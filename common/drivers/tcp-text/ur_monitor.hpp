@@ -23,11 +23,22 @@ constexpr int kUrModePowerOff = 3;
 constexpr int kUrModeIdle = 5;
 constexpr int kUrModeRunning = 7;
 
+/// From the shoulder no tool's centre is farther away than this, whatever the joints: an upper bound, in metres.
+struct UrReach {
+  double shoulder_height = 0;
+  double length = 0;
+};
+
 struct UrState {
   int robot_mode = 0;
   int safety = kUrSafetyNormal;
   bool program_running = false;
+  bool power = false;
+  double speed_fraction = 1;  ///< of the speed slider
   std::optional<std::array<double, 6>> joints;
+  std::optional<std::array<double, 6>> tool;  ///< where its centre is: x y z in metres, and a rotation vector
+  double tool_length = 0;                     ///< from the flange to the tool's centre, in metres
+  std::optional<UrReach> reach;
 };
 struct UrProgramStarted {
   std::string name;

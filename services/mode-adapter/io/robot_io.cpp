@@ -32,6 +32,8 @@ RobotIo::RobotIo(const RobotIoSettings& settings, Service& service, ModeAdapterC
   connection(Channel::command).port = settings.command_port;
   connection(Channel::monitor).channel = Channel::monitor;
   connection(Channel::monitor).port = settings.monitor_port;
+  connection(Channel::data).channel = Channel::data;
+  connection(Channel::data).port = settings.data_port;
   for (RobotConnection& dialled : connections_) {
     dialled.datagrams = settings.datagrams && dialled.port;
     if (dialled.port) dialled.due = now().mono;

@@ -21,6 +21,7 @@ struct RobotIoSettings {
   std::optional<std::uint16_t> command_port;
   std::optional<std::uint16_t> monitor_port;
   bool datagrams = false;  ///< dialled connections are UDP: each RobotWrite is one datagram, each datagram one on_bytes
+  std::optional<std::uint16_t> data_port{};
 };
 
 class RobotIo {
@@ -90,7 +91,7 @@ class RobotIo {
   Service& service_;
   ModeAdapterCore& core_;
   Descriptor listener_;
-  std::array<RobotConnection, 3> connections_;
+  std::array<RobotConnection, 4> connections_;
   std::vector<Notice> losses_;  ///< found while writing the core's output; reported in a step of their own
   Bytes buffer_;
 };

@@ -28,6 +28,7 @@ RobotIoSettings io_settings(const NodeConfig& config, Wire wire) {
   settings.command_port = config.commands.port;
   settings.datagrams = wire == Wire::datagrams;
   if (config.commands.monitor) settings.monitor_port = config.commands.monitor->port;
+  settings.data_port = config.commands.data_port;
   return settings;
 }
 

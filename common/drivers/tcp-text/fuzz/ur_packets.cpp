@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "common/drivers/tcp-text/ur_monitor.hpp"
+#include "common/drivers/tcp-text/ur_rtde.hpp"
 #include "services/mode-adapter/test/fixture.hpp"
 #include "tests/fuzz/target.hpp"
 
@@ -22,6 +23,21 @@ void check_cutting(BytesView input) {
   for (std::size_t i = 0; i < input.size() && last; ++i) last = pieces.add(input.substr(i, 1), one_by_one);
   require(read.ok() == last.ok(), "where the stream breaks does not depend on how it is cut");
   require(at_once.size() == one_by_one.size(), "what is heard does not depend on how it is cut");
+}
+
+/// The same of the real-time data exchange.
+void check_rtde(BytesView input) {
+  UrRtde whole(10);
+  UrRtde pieces(10);
+  Bytes said = whole.begin();
+  Bytes said_too = pieces.begin();
+  std::vector<UrSample> at_once;
+  std::vector<UrSample> one_by_one;
+  const Status read = whole.add(input, at_once, said);
+  Status last = Done{};
+  for (std::size_t i = 0; i < input.size() && last; ++i) last = pieces.add(input.substr(i, 1), one_by_one, said_too);
+  require(read.ok() == last.ok(), "where RTDE breaks does not depend on how it is cut");
+  require(at_once.size() == one_by_one.size() && said == said_too, "RTDE does not depend on how it is cut");
 }
 
 /// A skill that runs while the controller sends this: it is answered, and the reports to the fleet are bounded.
@@ -48,11 +64,14 @@ std::vector<Bytes> seeds() {
           ur_exception(2, 9, "compile_error_name_not_found:moovej:") + ur_stopped("trb_1"),
           ur_message(6, big_endian(153, 4) + big_endian(0, 4) + big_endian(3, 4) + Bytes(8, '\0') + "deviates"),
           ur_message(3, "version"),
+          Bytes("\0\4V\1", 4) + Bytes("\0\x15O\1VECTOR6D,VECTOR6D", 21) + Bytes("\0\4S\1", 4) + Bytes("\0\x64U\1", 4) +
+              Bytes(96, '\0'),
           big_endian(5, 4) + "\x10"};
 }
 
 void run(BytesView input) {
   check_cutting(input);
+  check_rtde(input);
   check_mode(input);
 }
 

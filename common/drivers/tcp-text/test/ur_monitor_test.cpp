@@ -106,3 +106,28 @@ TEST_CASE("a length that cannot be ends the stream") {
   CHECK(UrMonitor().add(*from_hex("ffffffff14"), events).error().code == Errc::too_large);
   CHECK(events.empty());
 }
+
+TEST_CASE("a state tells power, speed, the tool's place, and how far the arm reaches by its calibration") {
+  const auto real = [](double value) { return big_endian(std::bit_cast<std::uint64_t>(value), 8); };
+  std::string mode =
+      big_endian(0, 1) + std::string(8, '\1') + std::string("\1\1\1\0\0\0\0\7\0", 9) + real(0.25) + real(1) + real(1);
+  std::string cartesian = big_endian(4, 1);
+  for (const double value : {0.1, 0.2, 0.3, 0.0, 3.14, 0.0, 0.0, 0.0, 0.1, 0.0, 0.0, 0.0}) cartesian += real(value);
+  std::string kinematics = big_endian(5, 1) + std::string(24, '\0');
+  for (int i = 0; i < 6; ++i) kinematics += real(0);
+  for (const double a : {0.0, -0.24365, -0.21325, 0.0, 0.0, 0.0}) kinematics += real(a);
+  for (const double d : {0.1519, 0.0, 0.0, 0.11235, 0.08535, 0.0819}) kinematics += real(d);
+  for (int i = 0; i < 6; ++i) kinematics += real(0);
+  const auto packet = [&](const std::string& last) {
+    return with_length(big_endian(16, 1) + with_length(mode) + with_length(cartesian) + with_length(last));
+  };
+  const UrState state = std::get<UrState>(events_of(packet(kinematics + big_endian(0, 4))).at(0));
+  CHECK(state.power);
+  CHECK(state.speed_fraction == 0.25);
+  REQUIRE(state.tool);
+  CHECK((*state.tool)[2] == 0.3);
+  REQUIRE(state.reach);
+  CHECK(state.reach->shoulder_height == 0.1519);
+  CHECK(state.reach->length == doctest::Approx(0.607 + 0.1).epsilon(0.01));
+  CHECK_FALSE(std::get<UrState>(events_of(packet(kinematics.substr(0, 100))).at(0)).reach);
+}
