@@ -176,11 +176,28 @@ class ScriptCompiler {
       builder_.emit(variable.local ? Op::StoreLocal : Op::Store, cursor.line(), name.column, variable.index);
       return;
     }
+    if (!scoped && cursor.at_symbol("[")) return element_line(cursor, name);
     if (scoped || !cursor.at_symbol("(")) cursor.fail();
     cursor.back_to(start);
     compile_expression(cursor, builder_);
     cursor.expect_end();
     builder_.emit(Op::Drop, cursor.line(), name.column);
+  }
+
+  /** `NAME[index] = value` */
+  void element_line(Cursor& cursor, const Token& name) {
+    const Builder::Variable* found = builder_.find(name.text);
+    if (found == nullptr) fail_with(cursor.line(), name.column, "compile_error_name_not_found:" + name.text + ":");
+    const Builder::Variable variable = *found;
+    builder_.emit(variable.local ? Op::LoadLocal : Op::Load, cursor.line(), name.column, variable.index);
+    cursor.expect_symbol("[");
+    compile_expression(cursor, builder_);
+    cursor.expect_symbol("]");
+    cursor.expect_symbol("=");
+    compile_expression(cursor, builder_);
+    cursor.expect_end();
+    builder_.emit(Op::SetElement, cursor.line(), name.column);
+    builder_.emit(variable.local ? Op::StoreLocal : Op::Store, cursor.line(), name.column, variable.index);
   }
 
   Builder builder_;

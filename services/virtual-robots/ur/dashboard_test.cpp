@@ -57,6 +57,7 @@ TEST_CASE("dashboard: what a client asks first, and what is always answered the 
 
 TEST_CASE("dashboard: a protective stop is lifted after 5 s, not before") {
   DashboardBench bench;
+  CHECK(bench.ask("unlock protective stop") == "Protective stop releasing");
   bench.controller.set_safety(SafetyMode::ProtectiveStop, 0);
   CHECK(bench.ask("safetymode") == "Safetymode: PROTECTIVE_STOP");
   CHECK(bench.ask("safetystatus") == "Safetystatus: PROTECTIVE_STOP");

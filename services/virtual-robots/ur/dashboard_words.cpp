@@ -98,6 +98,9 @@ std::string DashboardWords::answer(std::string_view line, Controller& controller
   if (line == "isProgramSaved") return loaded_.empty() ? "true" : "true " + loaded_;
   if (line.starts_with("load ")) return load(trim(line.substr(5)));
   if (line == "play") return play(controller, now);
+  // Where there is nothing to unlock, nothing is refused.
+  if (line == "unlock protective stop" && state.safety != SafetyMode::ProtectiveStop)
+    return "Protective stop releasing";
   for (const Order& order : kOrders) {
     if (line != order.line) continue;
     if (order.give(controller, now)) return std::string(order.answer);

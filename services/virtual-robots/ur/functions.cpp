@@ -54,6 +54,14 @@ Step make_digital_out(const std::string&, const Bound& bound) {
   return DigitalOutStep{static_cast<int>(index), std::get<bool>(*bound[1])};
 }
 
+/** `first`: the bit of pin 0. */
+template <int kFirst, int kPins>
+Step make_pin(const std::string&, const Bound& bound) {
+  const double pin = number_or(bound, 0, 0);
+  if (!(pin >= 0 && pin < kPins)) throw ScriptFault{"runtime_error_no_pin:" + show(*bound[0]) + ":"};
+  return DigitalOutStep{kFirst + static_cast<int>(pin), std::get<bool>(*bound[1])};
+}
+
 Step make_text(const std::string&, const Bound& bound) {
   return TextStep{show(*bound[0]) + (bound[1] ? show(*bound[1]) : "")};
 }
@@ -123,10 +131,17 @@ const std::vector<Function>& doing_functions() {
       doing("sync", {}, make_sync, true),
       doing("set_digital_out", kOut, make_digital_out),
       doing("set_standard_digital_out", kOut, make_digital_out),
+      doing("set_configurable_digital_out", kOut, make_pin<8, 8>),
+      doing("set_tool_digital_out", kOut, make_pin<16, 2>),
       doing("textmsg", {{"s1", Kind::Any, true}, {"s2", Kind::Any}}, make_text),
       doing("popup", kPopup, make_popup),
       doing("set_tcp", {{"pose", Kind::Pose, true}, {"tcp_name", Kind::Text}}, make_tool),
       doing("set_payload", {{"m", Kind::Number, true}, {"cog", Kind::Any}}, make_setting),
+      doing("set_payload_mass", {{"m", Kind::Number, true}}, make_setting),
+      doing("set_target_payload", {{"m", Kind::Number, true}, {"cog", Kind::Any}, {"inertia", Kind::Any}},
+            make_setting),
+      doing("set_gravity", {{"d", Kind::List, true}}, make_setting),
+      doing("set_tool_voltage", {{"voltage", Kind::Number, true}}, make_setting),
       doing("speedj", {{"qd", Kind::Six, true}, {"a", Kind::Positive}, {"t", Kind::Number}}, make_speed, true),
       doing("speedl", {{"xd", Kind::Six, true}, {"a", Kind::Positive}, {"t", Kind::Number}, {"aRot", Kind::Text}},
             make_speed, true),

@@ -60,19 +60,12 @@ Value step_time(const World&, const Bound&) {
   return kStepTime;
 }
 
-bool bit_of(std::uint64_t bits, const Value& index) {
-  constexpr double kBits = 18;
-  const double number = std::get<double>(index);
-  if (!(number >= 0 && number < kBits)) throw ScriptFault{"runtime_error_no_pin:" + show(index) + ":"};
-  return ((bits >> static_cast<unsigned>(number)) & 1) != 0;
-}
-
-Value digital_in(const World& world, const Bound& bound) {
-  return bit_of(world.state.io.inputs, *bound[0]);
-}
-
-Value digital_out(const World& world, const Bound& bound) {
-  return bit_of(world.state.io.outputs, *bound[0]);
+/** `kFirst`: the bit of pin 0. */
+template <std::uint64_t Io::*kBits, int kFirst, int kPins>
+Value pin(const World& world, const Bound& bound) {
+  const double number = std::get<double>(*bound[0]);
+  if (!(number >= 0 && number < kPins)) throw ScriptFault{"runtime_error_no_pin:" + show(*bound[0]) + ":"};
+  return ((world.state.io.*kBits >> (kFirst + static_cast<unsigned>(number))) & 1) != 0;
 }
 
 std::size_t register_index(const Value& index, int count) {
@@ -145,10 +138,14 @@ const std::vector<Function>& telling_functions() {
       telling("get_tcp_offset", {}, tool_offset, Gives::Pose),
       telling("is_steady", {}, steady, Gives::Boolean),
       telling("get_steptime", {}, step_time, Gives::Number),
-      telling("get_digital_in", kPin, digital_in, Gives::Boolean),
-      telling("get_standard_digital_in", kPin, digital_in, Gives::Boolean),
-      telling("get_digital_out", kPin, digital_out, Gives::Boolean),
-      telling("get_standard_digital_out", kPin, digital_out, Gives::Boolean),
+      telling("get_digital_in", kPin, pin<&Io::inputs, 0, 18>, Gives::Boolean),
+      telling("get_standard_digital_in", kPin, pin<&Io::inputs, 0, 8>, Gives::Boolean),
+      telling("get_digital_out", kPin, pin<&Io::outputs, 0, 18>, Gives::Boolean),
+      telling("get_standard_digital_out", kPin, pin<&Io::outputs, 0, 8>, Gives::Boolean),
+      telling("get_configurable_digital_in", kPin, pin<&Io::inputs, 8, 8>, Gives::Boolean),
+      telling("get_configurable_digital_out", kPin, pin<&Io::outputs, 8, 8>, Gives::Boolean),
+      telling("get_tool_digital_in", kPin, pin<&Io::inputs, 16, 2>, Gives::Boolean),
+      telling("get_tool_digital_out", kPin, pin<&Io::outputs, 16, 2>, Gives::Boolean),
       telling("read_input_integer_register", kPin, read_integer<&World::inputs>, Gives::Number),
       telling("read_input_float_register", kPin, read_float<&World::inputs>, Gives::Number),
       telling("read_input_boolean_register", kPin, read_boolean<&World::inputs>, Gives::Boolean),

@@ -86,6 +86,9 @@ std::optional<Step> Machine::carry_out(const Instruction& instruction, const Wor
     case Op::Element:
       take_element();
       break;
+    case Op::SetElement:
+      set_element();
+      break;
     default:
       move_value(instruction);
   }
@@ -184,6 +187,20 @@ void Machine::take_element() {
   if (!(index >= 0 && index < static_cast<double>(count))) fail("index_out_of_range");
   const auto place = static_cast<std::size_t>(index);
   push(list != nullptr ? (*list)[place] : pose->values[place]);
+}
+
+void Machine::set_element() {
+  const double value = pop_number();
+  const double index = pop_number();
+  Value whole = pop();
+  auto* list = std::get_if<std::vector<double>>(&whole);
+  auto* pose = std::get_if<Pose>(&whole);
+  if (list == nullptr && pose == nullptr) fail("wrong_type");
+  const std::size_t count = list != nullptr ? list->size() : pose->values.size();
+  if (!(index >= 0 && index < static_cast<double>(count))) fail("index_out_of_range");
+  const auto place = static_cast<std::size_t>(index);
+  (list != nullptr ? (*list)[place] : pose->values[place]) = value;
+  push(std::move(whole));
 }
 
 std::optional<Step> Machine::call(const Instruction& instruction, const World& world) {

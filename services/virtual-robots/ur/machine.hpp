@@ -38,6 +38,7 @@ class Machine {
   void make_list(std::uint32_t count);
   void make_pose();
   void take_element();
+  void set_element();
   std::optional<Step> call(const Instruction& instruction, const World& world);
   void call_own(const Instruction& instruction);
   void give_back();

@@ -58,6 +58,14 @@ TEST_CASE("script: while, if, elif, else, break and continue") {
   CHECK(said_by("  if False:\n    textmsg(1)\n  end\n  halt\n  textmsg(2)").empty());
 }
 
+TEST_CASE("script: an element is changed in place") {
+  CHECK(said_by("  q = [1, 2]\n  q[1] = q[1] + 0.5\n  textmsg(q)") == Texts{"[1.000000, 2.500000]"});
+  CHECK(said_by("  x = p[1,2,3,4,5,6]\n  x[2] = 9\n  textmsg(x[2])") == Texts{"9.000000"});
+  CHECK(said_by("  q = [1]\n  q[1] = 0") == Texts{"3:3 runtime_error_index_out_of_range:"});
+  CHECK(said_by("  q[0] = 1") == Texts{"2:3 compile_error_name_not_found:q:"});
+  CHECK(said_by("  q = [1]\n  q[0]").front().find("syntax_error_on_line:3") != std::string::npos);
+}
+
 TEST_CASE("script: functions have parameters, values of their own, and give one back") {
   CHECK(said_by("  def add(a, b):\n    local c = a + b\n    return c\n  end\n  textmsg(add(1, add(2, 3)))") ==
         Texts{"6.000000"});
@@ -104,6 +112,10 @@ TEST_CASE("script: the robot's state is asked for") {
                 "  textmsg(norm(get_inverse_kin(get_actual_tcp_pose())[0] - 0.4) < 0.001)\n"
                 "  textmsg(get_inverse_kin_has_solution(p[10,0,0,0,0,0]))",
                 world) == Texts{"1.300000", "True", "7.000000", "True", "0.000000", "True", "False"});
+  world.state.io.outputs = 1 << 9;
+  CHECK(said_by("  textmsg(get_configurable_digital_out(1))\n  textmsg(get_tool_digital_out(1))\n  "
+                "set_tool_digital_out(2, True)",
+                world) == Texts{"True", "False", "4:3 runtime_error_no_pin:2.000000:"});
   CHECK(said_by("  textmsg(read_input_integer_register(99))") == Texts{"2:11 runtime_error_no_register:99.000000:"});
 }
 

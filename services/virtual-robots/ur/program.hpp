@@ -39,6 +39,7 @@ enum class Op : std::uint8_t {
   List,        ///< a: how many values
   Pose,        ///< of six values
   Element,     ///< list, index
+  SetElement,  ///< list, index, value: the list with that value
   Jump,        ///< a: to where
   JumpUnless,  ///< a: to where
   Call,        ///< a: call of the controller's function

@@ -31,6 +31,8 @@ constexpr InputRow kInputs[] = {
     {"tool_digital_output", RtdeType::Uint8, [](Reader& in, int, W w) { w.tool = in.u8(); }},
     {"standard_analog_output_mask", RtdeType::Uint8, [](Reader& in, int, W w) { w.analog_mask = in.u8(); }},
     {"standard_analog_output_type", RtdeType::Uint8, [](Reader& in, int, W w) { w.analog_type = in.u8(); }},
+    {"external_force_torque", RtdeType::Vector6d,
+     [](Reader& in, int, W) { in.text(size_of(RtdeType::Vector6d)); }},  // nothing feels it here
     {"standard_analog_output_0", RtdeType::Double,
      [](Reader& in, int, W w) { w.analog[0] = finite(in.f64(), w.analog[0]); }},
     {"standard_analog_output_1", RtdeType::Double,

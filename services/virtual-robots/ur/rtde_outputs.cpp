@@ -75,6 +75,9 @@ constexpr OutputRow kMotion[] = {
     {"tcp_force_scalar", RtdeType::Double, no_double},
     {"ft_raw_wrench", RtdeType::Vector6d, no_vector6},
     {"payload", RtdeType::Double, no_double},
+    {"payload_inertia", RtdeType::Vector6d, no_vector6},
+    {"elbow_velocity", RtdeType::Vector3d, no_vector3},
+    {"script_control_line", RtdeType::Uint32, no_word},
     {"payload_cog", RtdeType::Vector3d, no_vector3},
 };
 
@@ -100,6 +103,10 @@ constexpr OutputRow kElectric[] = {
     {"standard_analog_output0", RtdeType::Double, [](P p, int, Bytes& out) { out.f64(p.state.io.analog_outputs[0]); }},
     {"standard_analog_output1", RtdeType::Double, [](P p, int, Bytes& out) { out.f64(p.state.io.analog_outputs[1]); }},
     {"analog_io_types", RtdeType::Uint32, no_word},
+    {"euromap67_input_bits", RtdeType::Uint32, no_word},
+    {"euromap67_output_bits", RtdeType::Uint32, no_word},
+    {"euromap67_24V_voltage", RtdeType::Double, no_double},
+    {"euromap67_24V_current", RtdeType::Double, no_double},
     {"io_current", RtdeType::Double, [](P, int, Bytes& out) { out.f64(0.05); }},
     {"tool_mode", RtdeType::Uint32,
      [](P p, int, Bytes& out) { out.u32(p.state.mode == RobotMode::PowerOff ? 239 : 253); }},
