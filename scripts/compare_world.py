@@ -12,6 +12,7 @@ import time
 REPO = pathlib.Path(__file__).resolve().parent.parent
 sys.path[:0] = [str(REPO / "scripts"), str(REPO / "services" / "simulator" / "figures")]
 
+import sensor_side  # noqa: E402
 import trb_fleet  # noqa: E402
 import tapped  # noqa: E402
 
@@ -20,6 +21,7 @@ MAKESPAN_WITHIN = 0.05
 TIE_S = 0.1  # two events so close together may come in either order
 EARLY_S = 0.05  # an answer may be read at one tap before the first baton is read at another
 REST_S = 12  # of the count, behind the last task: a robot is let go after 10 s
+SETTLE_S = 5.5  # from the start to the run: a cloud whose resilience was up before its scheduler sees no run in its first 5 s
 STROKE_S = 2.5  # between two keep-alives: a count over whole strokes has as many, whenever the links came up
 UNTOLD = "robot_state"  # the world's robots have no values to tell
 PHASES = ["identification", "devices", "task", "forward", "sensor", "fail", "upkeep"]
@@ -95,12 +97,55 @@ def side_of(messages, tasks):
 
 # ---- the two sides
 
-def run_scenario(fleet, path, timeout):
+class Break:
+    """A robot that breaks so long after the first baton, by a line to the virtual one. Its node's cloud decides by itself."""
+
+    def __init__(self, robot, after_s):
+        self.robot, self.after_s, self.at_s = robot, after_s, None
+
+    def configure(self, fleet):
+        (fleet.dir(trb_fleet.CLOUD) / "resilience.json").write_text(json.dumps({"policy": {"mode": "automatic"}}))
+
+    def follow(self, fleet, taps):
+        first = next((one.at_s for one in taps.until_now() if one.subtype == "baton"), None)
+        if self.at_s is None and first is not None and time.monotonic() >= first + self.after_s:
+            self.at_s = time.monotonic() - first
+            capabilities = json.loads(fleet.description(self.robot).read_text())["capabilities"]
+            for one in capabilities:
+                fleet.virtual[self.robot].say(f"fault {one} CRITICAL broken")
+
+    def job(self):
+        """For the world, whose times count from the submission: that is some milliseconds earlier."""
+        return [{"at": round(self.at_s, 3), "kind": "fail", "node": self.robot}]
+
+
+class Thermometer:
+    """Plugged in at one node's PC before the run; the fleet is not made yet."""
+
+    def __init__(self, fleet, node, degrees):
+        self.node, self.degrees = node, degrees
+        self.side = sensor_side.SensorSide(fleet, node)
+
+    def plug(self, fleet):
+        self.side.plug_temperature(self.degrees)
+
+        def known():
+            routes = fleet.json("route", "list", node=trb_fleet.CLOUD)["routes"]
+            plugged = next(route for route in routes if route["id"] == self.node)["profile"]["plugged"]
+            return any(sensor["kind"] == "temperature" and sensor["state"] == "ok" for sensor in plugged)
+        fleet.wait("the cloud knows the thermometer", known, 20)
+
+    def job(self):
+        return [{"node": self.node, "name": "temperature", "unit": "degC", "value": self.degrees}]
+
+
+def run_scenario(fleet, path, timeout, meanwhile):
     """Submits it and waits until it is over. The final view."""
     done = fleet.json("scenario", "run", path, node=trb_fleet.CLOUD)
     over = {}
 
     def is_over():
+        meanwhile()
         over.update(fleet.json("scenario", "watch", done["run"], "--once", node=trb_fleet.CLOUD, check=False))
         return over["state"] not in ("RUNNING", "ACCEPTED", "OPEN")
     fleet.wait("the run ends", is_over, timeout)
@@ -109,17 +154,21 @@ def run_scenario(fleet, path, timeout):
     return over
 
 
-def play_real(fleet, path, timeout=180):
+def play_real(fleet, path, fault=None, thermometer=None, timeout=180):
     """Starts the fleet, which is made, runs the scenario, and counts until REST_S behind its last task."""
     taps = TimedTaps(fleet.dir(node) / "bus" for node in fleet.node_names)
     taps.start()
     try:
         fleet.start()
+        settled = time.monotonic() + SETTLE_S
         fleet.wait_formed(60)
         formed, hellos = time.monotonic(), sent_hellos(fleet)
+        if thermometer:
+            thermometer.plug(fleet)
+        fleet.wait("the cloud sees runs", lambda: time.monotonic() > settled, SETTLE_S + 1)
         skew = time.time() - time.monotonic()
-        view = run_scenario(fleet, path, timeout)
-        tasks = [(task["id"], ns_of(task["started"]) / 1e9 - skew, ns_of(task["ended"]) / 1e9 - skew) for task in view["tasks"]]
+        view = run_scenario(fleet, path, timeout, lambda: fault and fault.follow(fleet, taps))
+        tasks = [(task["id"], task["started"] / 1e9 - skew, task["ended"] / 1e9 - skew) for task in done_of(view)]
         begun, ended = min(begin for _, begin, _ in tasks), max(end for _, _, end in tasks)
         fleet.wait("the count is over", lambda: time.monotonic() > begun + count_until(ended - begun) + STROKE_S, 60)
     finally:
@@ -129,15 +178,19 @@ def play_real(fleet, path, timeout=180):
     return side_of(messages + [Message(formed, "hello", "", "")] * unheard, tasks), view
 
 
-def ns_of(value):
-    """A view's time: ns since 1970."""
-    return int(value)
+def done_of(view):
+    """Its tasks without those that a condition has left out."""
+    return [task for task in view["tasks"] if task["state"] == "FINISHED"]
 
 
-def play_world(fleet, path, times):
-    times_path, trace = fleet.root / "times.json", fleet.root / "trace.jsonl"
-    times_path.write_text(json.dumps(times))
-    answer = fleet.json("simulate", "--fleet", fleet.root / "nodes", "--scenario", path, "--times", times_path,
+def play_world(fleet, path, **more):
+    """`more`: what `trb simulate` has an option with a file for."""
+    trace, options = fleet.root / "trace.jsonl", []
+    for name, content in more.items():
+        file = fleet.root / f"{name}.json"
+        file.write_text(json.dumps(content))
+        options += [f"--{name.replace('_', '-')}", file]
+    answer = fleet.json("simulate", "--fleet", fleet.root / "nodes", "--scenario", path, *options,
                         "--relays", trb_fleet.CLOUD, "--trace", trace)
     if answer["world"]["state"] != "FINISHED" or answer["world"]["broken"]:
         raise RuntimeError(f"the simulated run: {answer['world']}")
@@ -145,12 +198,12 @@ def play_world(fleet, path, times):
     messages = [Message(line["at_s"], line["subtype"], line["from"], line["to"]) for line in lines if line["from"] != line["to"]]
     # Beacons are no messages of a link: the taps do not see them.
     messages = [one for one in messages if one.subtype != "beacon"]
-    return side_of(messages, [(task["id"], task["begin_s"], task["end_s"]) for task in answer["tasks"]])
+    return side_of(messages, [(task["id"], task["begin_s"], task["end_s"]) for task in answer["tasks"] if "end_s" in task])
 
 
 def times_of(view):
     """How long each task has taken its robot."""
-    return {f"task:{task['id']}": max(task["duration_s"], 0.001) for task in view["tasks"]}
+    return {f"task:{task['id']}": max(task["duration_s"], 0.001) for task in done_of(view)}
 
 
 # ---- the comparison
@@ -211,7 +264,7 @@ def model_terms(fleet, path, view, real, until_s):
     before = real.from_start(0)
     hellos = [one.at_s for one in real.messages if one.subtype == "hello"]
     asked = sum(one.subtype not in tapped.phases() for one in real.messages) // 2
-    words = {"robots": len(fleet.robots), "times": fleet.root / "times.json", "members": len({task["robot"] for task in view["tasks"]}),
+    words = {"robots": len(fleet.robots), "times": fleet.root / "times.json",
              "asked": asked, "states": real.from_start(until_s)[UNTOLD] // len(fleet.robots),
              "crossed": before["goodbye"] // 2, "told": before["node_profile"], "introduced": before["neighbours"],
              "seconds": round(until_s - sum(hellos) / len(hellos), 3)}
@@ -242,11 +295,15 @@ class Compared:
                 "model": [dict(zip(("term", "real", "model", "holds"), row)) for row in self.model]}
 
 
-def compare(fleet, name, path, play=play_real):
-    """`fleet` is made and not started; `path`: the scenario."""
-    real, view = play(fleet, path)
-    world = play_world(fleet, path, times_of(view))
+def compare(fleet, name, path, fault=None, thermometer=None):
+    """`fleet` is made and not started; `path`: the scenario; `fault`: a Break."""
+    if fault:
+        fault.configure(fleet)
+    real, view = play_real(fleet, path, fault, thermometer)
+    more = {"faults": fault.job()} if fault else {"sensor_values": thermometer.job()} if thermometer else {}
+    world = play_world(fleet, path, times=times_of(view), **more)
     until_s = count_until(max(at for at, _, _ in real.events))
-    rows = model_rows(real, model_terms(fleet, path, view, real, until_s), until_s)
+    # The model's robot breaks in a task, this one between two; and it has no tasks that a condition leaves out.
+    rows = [] if more else model_rows(real, model_terms(fleet, path, view, real, until_s), until_s)
     makespans = (round(real.makespan_s, 3), round(world.makespan_s, 3))
     return Compared(name, phase_rows(real, world, until_s), rows, turned(real, world), makespans)
