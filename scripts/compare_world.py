@@ -194,7 +194,8 @@ def play_world(fleet, path, **more):
                         "--relays", trb_fleet.CLOUD, "--trace", trace)
     if answer["world"]["state"] != "FINISHED" or answer["world"]["broken"]:
         raise RuntimeError(f"the simulated run: {answer['world']}")
-    lines = map(json.loads, trace.read_text().splitlines())
+    # A trace tells more than messages.
+    lines = [line for line in map(json.loads, trace.read_text().splitlines()) if "subtype" in line]
     messages = [Message(line["at_s"], line["subtype"], line["from"], line["to"]) for line in lines if line["from"] != line["to"]]
     # Beacons are no messages of a link: the taps do not see them.
     messages = [one for one in messages if one.subtype != "beacon"]
