@@ -1,5 +1,6 @@
 // What goes wrong: robots that break, links that are cut, nodes that die; and cores that are broken on purpose, which
 // the invariants must catch.
+#include <algorithm>
 #include <cstdlib>
 
 #include "services/scheduler/core/journal_records.hpp"
@@ -45,37 +46,94 @@ TEST_CASE("a node dies and comes back: what is on its disk is all that it knows,
 
 namespace {
 
-/// A short run in which something goes wrong, drawn by the seed.
-WorldPlan bad_day(std::uint64_t seed) {
-  Dice dice(seed ^ 0xBAD);
-  WorldPlan plan =
-      plan_of(static_cast<std::uint32_t>(2 + dice.below(2)), static_cast<std::uint32_t>(2 + dice.below(4)), {}, seed);
-  plan.link = kLinkKinds[dice.below(kLinkKinds.size())];
-  plan.task.mean_s = 1;
-  plan.until_s = 400;
-  const auto robot = [&] { return "r" + std::to_string(dice.below(plan.robots)); };
-  const auto time = [&] { return 0.001 * static_cast<double>(dice.below(8000)); };
-  for (std::uint64_t i = dice.below(3); i > 0; --i) {
-    const double at = time();
-    switch (dice.below(3)) {
-      case 0: {
-        const std::string node = dice.below(4) == 0 ? "cloud" : robot();
-        plan.faults.push_back({at, FaultKind::kill, node, ""});
-        plan.faults.push_back({at + 0.1 + time(), FaultKind::start, node, ""});
-        break;
-      }
-      case 1: {
-        const std::string node = robot();
-        plan.faults.push_back({at, FaultKind::cut, node, ""});
-        plan.faults.push_back({at + time(), FaultKind::heal, node, ""});
-        break;
-      }
+/// What may go wrong in a short run, drawn by the seed.
+class BadDay {
+ public:
+  explicit BadDay(std::uint64_t seed) : dice_(seed ^ 0xBAD) {
+    plan_ = plan_of(static_cast<std::uint32_t>(2 + dice_.below(2)), static_cast<std::uint32_t>(2 + dice_.below(4)), {},
+                    seed);
+    plan_.link = kLinkKinds[dice_.below(kLinkKinds.size())];
+    plan_.task.mean_s = 1;
+    plan_.until_s = 400;
+    if (dice_.below(2) == 0) plan_.relays = {"cloud"};
+    for (std::uint64_t i = dice_.below(3); i > 0; --i) go_wrong();
+  }
+  [[nodiscard]] const WorldPlan& plan() const { return plan_; }
+
+ private:
+  std::string robot() { return "r" + std::to_string(dice_.below(plan_.robots)); }
+  double time() { return 0.001 * static_cast<double>(dice_.below(8000)); }
+  std::string node() { return dice_.below(4) == 0 ? "cloud" : robot(); }
+  void add(Fault fault) { plan_.faults.push_back(std::move(fault)); }
+
+  void go_wrong() {
+    switch (dice_.below(8)) {
+      case 0:
+      case 1:
+        return die();
+      case 2:
+        return be_cut(Way::both);
+      case 3:
+        return be_cut(dice_.below(2) == 0 ? Way::there : Way::back);
+      case 4:
+        return fall_apart();
+      case 5:
+        return be_slow();
+      case 6:
+        return be_late();
       default:
-        if (plan.faults.empty()) plan.faults.push_back({at, FaultKind::fail, "r0", ""});
+        return wear_out();
     }
   }
-  return plan;
-}
+  void die() {
+    const double at = time();
+    const std::string who = node();
+    add({at, FaultKind::kill, who});
+    add({at + 0.1 + time(), FaultKind::start, who});
+  }
+  void be_cut(Way way) {
+    Fault cut{time(), FaultKind::cut, robot()};
+    cut.way = way;
+    add(cut);
+    add({cut.at_s + time(), FaultKind::heal, cut.node});
+  }
+  void fall_apart() {
+    Fault apart{.at_s = time(), .kind = FaultKind::partition, .nodes = {"r0", dice_.below(2) == 0 ? "cloud" : "r1"}};
+    add(apart);
+    apart.kind = FaultKind::heal;
+    apart.at_s += time();
+    add(apart);
+  }
+  void be_slow() {
+    add({.kind = FaultKind::disk,
+         .node = node(),
+         .from_start = true,
+         .commit_s = 0.1 * static_cast<double>(dice_.below(5))});
+  }
+  void be_late() {
+    const ClockFault clocks[] = {
+        {.ahead_s = 20 * static_cast<double>(dice_.below(20)) - 200}, {.drift_ppm = 500}, {.is_1970 = true}};
+    add({.at_s = time(),
+         .kind = FaultKind::clock,
+         .node = node(),
+         .from_start = dice_.below(2) == 0,
+         .clock = clocks[dice_.below(3)]});
+  }
+  /// One robot alone: with two of two broken nobody is left.
+  void wear_out() {
+    const bool by_chance = dice_.below(3) == 0;
+    const bool is_first = std::ranges::none_of(plan_.faults, [](const Fault& one) {
+      return one.kind == FaultKind::fail || one.kind == FaultKind::battery || one.kind == FaultKind::rate;
+    });
+    if (!is_first) return;
+    if (by_chance) return add({.kind = FaultKind::rate, .node = "r0", .rate = {.between_s = 10, .repair_s = 3}});
+    if (dice_.below(2) == 0) return add({time(), FaultKind::fail, "r0"});
+    add({.kind = FaultKind::battery, .node = "r0", .from_start = true, .battery = {.percent = 12, .per_second = 10}});
+  }
+
+  Dice dice_;
+  WorldPlan plan_;
+};
 
 }  // namespace
 
@@ -85,7 +143,7 @@ TEST_CASE("whatever goes wrong, no task is done twice or said to be done in vain
   std::uint64_t finished = 0, events = 0;
   for (std::uint64_t seed = first; seed < first + seeds; ++seed) {
     CAPTURE(seed);
-    World world(bad_day(seed));
+    World world(BadDay(seed).plan());
     const Played is = world.play();
     check_unbroken(is);
     finished += is.state == RunState::finished ? 1U : 0U;
