@@ -44,6 +44,14 @@ TEST_CASE("a node dies and comes back: what is on its disk is all that it knows,
   CHECK(is.tasks_done == 6);
 }
 
+TEST_CASE("a robot breaks and its node is away until the run has ended without it: it asks, and is told") {
+  World world(plan_of(2, 4, {{7, FaultKind::fail, "r0"}, {7.5, FaultKind::kill, "r0"}, {40, FaultKind::start, "r0"}}));
+  const Played is = world.play();
+  check_unbroken(is);
+  CHECK(is.state == RunState::finished);
+  CHECK(is.over_everywhere);
+}
+
 namespace {
 
 /// What may go wrong in a short run, drawn by the seed.

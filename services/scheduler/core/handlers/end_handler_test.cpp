@@ -64,6 +64,19 @@ TEST_CASE("who has nothing left to do asks the judge after 30 s") {
   CHECK(targets<NeedEnd>(member.seek()) == Names{"cloud"});
 }
 
+TEST_CASE("who waits for a decision on its failed task asks, too: the run may have gone on and ended meanwhile") {
+  Ending member("ur3");
+  member.settle_all();
+  CHECK(member.seek().sends.empty());
+  member.known.pass(40);
+  CHECK(member.seek().sends.empty());  // it has a task to do
+  member.known.add(member.known.result("task-0", "ur3", TaskOutcome::failed));
+  member.settle_all();
+  CHECK(member.seek().sends.empty());
+  member.known.pass(30);
+  CHECK(targets<NeedEnd>(member.seek()) == Names{"cloud"});
+}
+
 TEST_CASE("the judge's word ends a run, another's is refused, and a late one is counted") {
   Ending member("ur3");
   CHECK(nacks(member.known.send(member.handler, "cloud2", RunOver{member.known.end("cloud2")})) ==

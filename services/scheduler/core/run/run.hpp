@@ -80,7 +80,8 @@ class Run {
   [[nodiscard]] bool is_open(UtcTime steady) const { return orders_.is_open() && !definition_.expired(steady); }
   /// Tasks may be begun: it is open, and nothing holds it.
   [[nodiscard]] bool may_start(UtcTime steady) const;
-  /// This node has nothing left to do: its tasks are final, and nothing is owed or waited for.
+  /// This node has nothing left to do: its tasks are final, or one has failed and none could begin; and nothing is owed
+  /// or waited for.
   [[nodiscard]] bool is_idle() const;
   /// Rises with every fact.
   [[nodiscard]] std::uint64_t version() const { return version_; }
@@ -88,6 +89,7 @@ class Run {
  private:
   Run(RunDefinition definition, Members members, const std::shared_ptr<Certificates>& certificates,
       const std::string& self);
+  [[nodiscard]] bool is_stuck() const;
   void adopt(const SignedRecord& record, const Decision& decision);
 
   std::shared_ptr<Certificates> certificates_;
