@@ -104,7 +104,7 @@ void Controller::take_config(const Command& command) {
   const std::string& key = command.arguments[0];
   const std::string& value = command.arguments[1];
   command_taken_ = true;
-  if (key == "general:navdata_demo") wish_.kind = value == "TRUE" ? NavdataKind::Demo : NavdataKind::All;
+  if (key == "general:navdata_demo") wish_.kind = value == "TRUE" ? NavdataKind::demo : NavdataKind::all;
   const auto number = parse_number(value);
   if (key == "general:navdata_options" && number && *number >= 0 && *number <= kMostOptions) {
     wish_.options = static_cast<std::uint32_t>(*number);
@@ -181,8 +181,8 @@ std::uint32_t Controller::state() const {
   std::uint32_t state = bits::kAltitudeControl | bits::kCameraReady | bits::kPicVersionOk | bits::kThreads | injected_;
   if (aircraft_.in_air()) state |= bits::kFlying;
   if (command_taken_) state |= bits::kCommandTaken;
-  if (wish_.kind == NavdataKind::Demo) state |= bits::kDemo;
-  if (wish_.kind == NavdataKind::Bootstrap) state |= bits::kBootstrap;
+  if (wish_.kind == NavdataKind::demo) state |= bits::kDemo;
+  if (wish_.kind == NavdataKind::bootstrap) state |= bits::kBootstrap;
   if (watchdog_) state |= bits::kComWatchdog;
   if (lost_) state |= bits::kComLost;
   if (aircraft_.battery_low()) state |= bits::kBatteryLow;

@@ -40,7 +40,8 @@ class Pilot {
   std::uint32_t state() {
     const std::string packet = drone_.navdata();
     std::uint32_t out = 0;
-    for (int i = 3; i >= 0; --i) out = out << 8 | static_cast<unsigned char>(packet[static_cast<std::size_t>(4 + i)]);
+    for (int i = 3; i >= 0; --i)
+      out = out << 8 | static_cast<unsigned char>(packet[std::size_t{4} + static_cast<std::size_t>(i)]);
     return out;
   }
   Controller& drone() { return drone_; }
@@ -89,11 +90,11 @@ TEST_CASE("navdata: the golden bytes") {
   Aircraft aircraft;
   const std::string bare = navdata_packet(bits::kBootstrap, 1, aircraft, {}, 0);
   CHECK(hex(bare) == "88776655000800000100000001000000ffff0800c4010000");
-  const std::string demo = navdata_packet(bits::kDemo, 0x0102, aircraft, {NavdataKind::Demo, 1U << 0}, 0);
+  const std::string demo = navdata_packet(bits::kDemo, 0x0102, aircraft, {NavdataKind::demo, 1U << 0}, 0);
   CHECK(demo.size() == 172);
   CHECK(hex(demo).substr(0, 64) == "8877665500040000020100000100000000009400000002006400000000000000");
   CHECK(hex(demo).substr(328) == "ffff0800bc020000");
-  CHECK(navdata_packet(bits::kDemo, 1, aircraft, {NavdataKind::Demo}, 0).size() == 500);
+  CHECK(navdata_packet(bits::kDemo, 1, aircraft, {NavdataKind::demo}, 0).size() == 500);
 }
 
 namespace {
@@ -135,9 +136,9 @@ TEST_CASE("all options are sent to who wants no demo, by their tags and sizes, a
   const std::map<std::uint32_t, std::size_t> sizes = {{0, 148}, {1, 8},   {2, 52},  {3, 46},   {4, 16},   {6, 88},
                                                       {9, 76},  {10, 56}, {13, 92}, {14, 108}, {15, 364}, {16, 328},
                                                       {19, 65}, {21, 18}, {22, 75}, {27, 12}};
-  for (const auto& [tag, size] : sizes) {
-    CAPTURE(tag);
-    CHECK(options[tag].size() == size - 4);
+  for (const auto& wanted : sizes) {
+    CAPTURE(wanted.first);
+    CHECK(options[wanted.first].size() == wanted.second - 4);
   }
   const auto altitude = static_cast<std::int32_t>(word(options[0], 20));
   CHECK(altitude > 500);

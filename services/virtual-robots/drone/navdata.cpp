@@ -12,8 +12,8 @@ constexpr std::uint32_t kEvery = (1U << kOptionTags) - 1;
 constexpr std::uint32_t kDemoTag = 1U << 0;
 
 std::uint32_t sent_options(const NavdataWish& wish) {
-  if (wish.kind == NavdataKind::Bootstrap) return 0;
-  return wish.kind == NavdataKind::All ? kEvery : (wish.options | kDemoTag) & kEvery;
+  if (wish.kind == NavdataKind::bootstrap) return 0;
+  return wish.kind == NavdataKind::all ? kEvery : (wish.options | kDemoTag) & kEvery;
 }
 
 }  // namespace

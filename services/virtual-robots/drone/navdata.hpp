@@ -27,10 +27,10 @@ constexpr std::uint32_t kEmergency = 1U << 31;
 }  // namespace bits
 
 /** Which options a client has asked for: none yet, the demo and some, or every one. */
-enum class NavdataKind : std::uint8_t { Bootstrap, Demo, All };
+enum class NavdataKind : std::uint8_t { bootstrap, demo, all };
 
 struct NavdataWish {
-  NavdataKind kind = NavdataKind::Bootstrap;
+  NavdataKind kind = NavdataKind::bootstrap;
   std::uint32_t options = 1U << 0 | 1U << 16;  ///< a bit each, beside the demo: vision_detect, as the drone has it set
 };
 

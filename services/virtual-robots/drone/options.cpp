@@ -10,15 +10,15 @@ namespace trb::virtual_robots::drone {
 namespace {
 
 /** The options by their tags: their numbers and sizes as the SDK 2's navdata_common.h has them. */
-enum Tag : std::uint32_t {
-  Demo = 0,
-  Time = 1,
-  RawMeasures = 2,
-  PhysMeasures = 3,
-  EulerAngles = 5,
-  Altitude = 10,
-  Magneto = 22,
-  Wifi = 26,
+enum class Tag : std::uint32_t {
+  demo = 0,
+  time = 1,
+  raw_measures = 2,
+  phys_measures = 3,
+  euler_angles = 5,
+  altitude = 10,
+  magneto = 22,
+  wifi = 26,
 };
 
 constexpr std::array<std::uint16_t, kOptionTags> kSizes = {148, 8,   52,  46, 16, 12, 88, 16, 24, 76, 56, 16, 44, 92,
@@ -79,15 +79,15 @@ void add_magneto(Packet& packet, const Aircraft& aircraft) {
   packet.zeros(42).f32(degrees).f32(degrees).f32(degrees).u8(1);
 }
 
-void add_content(Packet& packet, std::uint32_t tag, const Aircraft& aircraft, double uptime_s) {
-  if (tag == Tag::Demo) add_demo(packet, aircraft);
-  if (tag == Tag::Time) add_time(packet, uptime_s);
-  if (tag == Tag::RawMeasures) add_raw_measures(packet, aircraft);
-  if (tag == Tag::PhysMeasures) add_phys_measures(packet);
-  if (tag == Tag::EulerAngles) packet.f32(millidegrees(aircraft.pitch())).f32(millidegrees(aircraft.roll()));
-  if (tag == Tag::Altitude) add_altitude(packet, aircraft);
-  if (tag == Tag::Magneto) add_magneto(packet, aircraft);
-  if (tag == Tag::Wifi) packet.u32(100);
+void add_content(Packet& packet, Tag tag, const Aircraft& aircraft, double uptime_s) {
+  if (tag == Tag::demo) add_demo(packet, aircraft);
+  if (tag == Tag::time) add_time(packet, uptime_s);
+  if (tag == Tag::raw_measures) add_raw_measures(packet, aircraft);
+  if (tag == Tag::phys_measures) add_phys_measures(packet);
+  if (tag == Tag::euler_angles) packet.f32(millidegrees(aircraft.pitch())).f32(millidegrees(aircraft.roll()));
+  if (tag == Tag::altitude) add_altitude(packet, aircraft);
+  if (tag == Tag::magneto) add_magneto(packet, aircraft);
+  if (tag == Tag::wifi) packet.u32(100);
 }
 
 }  // namespace
@@ -95,7 +95,7 @@ void add_content(Packet& packet, std::uint32_t tag, const Aircraft& aircraft, do
 std::string navdata_option(std::uint32_t tag, const Aircraft& aircraft, double uptime_s) {
   Packet packet;
   packet.u16(tag).u16(kSizes.at(tag));
-  add_content(packet, tag, aircraft, uptime_s);
+  add_content(packet, static_cast<Tag>(tag), aircraft, uptime_s);
   packet.zeros(kSizes.at(tag) - packet.bytes().size());
   return packet.bytes();
 }
