@@ -4,7 +4,7 @@ import { join } from 'node:path';
 import { Person } from './person.mjs';
 import { order } from './starter.mjs';
 
-const ROBOT = 'pioneer2';
+const ROBOT = 'pioneer1';
 const DRIVE_MS = 15000;
 /** From an event in the page until the robot itself has stood. */
 const STANDS_MS = 500;
