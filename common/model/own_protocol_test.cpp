@@ -114,7 +114,8 @@ TEST_CASE("bad parameters are refused by name") {
            Case{{.updates = 1e300, .seconds = 1}, "--rate"},
            Case{{.updates = 1e8, .seconds = 1e8}, "--rate"},
        }) {
-    CAPTURE(name);
+    const std::string parameter = name;
+    CAPTURE(parameter);
     const Status status = check(p);
     REQUIRE_FALSE(status.ok());
     CHECK(status.error().what.find(name) != std::string::npos);

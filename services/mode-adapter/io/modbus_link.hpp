@@ -10,7 +10,7 @@
 #include "common/drivers/modbus/call.hpp"
 #include "services/mode-adapter/core/drivers.hpp"
 
-struct _modbus;
+struct _modbus;  // NOLINT(bugprone-reserved-identifier): libmodbus names it so
 
 namespace trb::adapter {
 

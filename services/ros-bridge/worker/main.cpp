@@ -200,7 +200,7 @@ class Worker {
     const auto at = subscriptions_.find(topic);
     if (at == subscriptions_.end() || Clock::now() < at->second.next) return;
     at->second.next = Clock::now() + kBetweenMessages;
-    const auto message = heard.getConstMessage();
+    const auto& message = heard.getConstMessage();
     Bytes wire(message->size(), '\0');
     roscpp::serialization::OStream stream(reinterpret_cast<std::uint8_t*>(wire.data()), message->size());
     message->write(stream);

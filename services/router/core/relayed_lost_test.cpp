@@ -55,7 +55,7 @@ TEST_CASE("a cut that comes and goes: what is sent meanwhile arrives once or not
     if (send.message.subtype == "numbered") ++times[send.message.data];
   }
   CHECK(times.size() > number / 3);
-  for (const auto& [text, count] : times) CHECK_MESSAGE(count == 1, text);
+  for (const auto& one : times) CHECK_MESSAGE(one.second == 1, one.first);
   CHECK(three.cloud.delivered.empty());
   CHECK(three.cloud.told("numbered") == 0);
   CHECK(three.ant->told("numbered") == 0);

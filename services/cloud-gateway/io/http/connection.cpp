@@ -17,7 +17,7 @@ namespace trb::gateway {
 namespace {
 
 namespace asio = boost::asio;
-using tcp = asio::ip::tcp;
+using Tcp = asio::ip::tcp;
 using SteadyClock = std::chrono::steady_clock;
 
 /// A read: 128 of them are the largest body; a thousand connections have 8 MB of such buffers.
@@ -333,7 +333,7 @@ void HttpConnection::leave() {
   stream_.async_shutdown([self = shared_from_this()](Problem) {
     if (self->phase_ == Phase::ended) return;
     Problem ignored;
-    self->stream_.next_layer().shutdown(tcp::socket::shutdown_send, ignored);
+    self->stream_.next_layer().shutdown(Tcp::socket::shutdown_send, ignored);
     self->drain({});
   });
 }
@@ -381,7 +381,7 @@ std::shared_ptr<Connection> start_connection(asio::io_context& loop, asio::ssl::
                                              Accepted accepted) {
   Socket socket(loop);
   Problem ignored;
-  socket.assign(accepted.is_v6 ? tcp::v6() : tcp::v4(), accepted.socket, ignored);
+  socket.assign(accepted.is_v6 ? Tcp::v6() : Tcp::v4(), accepted.socket, ignored);
   auto connection = std::make_shared<HttpConnection>(std::move(socket), tls, owner, accepted);
   connection->start();
   return connection;

@@ -24,7 +24,8 @@ TEST_CASE("the page, its favicon and the description of the API are the files of
                                                                {"/favicon.svg", "web/dist/favicon.svg"},
                                                                {"/api/v1/openapi.json", "api/openapi.json"}};
   for (const auto& [path, file] : files) {
-    CAPTURE(path);
+    const std::string address = path;
+    CAPTURE(address);
     const PageFile* found = find_page_file(path);
     REQUIRE(found != nullptr);
     CHECK(*found->plain == *read_file(kGateway + file));
@@ -54,7 +55,8 @@ TEST_CASE("what the page names is there; assets are kept by a browser, for a cha
   std::size_t named = 0;
   for (std::size_t at = page.find("\"/"); at != std::string::npos; at = page.find("\"/", at + 1), ++named) {
     const std::string path = page.substr(at + 1, page.find('"', at + 1) - at - 1);
-    CAPTURE(path);
+    const std::string address = path;
+    CAPTURE(address);
     const PageFile* file = find_page_file(path);
     REQUIRE(file != nullptr);
     CHECK(file->cache_control.ends_with("immutable") == path.starts_with("/assets/"));

@@ -116,7 +116,7 @@ void PostgresHost::start() {
                    folder_->log());
     }
     ::poll(nullptr, 0, 50);  // it tells nobody when it is ready: it is asked
-  } while (said("SELECT 1") != "");
+  } while (!said("SELECT 1").empty());
 }
 
 /// The others end when they see that the first one is gone.
