@@ -289,6 +289,8 @@ TEST_CASE("commands.json: values") {
                  {"commands.json", R"("port": 30002, )", "", "ur.port", "is missing"},
                  {"commands.json", "30002", "99999", "ur.port", "out of range"},
                  {"commands.json", "ur-primary", "ur-rtde", "ur.monitor.protocol", "'ur-rtde'"},
+                 {"commands.json", R"("language")", R"("rtde_port": 0, "language")", "ur.rtde_port", "out of range"},
+                 {"commands.json", R"("language")", R"("rtde_hz": 500, "language")", "ur.rtde_hz", "out of range"},
                  {"commands.json", "urscript-program", "program", "ur.wrap", "'program'"},
                  {"commands.json", R"("language": "urscript")", R"("language": "plain")", "ur.wrap", "wraps URScript"},
                  {"commands.json", R"("port": 30002)", R"("port": 30002, "transport": "lines")", "ur.transport",
