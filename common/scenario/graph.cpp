@@ -131,6 +131,7 @@ Bytes to_bitmap(const std::vector<bool>& final_tasks) {
     if (!final_tasks[i]) continue;
     out[i / 8] = static_cast<char>(static_cast<unsigned char>(out[i / 8]) | (1U << (i % 8)));
   }
+  out.resize(out.find_last_not_of('\0') + 1);  // npos + 1 is 0
   return out;
 }
 

@@ -34,7 +34,7 @@ TaskIndex chooser_of(const Scenario& scenario, TaskIndex task);
 /// True if every direct predecessor is final.
 bool predecessors_final(const Task& task, const std::vector<bool>& final_tasks);
 
-/// Baton::final_tasks: task i is bit i%8 of byte i/8; the size is rounded up to whole bytes.
+/// Baton::final_tasks: task i is bit i%8 of byte i/8; bytes at the end without any are left out.
 Bytes to_bitmap(const std::vector<bool>& final_tasks);
 
 /// The inverse, for a scenario of `tasks` tasks; a shorter bitmap means "not final" for the rest. Errors: too_large

@@ -92,6 +92,11 @@ TEST_CASE("a bitmap goes there and back, and refuses bits beyond the last task")
   bits[0] = bits[7] = bits[8] = true;
   CHECK(to_bitmap(bits) == std::string("\x81\x01", 2));
   CHECK(*from_bitmap(to_bitmap(bits), 9) == bits);
+  bits[8] = false;
+  bits.resize(1000);
+  CHECK(to_bitmap(bits) == "\x81");
+  CHECK(*from_bitmap(to_bitmap(bits), 1000) == bits);
+  CHECK(to_bitmap(std::vector<bool>(1000)).empty());
   CHECK(*from_bitmap("", 2) == std::vector<bool>{false, false});
   CHECK(from_bitmap("\x04", 2).error().code == Errc::too_large);
   CHECK(from_bitmap(std::string(2, '\0'), 2).ok());
