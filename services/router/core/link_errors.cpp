@@ -33,9 +33,8 @@ void LinkErrors::note_link(LinkId id, std::string_view code, std::string_view te
   for (const Seed& seed : table_.seeds()) {
     if (seed.redial.link == id) return note(seed.peer, seed.address, code, text, now);
   }
-  for (const auto& [name, peer] : table_.peers()) {
-    if (peer.redial.link == id) return note(name, peer.address, code, text, now);
-  }
+  const Peer* peer = table_.find(link->dialled_for);
+  if (peer != nullptr && peer->redial.link == id) note(peer->id, peer->address, code, text, now);
 }
 
 void LinkErrors::recovered(std::string_view peer, std::string_view address) {
