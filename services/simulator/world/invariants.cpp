@@ -11,6 +11,7 @@ void check_attempts(const World& world, Texts& out) {
   for (const auto& [key, times] : world.witness().begun()) {
     if (times > 1) out.push_back(key.task + ": attempt " + std::to_string(key.attempt) + " was begun twice");
   }
+  for (const std::string& task : world.witness().doubles()) out.push_back(task + ": two robots were at it at once");
 }
 
 void check_robots(const World& world, Texts& out) {

@@ -55,3 +55,34 @@ TEST_CASE("plant: a robot's scheduler that writes no start, and dies at once, be
   };
   CHECK(caught(plan, plant) == "t0: attempt 1 was begun twice");
 }
+
+namespace {
+
+/// r1 keeps none of these on its disk.
+Meddler keeps_not(bool epochs, bool given_back) {
+  Meddler plant;
+  plant.writes = [=](const std::string& node, const Journal& record) {
+    const auto* result = std::any_cast<scheduler::JournalResult>(&record.record);
+    const bool is_epoch = std::any_cast<scheduler::JournalDecision>(&record.record) != nullptr;
+    return node != "r1" || !((epochs && is_epoch) || (given_back && result != nullptr));
+  };
+  return plant;
+}
+
+}  // namespace
+
+// Two guards keep r1 from t4: the new epoch, and its own signed word that it gave t4 back. Each alone is enough.
+TEST_CASE("plant: a scheduler for which no new epoch counts does what was given to another") {
+  // r1 breaks in t1, so that t1 and t4 are given to others; it is repaired and starts anew.
+  WorldPlan plan = plan_of(3, 6,
+                           {{1, FaultKind::fail, "r1"},
+                            {6.5, FaultKind::repair, "r1"},
+                            {6.6, FaultKind::kill, "r1"},
+                            {6.9, FaultKind::start, "r1"}});
+  plan.fleet = paper_robots(plan.robots);
+  plan.scenario = in_turn(plan.tasks, plan.fleet);
+  for (Task& task : plan.scenario.tasks) task.after.clear();
+  check_unbroken(World(plan, keeps_not(true, false)).play());
+  check_unbroken(World(plan, keeps_not(false, true)).play());
+  CHECK(caught(plan, keeps_not(true, true)) == "t4: two robots were at it at once");
+}

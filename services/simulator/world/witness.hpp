@@ -18,6 +18,14 @@ class Witness {
     at_work_[robot] = key;
     if (!first_s_) first_s_ = at_s;
   }
+  /// One robot began a task that another is still at.
+  void on_double(const std::string& task) { doubles_.insert(task); }
+  [[nodiscard]] const std::set<std::string>& doubles() const { return doubles_; }
+  /// The task that the robot began last, if it has not done it.
+  [[nodiscard]] std::string task_of(const std::string& robot) const {
+    const auto at = at_work_.find(robot);
+    return at == at_work_.end() ? "" : at->second.task;
+  }
   void on_end(const std::string& robot, double at_s) {
     const auto at = at_work_.find(robot);
     if (at == at_work_.end()) return;
@@ -55,7 +63,7 @@ class Witness {
   std::map<std::string, std::uint32_t> done_;
   std::map<std::string, AttemptKey> at_work_;
   std::map<std::string, std::pair<std::string, double>> ended_;  ///< by robot: its last task, and when
-  std::set<std::string> unknown_;
+  std::set<std::string> unknown_, doubles_;
   std::optional<double> first_s_;
   double last_s_ = 0;
 };

@@ -113,10 +113,19 @@ void World::watch(Node& node) {
   if (node.robot() == nullptr) return;
   const std::string& id = node.plan().id;
   node.robot()->on_begin = [this, &node] {
+    look_for_double(node);
     witness_.on_begin(node.plan().id, node.order().key, events_.seconds_passed());
   };
   node.robot()->task = [&node] { return node.order().key.task; };
   node.robot()->on_end = [this, id] { witness_.on_end(id, events_.seconds_passed()); };
+}
+
+void World::look_for_double(const Node& beginner) {
+  const std::string& task = beginner.order().key.task;
+  for (const auto& [id, other] : nodes_) {
+    const bool is_at_it = other.get() != &beginner && other->robot() != nullptr && other->robot()->works();
+    if (is_at_it && witness_.task_of(id) == task) witness_.on_double(task);
+  }
 }
 
 Played World::play() {

@@ -80,6 +80,7 @@ class World {
  private:
   void add(const std::string& id, Role role, std::uint32_t number, const NodeProfile& profile);
   void watch(Node& node);
+  void look_for_double(const Node& beginner);
   void pass(double limit_s);
   void tell_second();
   [[nodiscard]] bool is_stopped() const { return plan_.until_event != 0 && events_.count() >= plan_.until_event; }
