@@ -4,7 +4,6 @@ import dataclasses
 import json
 import math
 import pathlib
-import subprocess
 import sys
 import threading
 import time
