@@ -29,7 +29,7 @@ int refuse(const Error& error) {
 }
 
 Status write_trace(const Job& job, std::uint64_t messages) {
-  if (const Status few = check_traced(messages); !few) return few;
+  if (Status few = check_traced(messages); !few) return few;
   Bytes text;
   counting::play(job.plan,
                  [&](const counting::CountedMessage& message) { text += dump_json(trace_value(message)) + "\n"; });

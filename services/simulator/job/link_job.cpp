@@ -12,6 +12,7 @@ constexpr std::int64_t kLeastBytes = 100, kMostBytes = 100'000'000'000;
 
 LinkKind by_name(ObjectReader& reader) {
   std::vector<std::string> names;
+  names.reserve(world::kLinkKinds.size());
   for (const LinkKind& kind : world::kLinkKinds) names.push_back(kind.name);
   return world::kLinkKinds[reader.choice("link", Need::optional, names).value_or(0)];
 }

@@ -57,7 +57,7 @@ void Trace::on(const world::World& world, const world::Sending& sending, CostPha
 }
 
 Status Trace::write(const std::string& path) const {
-  if (const Status few = check_traced(count_); !few) return few;
+  if (Status few = check_traced(count_); !few) return few;
   return write_whole(path, text_);
 }
 
@@ -72,7 +72,7 @@ Status write_whole(const std::string& path, BytesView text) {
   sigemptyset(&held);
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&held, signal);
   sigprocmask(SIG_BLOCK, &held, &before);
-  const Status written = write_file(path, text, 0644);
+  Status written = write_file(path, text, 0644);
   sigprocmask(SIG_SETMASK, &before, nullptr);
   return written;
 }
