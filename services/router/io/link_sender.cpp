@@ -59,7 +59,8 @@ std::optional<LinkId> LinkSender::take_lost() {
 
 SendResult LinkSender::put(LinkId link, Frame&& frame) {
   if (const auto result = dialled_.send(link, std::move(frame))) return *result;
-  return inbox_.send(link, std::move(frame));
+  return inbox_.send(link,
+                     std::move(frame));  // NOLINT(bugprone-use-after-move): who has no such link has taken nothing
 }
 
 SendResult LinkSender::put_seal(LinkId link, BytesView seal) {

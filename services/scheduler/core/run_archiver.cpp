@@ -50,7 +50,7 @@ void RunArchiver::archive(Run& run, Step step) {
   RunSummary last = summary_of(run, executor_, step.clock());
   last.over = fact.view.over;
   watchers_.leave(last, step.out);
-  const std::string id = run.id();
+  const std::string id = run.id();  // NOLINT(performance-unnecessary-copy-initialization): the run goes
   step.out.record(std::move(fact));
   runs_.remove(id);
 }

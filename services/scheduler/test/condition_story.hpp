@@ -66,7 +66,7 @@ struct Story {
   void check_one_branch() {
     const auto times = begun();
     CHECK(times.count("left") + times.count("right") == 1);
-    for (const auto& [id, count] : times) CHECK_MESSAGE(count == 1, id);
+    for (const auto& one : times) CHECK_MESSAGE(one.second == 1, one.first);
     CHECK(times.contains("back"));
   }
   /// The verdicts on each task over all journals: never two.
@@ -81,7 +81,7 @@ struct Story {
       }
     }
     CHECK(verdicts.size() == 2);
-    for (const auto& [id, told] : verdicts) CHECK_MESSAGE(told.size() == 1, id);
+    for (const auto& one : verdicts) CHECK_MESSAGE(one.second.size() == 1, one.first);
     CHECK(*verdicts["left"].begin() != *verdicts["right"].begin());
   }
 

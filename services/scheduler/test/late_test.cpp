@@ -72,7 +72,7 @@ struct Late : Story {
     return false;
   }
   void check_each_once() {
-    for (const auto& [id, times] : begun()) CHECK_MESSAGE(times == 1, id);
+    for (const auto& one : begun()) CHECK_MESSAGE(one.second == 1, one.first);
     CHECK(fleet.counted["double_execution"] == 0);
   }
   int begun_by(const std::string& robot) { return static_cast<int>(fleet[robot].adapter.begun.size()); }

@@ -34,7 +34,7 @@ std::map<std::string, int> begun(Fleet& fleet) {
 void check_each_once(Fleet& fleet) {
   const auto times = begun(fleet);
   CHECK(times.size() == 9);
-  for (const auto& [task, count] : times) CHECK_MESSAGE(count == 1, task);
+  for (const auto& one : times) CHECK_MESSAGE(one.second == 1, one.first);
 }
 
 }  // namespace
@@ -266,5 +266,5 @@ TEST_CASE("two runs share a robot, one task at a time") {
   REQUIRE(fleet.until([&] {
     return is(fleet, "cloud", RunState::finished) && fleet.view("cloud", other).state == RunState::finished;
   }));
-  for (const auto& [task, times] : begun(fleet)) CHECK_MESSAGE(times == 2, task);
+  for (const auto& one : begun(fleet)) CHECK_MESSAGE(one.second == 2, one.first);
 }

@@ -1,6 +1,7 @@
 // An AR.Drone 2 whose navdata is received, for tests.
 #pragma once
 
+#include <cmath>
 #include <numeric>
 #include <sstream>
 
@@ -96,7 +97,7 @@ class DroneFixture : public Fixture {
   }
   /// Navdata 15 times a second, always with the same content.
   void live(double time_s, const Sky& picture) {
-    for (double t = 0; t < time_s - 1e-9; t += 0.0625) {
+    for (auto steps = std::lround(time_s / 0.0625); steps > 0; --steps) {
       wait(0.0625);
       tell(picture);
     }
