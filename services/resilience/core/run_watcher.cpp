@@ -13,10 +13,11 @@ constexpr Duration kWarnAgain = std::chrono::minutes(1);
 
 }  // namespace
 
-void RunWatcher::on_welcome(std::string node, Now now) {
+void RunWatcher::on_welcome(std::string node) {
   node_ = std::move(node);
   has_table_ = false;
-  renew_at_ = now.mono;
+  is_watched_ = false;
+  watch_.restart();
   for (auto& [run, asking] : asking_) asking = {};
 }
 
@@ -73,6 +74,8 @@ void RunWatcher::on(const RunTable& table, Now now) {
   }
   for (const auto& [id, late] : gone) forget(id, late ? std::optional(RunState::expired) : std::nullopt);
   has_table_ = true;
+  is_watched_ = true;
+  watch_.restart();
   renew_at_ = now.mono + kRenew;
 }
 
@@ -113,7 +116,7 @@ void RunWatcher::on(const Definition& definition) {
 
 void RunWatcher::on_nack(const Nack& nack, Now now, Outbox& out) {
   out.count("nacked." + nack.subtype);
-  if (nack.subtype == RunWatch::kSubtype) renew_at_ = now.mono + kRenew;
+  if (nack.subtype == RunWatch::kSubtype) is_watched_ = false;
   if (warned_at_ && now.mono - *warned_at_ < kWarnAgain) return;
   warned_at_ = now.mono;
   out.log(LogLevel::warning, "runs_not_seen", "the scheduler: " + nack.subtype + ": " + nack.code + ": " + nack.what);
@@ -121,7 +124,8 @@ void RunWatcher::on_nack(const Nack& nack, Now now, Outbox& out) {
 
 void RunWatcher::tick(Now now, Outbox& out) {
   if (node_.empty()) return;
-  if (renew_at_ && *renew_at_ <= now.mono) {
+  if (is_watched_ ? renew_at_ <= now.mono : watch_.is_due(now.mono)) {
+    watch_.on_sent(now.mono);
     renew_at_ = now.mono + kRenew;
     out.request(node_, RunWatch{kLease_s});
   }
@@ -143,7 +147,7 @@ void RunWatcher::tick(Now now, Outbox& out) {
 
 std::optional<MonotonicTime> RunWatcher::next_deadline() const {
   if (node_.empty()) return std::nullopt;
-  std::optional<MonotonicTime> out = renew_at_;
+  std::optional<MonotonicTime> out = is_watched_ ? renew_at_ : watch_.due_at();
   for (const auto& [id, asking] : asking_) {
     if (asking.view_wanted || asking.view_asked) out = earlier(out, asking.view.due_at());
     if (wants_definition(runs_.at(id))) out = earlier(out, asking.definition.due_at());

@@ -17,7 +17,7 @@ class RunWatcher {
  public:
   using Runs = std::map<std::string, WatchedRun, std::less<>>;
 
-  void on_welcome(std::string node, Now now);
+  void on_welcome(std::string node);
   void on(const RunTable& table, Now now);
   void on(const RunChanged& changed, Now now);
   void on(const RunView& view);
@@ -60,7 +60,9 @@ class RunWatcher {
   std::set<std::string> timed_;
   std::deque<std::pair<std::string, RunState>> ended_;  ///< the oldest first
   bool has_table_ = false;
-  std::optional<MonotonicTime> renew_at_;
+  bool is_watched_ = false;  ///< the scheduler has taken the watch, and is told again before that ends
+  ResendTimer watch_ = resend_timer();
+  MonotonicTime renew_at_;
   std::optional<MonotonicTime> warned_at_;
 };
 

@@ -16,7 +16,7 @@ bool Situation::decides_on(const WatchedRun* run) const {
 void Situation::on_welcome(const NodeIdentity& node, Now now) {
   settings_.node = node.id;
   settings_.role = node.role;
-  runs_.on_welcome(node.id, now);
+  runs_.on_welcome(node.id);
   routes_.want(now, Duration{0});
 }
 
