@@ -41,12 +41,12 @@ async function save(olga) {
   await page.waitForFunction(() => !location.hash.endsWith('/new'));
 }
 
-/** The simulator has no sensors: it says so, and the way back is there. */
+/** Nobody has said what the sensor would tell: the simulator says so, and the way back is there. */
 async function triesInVain(olga) {
   const { page } = olga;
   await page.waitForSelector('main :text("can run")');
   await page.getByRole('button', { name: 'Try in Plan' }).press('Enter');
-  await page.waitForSelector("main :text(\"task 'pick_left' has a condition\")", { timeout: SENSOR_MS });
+  await page.waitForSelector("main :text(\"which tells nothing here\")", { timeout: SENSOR_MS });
   await look(olga, 'plan-refused', { short: true });
   await page.getByRole('link', { name: 'Back to the scenario' }).press('Enter');
   await page.waitForFunction(() => location.hash.startsWith('#/scenarios/'));
