@@ -210,7 +210,8 @@ TEST_CASE("a scheduler that knows no watch, or is away, is asked again, and the 
   CHECK(fixture->alert().robot == "pioneer1");
 }
 
-TEST_CASE("a scheduler that comes up after the resilience service is watched within a second, and again after its restart") {
+TEST_CASE(
+    "a scheduler that comes up after the resilience service is watched within a second, and again after its restart") {
   auto fixture = std::make_unique<Fixture>();
   const auto watches_within = [&](double wait_s) {
     const int before = fixture->heard["run_watch"];
