@@ -183,7 +183,7 @@ class Simulations(GatewayCase):
         tasks = [THERE, {**THERE, "id": "back", "after": ["there"], "when": when}]
         failed = self.result({**TRIED, "scenario": {"name": "warm", "tasks": tasks}})
         self.assertEqual((failed["state"], failed["failure"]["code"]), ("failed", "bad_value"))
-        self.assertIn("task 'back' has a condition", failed["failure"]["detail"])
+        self.assertIn("task 'back' waits for thermometer", failed["failure"]["detail"])
         self.assertTrue(failed["failure"]["hint"])
 
     def test_a_gateway_that_is_killed_leaves_no_child(self):
