@@ -1,7 +1,8 @@
 # The installed package: `cmake --install build/release --component sdk --prefix DIR`, then find_package(talkrobots) gives
 # talkrobots::service. What of it is public, and how it is used: common/service/README.md.
-# `--component node` has what a node runs, with the examples of its files; `--component virtual-robots` the robots without
-# hardware (trb_install_program).
+# `--component node` has what a node runs, with the examples of its files; `ros` the bridge to ROS and the virtual robot on ROS,
+# `cloud` the gateway, `virtual-robots` the robots without hardware (trb_install_program). A component is a package of Debian:
+# scripts/package.
 include(CMakePackageConfigHelpers)
 include(GNUInstallDirs)
 

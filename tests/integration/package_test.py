@@ -15,6 +15,7 @@ from trb_fleet import CLOUD
 
 BUILD = support.PROGRAMS.parent
 FLAGS = os.environ.get("TRB_PACKAGE_FLAGS", "")  # what a sanitized build's libraries have to be linked with
+COMPONENTS = ("sdk", "node", "ros", "cloud", "virtual-robots")
 NAME = "fault-tally"
 ROBOT = "ridgeback"
 README = support.REPO / "common" / "service" / "README.md"
@@ -58,7 +59,7 @@ class Package(unittest.TestCase):
     def install(cls):
         """The place where it was first installed is empty then."""
         first = cls.root / "first"
-        for component in ("sdk", "node", "virtual-robots"):
+        for component in COMPONENTS:
             run("cmake", "--install", BUILD, "--component", component, "--prefix", first)
         cls.package.parent.mkdir()
         first.rename(cls.package)
