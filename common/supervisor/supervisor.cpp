@@ -31,13 +31,16 @@ int wait_signal(Duration wait) {
   return signal > 0 ? signal : 0;
 }
 
-[[noreturn]] void become(const std::string& program, const std::string& node_dir) {
+[[noreturn]] void become(const std::string& program, const std::vector<std::string>& arguments) {
   die_with_parent();
   ServiceManager::forget();
   sigset_t none;
   sigemptyset(&none);
   ::sigprocmask(SIG_SETMASK, &none, nullptr);
-  ::execl(program.c_str(), program.c_str(), node_dir.c_str(), static_cast<char*>(nullptr));
+  std::vector<char*> words{const_cast<char*>(program.c_str())};
+  for (const std::string& argument : arguments) words.push_back(const_cast<char*>(argument.c_str()));
+  words.push_back(nullptr);
+  ::execv(program.c_str(), words.data());
   ::perror(program.c_str());
   ::_exit(127);
 }
@@ -62,6 +65,7 @@ void Supervisor::add(ServiceProgram service) {
   Child child;
   child.service = std::move(service.service);
   child.program = std::move(service.program);
+  child.arguments = service.arguments.empty() ? std::vector{node_dir_} : std::move(service.arguments);
   children_.push_back(std::move(child));
 }
 
@@ -121,7 +125,7 @@ void Supervisor::start_due(Now now) {
   for (Child& child : children_) {
     if (child.pid != 0 || now.mono < child.start_at) continue;
     const pid_t pid = ::fork();
-    if (pid == 0) become(child.program, node_dir_);
+    if (pid == 0) become(child.program, child.arguments);
     child.pid = pid > 0 ? pid : 0;
     child.started = now.mono;
     if (pid < 0) child.start_at = now.mono + kForkAgain;

@@ -14,10 +14,11 @@
 
 namespace trb::supervisor {
 
-/// A program that is started as `PROGRAM NODE_DIR`.
+/// A program that is started as `PROGRAM NODE_DIR`, or with arguments of its own.
 struct ServiceProgram {
   std::string service;
   std::string program;
+  std::vector<std::string> arguments = {};  ///< empty: NODE_DIR
 };
 
 /// Blocks the signals that Supervisor::run() waits for; call it before the process has threads.
@@ -43,6 +44,7 @@ class Supervisor {
   struct Child {
     std::string service;
     std::string program;
+    std::vector<std::string> arguments;
     pid_t pid = 0;
     MonotonicTime started;
     MonotonicTime start_at;

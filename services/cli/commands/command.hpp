@@ -19,6 +19,7 @@ struct Command {
 #define TRB_COMMAND_GROUPS(GROUP) \
   GROUP(node)                     \
   GROUP(node_new)                 \
+  GROUP(demo)                     \
   GROUP(message)                  \
   GROUP(list)                     \
   GROUP(fault)                    \

@@ -4,20 +4,16 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <filesystem>
 
-#include "common/base/files.hpp"
 #include "common/base/ids.hpp"
 #include "common/config/interfaces.hpp"
 #include "common/config/node_config.hpp"
 #include "common/drivers/registry.hpp"
 #include "common/fleet/did_you_mean.hpp"
-#include "common/security/node_keys.hpp"
-#include "common/supervisor/process.hpp"
-#include "common/transport/loop.hpp"
 #include "services/cli/commands/command.hpp"
 #include "services/cli/core/new_node.hpp"
+#include "services/cli/io/node_folder.hpp"
 #include "services/cli/io/print.hpp"
 #include "services/cli/io/questions.hpp"
 
@@ -25,21 +21,6 @@ namespace trb::cli {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// The shipped examples: beside the installed programs, or in the source tree that built this one.
-Result<std::string> config_dir() {
-  const std::string programs = supervisor::program_dir();
-  const char* named = std::getenv("TRB_CONFIG");
-  const std::vector<std::string> places = named != nullptr
-                                              ? std::vector<std::string>{named}
-                                              : std::vector{programs + "/../share/talkrobots/config",
-                                                            programs + "/../../config", programs + "/../../../config"};
-  for (const std::string& place : places) {
-    if (file_exists(place + "/commands.json")) return place;
-  }
-  return fail(Errc::missing, "the shipped examples (config/commands.json) are not found",
-              "install the package talkrobots, or name their folder in TRB_CONFIG");
-}
 
 /// The value of an option, else what the person answers, else an error that names the option.
 Result<std::string> wanted(const Arguments& arguments, const std::string& option, const std::string& question,
@@ -122,38 +103,6 @@ Result<NewNode> new_node_of(const Arguments& arguments) {
   return node;
 }
 
-/// All of the folder's files, in one that is not there yet.
-Status write_folder(const NewNode& node, const std::string& dir, const std::string& config) {
-  if (Status made = make_private_dir(dir); !made) return made;
-  if (Status made = make_dir(dir + "/robots", 0700); !made) return made;
-  const std::string robot = "robots/" + std::string(node.kind.description);
-  for (const std::string& name :
-       {std::string("commands.json"), std::string("profile.json"), std::string("places.json"), robot}) {
-    const auto text = read_file(config + "/" + name);
-    if (!text) return text.error();
-    if (Status written = write_file(dir + "/" + name, *text); !written) return written;
-  }
-  if (Status written = write_file(dir + "/node.json", node_json_of(node)); !written) return written;
-  if (Status written = write_file(dir + "/network.json", network_json_of(node)); !written) return written;
-  init_crypto();
-  return make_request(dir, node.id, Role::robot);
-}
-
-/// Beside it first: whoever stops this half way finds no half folder.
-Status make_folder(const NewNode& node, const std::string& dir, const std::string& config) {
-  std::error_code problem;
-  if (fs::exists(dir, problem) && !fs::is_empty(dir, problem))
-    return fail(Errc::conflict, dir + " is there already, with files in it", "name a new folder");
-  const std::string making = dir + ".making";
-  fs::remove_all(making, problem);
-  Status written = write_folder(node, making, config);
-  if (written) fs::rename(making, dir, problem);
-  if (written && problem)
-    written = fail(Errc::io_error, dir + ": " + problem.message(), "name a folder in one that you may write");
-  if (!written) fs::remove_all(making, problem);
-  return written;
-}
-
 /// What is left to be put right, but for the certificate, which is the next step.
 ConfigFaults faults_left(const std::string& dir) {
   ConfigFaults faults = check_node_dir(dir, false, drivers::robot_transports()).faults;
@@ -179,7 +128,7 @@ int run_new(const Arguments& arguments) {
   if (!config) return print_error(arguments, config.error());
   auto node = new_node_of(arguments);
   if (!node) return print_error(arguments, node.error());
-  if (Status made = make_folder(*node, dir, *config); !made) return print_error(arguments, made.error());
+  if (Status made = make_node_folder(*node, dir, *config); !made) return print_error(arguments, made.error());
   const ConfigFaults left = faults_left(dir);
   if (arguments.has("--json")) {
     print_json(Value{

@@ -1,0 +1,112 @@
+#include "services/cli/core/demo_fleet.hpp"
+
+#include <optional>
+
+#include "common/base/number_text.hpp"
+#include "proto/value.hpp"
+
+namespace trb::cli {
+namespace {
+
+constexpr DemoRobot kRobots[] = {{"rover", "pioneer", "trb-virtual-pioneer"}, {"arm", "ur", "trb-virtual-ur"}};
+constexpr std::size_t kFirstRobot = 101;
+
+constexpr std::string_view kScenario = R"({
+  "_comment": "The rover drives to table1; then the arm picks up a box. README.md of deploy/handbook begins with it.",
+  "name": "first",
+  "tasks": [
+    { "id": "drive", "robot": "rover", "skill": "go_to", "data": { "place": "table1" } },
+    { "id": "pick", "robot": "arm", "skill": "pick", "data": { "side": "left" }, "after": ["drive"] }
+  ]
+}
+)";
+
+/// The number of a part of an address, written as it is usual.
+std::optional<unsigned> part(const std::string& text) {
+  const auto number = parse_number<unsigned>(text);
+  return number && *number <= 255 && std::to_string(*number) == text ? std::optional(*number) : std::nullopt;
+}
+
+bool is_loopback_network(const std::string& text) {
+  const std::size_t first = text.find('.');
+  const std::size_t second = first == std::string::npos ? first : text.find('.', first + 1);
+  if (second == std::string::npos || text.substr(0, first) != "127") return false;
+  return part(text.substr(first + 1, second - first - 1)) && part(text.substr(second + 1));
+}
+
+std::string node_address(const DemoFleet& fleet, std::size_t number) {
+  return fleet.network + "." + std::to_string(number);
+}
+std::string robot_address(const DemoFleet& fleet, std::size_t robot) {
+  return node_address(fleet, kFirstRobot + robot);
+}
+
+}  // namespace
+
+std::span<const DemoRobot> demo_robots() {
+  return kRobots;
+}
+
+Result<DemoFleet> demo_fleet(const std::string& network, double page_port, double speed) {
+  if (!is_loopback_network(network)) {
+    return fail(Errc::bad_value,
+                "--network: " + in_quotes(network) + " is not the beginning of an address of this computer",
+                "three numbers, as 127.0.42");
+  }
+  const auto port = static_cast<unsigned>(page_port);
+  const bool good = page_port == 0 || (page_port >= 1024 && page_port <= 65535 && page_port == port);
+  if (!good) return fail(Errc::bad_value, "--page: it must be a port from 1024 to 65535", "8443 is usual");
+  if (!(speed >= 0.1 && speed <= 100)) return fail(Errc::bad_value, "--speed: from 0.1 to 100", "1 is a real robot's");
+  return DemoFleet{network, port, speed};
+}
+
+std::string demo_json(const DemoFleet& fleet) {
+  return "{ \"network\": \"" + fleet.network + "\", \"page\": " + std::to_string(fleet.page_port) +
+         ", \"speed\": " + std::to_string(fleet.speed) + " }\n";
+}
+
+Result<DemoFleet> demo_fleet_of(std::string_view text) {
+  const auto json = parse_json(text);
+  if (!json) return fail(json.error().code, "demo.json: " + json.error().what, "remove the folder, and make it anew");
+  const Value* network = json->find("network");
+  const Value* page = json->find("page");
+  const Value* speed = json->find("speed");
+  const auto is_number = [](const Value* value) { return value != nullptr && value->is_number(); };
+  if (network == nullptr || !network->is_text() || !is_number(page) || !is_number(speed))
+    return fail(Errc::bad_value, "demo.json: it needs network, page and speed", "remove the folder, and make it anew");
+  return demo_fleet(network->text(), page->number(), speed->number());
+}
+
+std::string cloud_address(const DemoFleet& fleet) {
+  return node_address(fleet, 1);
+}
+
+NewNode node_of(const DemoFleet& fleet, std::size_t robot) {
+  const std::string side = node_address(fleet, 2 + robot);
+  const DemoRobot& one = kRobots[robot];
+  return {std::string(one.id), *robot_kind(std::string(one.like)), robot_address(fleet, robot), side, side};
+}
+
+std::vector<std::string> robot_arguments(const DemoFleet& fleet, std::size_t robot) {
+  return {"--address", robot_address(fleet, robot), "--speed", std::to_string(fleet.speed), "--die-with-parent"};
+}
+
+std::string cloud_node_json(const DemoFleet& fleet) {
+  const std::string page = fleet.page_port == 0 ? "" : ", \"cloud-gateway\"";
+  return "{\n  \"id\": \"" + std::string(kDemoCloud) +
+         "\",\n  \"role\": \"cloud\",\n  \"services\": [\"router\", \"scheduler\", \"resilience\"" + page + "]\n}\n";
+}
+
+std::string cloud_network_json(const DemoFleet& fleet) {
+  return network_json_of({std::string(kDemoCloud), {}, {}, {}, cloud_address(fleet)});
+}
+
+std::string cloud_json(const DemoFleet& fleet) {
+  return "{ \"listen\": \"127.0.0.1:" + std::to_string(fleet.page_port) + "\" }\n";
+}
+
+std::string_view demo_scenario() {
+  return kScenario;
+}
+
+}  // namespace trb::cli

@@ -1,0 +1,69 @@
+#include "services/cli/io/node_folder.hpp"
+
+#include <cstdlib>
+#include <filesystem>
+
+#include "common/base/files.hpp"
+#include "common/security/node_keys.hpp"
+#include "common/supervisor/process.hpp"
+#include "common/transport/loop.hpp"
+
+namespace trb::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// All of the folder's files, in one that is not there yet.
+Status write_folder(const NewNode& node, const std::string& dir, const std::string& config) {
+  if (Status made = make_private_dir(dir); !made) return made;
+  if (Status made = make_dir(dir + "/robots", 0700); !made) return made;
+  const std::string robot = "robots/" + std::string(node.kind.description);
+  if (Status copied = copy_examples(config, {"commands.json", "profile.json", "places.json", robot}, dir); !copied)
+    return copied;
+  if (Status written = write_file(dir + "/node.json", node_json_of(node)); !written) return written;
+  if (Status written = write_file(dir + "/network.json", network_json_of(node)); !written) return written;
+  init_crypto();
+  return make_request(dir, node.id, Role::robot);
+}
+
+}  // namespace
+
+Result<std::string> config_dir() {
+  const std::string programs = supervisor::program_dir();
+  const char* named = std::getenv("TRB_CONFIG");
+  const std::vector<std::string> places = named != nullptr
+                                              ? std::vector<std::string>{named}
+                                              : std::vector{programs + "/../share/talkrobots/config",
+                                                            programs + "/../../config", programs + "/../../../config"};
+  for (const std::string& place : places) {
+    if (file_exists(place + "/commands.json")) return place;
+  }
+  return fail(Errc::missing, "the shipped examples (config/commands.json) are not found",
+              "install the package talkrobots, or name their folder in TRB_CONFIG");
+}
+
+Status copy_examples(const std::string& config, const std::vector<std::string>& names, const std::string& dir) {
+  for (const std::string& name : names) {
+    const auto text = read_file(config + "/" + name);
+    if (!text) return text.error();
+    if (Status written = write_file(dir + "/" + name, *text); !written) return written;
+  }
+  return Done{};
+}
+
+/// Beside it first: whoever stops this half way finds no half folder.
+Status make_node_folder(const NewNode& node, const std::string& dir, const std::string& config) {
+  std::error_code problem;
+  if (fs::exists(dir, problem) && !fs::is_empty(dir, problem))
+    return fail(Errc::conflict, dir + " is there already, with files in it", "name a new folder");
+  const std::string making = dir + ".making";
+  fs::remove_all(making, problem);
+  Status written = write_folder(node, making, config);
+  if (written) fs::rename(making, dir, problem);
+  if (written && problem)
+    written = fail(Errc::io_error, dir + ": " + problem.message(), "name a folder in one that you may write");
+  if (!written) fs::remove_all(making, problem);
+  return written;
+}
+
+}  // namespace trb::cli

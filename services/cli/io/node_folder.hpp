@@ -1,0 +1,23 @@
+// A new node's folder, made from the shipped examples: whole or not at all.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/base/result.hpp"
+#include "services/cli/core/new_node.hpp"
+
+namespace trb::cli {
+
+/// The shipped examples: of TRB_CONFIG, beside the installed programs, or in the source tree that built this one.
+/// Errors: missing.
+Result<std::string> config_dir();
+
+/// These files of the folder of examples, under the same names. Errors: missing, io_error.
+Status copy_examples(const std::string& config, const std::vector<std::string>& names, const std::string& dir);
+
+/// A robot's node with its keys, in a folder that is not there yet or empty. Errors: conflict (it has files), missing,
+/// io_error; then nothing is left of it.
+Status make_node_folder(const NewNode& node, const std::string& dir, const std::string& config);
+
+}  // namespace trb::cli
