@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "common/base/number_text.hpp"
+#include "common/fleet/did_you_mean.hpp"
 #include "proto/value.hpp"
 
 namespace trb::cli {

@@ -22,7 +22,7 @@ constexpr RobotKind kKinds[] = {
     {"drone", "Parrot", "ardrone", "drone.json", "192.168.1.1 in the drone's own Wi-Fi, as delivered",
      "this computer in the drone's Wi-Fi"},
     {"mir", "Mobile Industrial Robots", "mir", "mir100.json", "the robot's own page: Setup, Wi-Fi or Network",
-     "a user of its REST interface, in commands.json"},
+     "a user of its REST interface, in keys/robot.auth (mode 0600): basic USER:SHA-256 of the password"},
     {"plc", "any with Modbus/TCP", "plc", "conveyor.json",
      "the PLC's engineering tool: the Modbus/TCP server's address",
      "the registers as commands.json has them, or the other way round"},
