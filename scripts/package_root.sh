@@ -1,0 +1,60 @@
+# shellcheck shell=bash
+# A Debian 12 in a folder. Sourced by scripts/package, scripts/test-package and scripts/test-vm, behind setup.sh.
+need_root() {
+  [ "$(id -u)" -eq 0 ] && return 0
+  echo "scripts/$(basename "$0"): $1 needs root: use sudo" >&2
+  return 1
+}
+
+# debian_root DIR: made by debootstrap, complete or not there; with this machine's sources of packages.
+debian_root() {
+  [ -d "$1" ] && return 0
+  need_root "a Debian in a folder"
+  install_packages debootstrap
+  echo "== a bare Debian 12 in $1"
+  rm -rf "$1.half"
+  debootstrap --variant=minbase bookworm "$1.half" http://deb.debian.org/debian >"$1.log" 2>&1 || { tail -n 20 "$1.log" >&2; return 1; }
+  rm -rf "$1.half/etc/apt" && cp -a /etc/apt "$1.half/etc/apt"
+  printf '#!/bin/sh\nexit 101\n' >"$1.half/usr/sbin/policy-rc.d"  # nothing is started in it
+  chmod 755 "$1.half/usr/sbin/policy-rc.d"
+  mv "$1.half" "$1"
+}
+
+# in_root DIR PLACE CCACHE COMMAND...: the command in DIR, where PLACE and CCACHE are, too. All mounts end with it.
+in_root() {
+  local root="$1" place="$2" cache="$3"
+  shift 3
+  mkdir -p "$root$place" "$root$cache" "$cache"
+  unshare --mount --pid --fork --kill-child bash -c '
+    set -e
+    root="$0" place="$1" cache="$2"
+    shift 2
+    mount --make-rprivate /
+    mount -t proc proc "$root/proc"
+    mount --rbind /dev "$root/dev"
+    mount --bind "$place" "$root$place"
+    mount --bind "$cache" "$root$cache"
+    cp -L /etc/resolv.conf "$root/etc/resolv.conf"
+    exec chroot "$root" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root DEBIAN_FRONTEND=noninteractive CCACHE_DIR="$cache" "$@"
+  ' "$root" "$place" "$cache" "$@"
+}
+
+# cross_root DIR ARCH: a Debian with what builds for another architecture. Not on the machine itself: libpqxx-dev is there for
+# one architecture at a time.
+cross_root() {
+  if [ ! -d "$1" ]; then
+    debian_root "$work/base-root"
+    cp -a --reflink=auto "$work/base-root" "$1"
+  fi
+  [ ! -e "$1/ready" ] || return 0
+  echo "== installing what builds for $2 in it"
+  in_root "$1" "$repo/deploy" "$cache" bash -ec '
+    arch="$0" control="$1/debian/control"
+    dpkg --add-architecture "$arch"
+    apt-get update -qq
+    apt-get install -y -qq --no-install-recommends build-essential "crossbuild-essential-$arch" ccache git qemu-user fakeroot
+    mkdir -p /tmp/dep/debian && cp "$1"/debian/* /tmp/dep/debian/ 2>/dev/null || true
+    apt-get build-dep -y -qq --no-install-recommends -a "$arch" -P cross,pkg.talkrobots.noros /tmp/dep
+  ' "$2" "$repo/deploy" >"$1.log" 2>&1 || { tail -n 20 "$1.log" >&2; return 1; }
+  touch "$1/ready"
+}
