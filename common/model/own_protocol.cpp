@@ -20,20 +20,17 @@ double pairs(const OwnParameters& p) {
 void check_sizes(const OwnParameters& p, Checks& checks) {
   checks.require(p.robots >= 1, Errc::bad_value, "n (--robots): there is no robot", "use at least 1");
   checks.at_most(p.robots, kMaxRobots, "n (--robots)");
-  checks.at_most(p.tasks, kMaxCount, "N (--tasks)");
-  checks.at_most(p.batons, kMaxCount, "B (--batons)");
-  checks.at_most(p.spells, kMaxCount, "S (--spells)");
-  checks.at_most(p.crossed, kMaxCount, "D (--crossed)");
-  checks.at_most(p.told, kMaxCount, "L (--told)");
-  checks.at_most(p.introduced, kMaxCount, "J (--introduced)");
-  checks.at_most(p.sensors, kMaxCount, "P (--sensors)");
-  checks.at_most(p.remote_requests, kMaxCount, "R (--remote-requests)");
-  checks.at_most(p.states, kMaxCount, "V (--states)");
-  checks.at_most(p.asked, kMaxCount, "A (--asked)");
-  checks.seconds(p.seconds, "T (--seconds)");
-  checks.seconds(p.updates, "x (--rate)");
-  checks.require(p.updates * p.seconds <= 1e15, Errc::too_large, "x T (--rate, --seconds): over 1e15 updates",
-                 "use a shorter time or a lower rate");
+  checks.counts({{p.tasks, "N (--tasks)"},
+                 {p.batons, "B (--batons)"},
+                 {p.spells, "S (--spells)"},
+                 {p.crossed, "D (--crossed)"},
+                 {p.told, "L (--told)"},
+                 {p.introduced, "J (--introduced)"},
+                 {p.sensors, "P (--sensors)"},
+                 {p.remote_requests, "R (--remote-requests)"},
+                 {p.states, "V (--states)"},
+                 {p.asked, "A (--asked)"}});
+  checks.updates(p.updates, "x (--rate)", p.seconds, "T (--seconds)", "x T (--rate, --seconds)");
 }
 
 void check_run(const OwnParameters& p, Checks& checks) {

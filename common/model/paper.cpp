@@ -14,17 +14,10 @@ double real(std::uint64_t count) {
 void check_sizes(const PaperParameters& p, Checks& checks) {
   checks.require(p.n >= 1, Errc::bad_value, "n (--robots): there is no robot", "use at least 1");
   checks.at_most(p.n, kMaxRobots, "n (--robots)");
-  checks.at_most(p.N_d, kMaxCount, "N_d (--direct)");
-  checks.at_most(p.N_i, kMaxCount, "N_i (--interpreted)");
-  checks.at_most(p.k, kMaxCount, "k (--blocks)");
+  checks.counts({{p.N_d, "N_d (--direct)"}, {p.N_i, "N_i (--interpreted)"}, {p.k, "k (--blocks)"}});
   checks.at_most(p.sum_m, 2 * kMaxCount, "sum m_j (--block-tasks)");
-  checks.at_most(p.s, kMaxCount, "s (--sensors)");
-  checks.at_most(p.R_l, kMaxCount, "R_l (--local-requests)");
-  checks.at_most(p.R_e, kMaxCount, "R_e (--remote-requests)");
-  checks.seconds(p.delta_t, "delta_t (--seconds)");
-  checks.seconds(p.sum_x, "sum x_i (--rate)");
-  checks.require(p.sum_x * p.delta_t <= 1e15, Errc::too_large, "delta_t sum x_i (--seconds, --rate): over 1e15 updates",
-                 "use a shorter time or a lower rate");
+  checks.counts({{p.s, "s (--sensors)"}, {p.R_l, "R_l (--local-requests)"}, {p.R_e, "R_e (--remote-requests)"}});
+  checks.updates(p.sum_x, "sum x_i (--rate)", p.delta_t, "delta_t (--seconds)", "delta_t sum x_i (--seconds, --rate)");
 }
 
 void check_blocks(const PaperParameters& p, Checks& checks) {

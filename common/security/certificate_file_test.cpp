@@ -102,13 +102,3 @@ TEST_CASE("each number has its own beacon key, from the authority's secret alone
   CHECK(derive_beacon_key(key.secret_key, 2).secret != derive_beacon_key(make_signing_key().secret_key, 2).secret);
   CHECK(derive_beacon_key(key.secret_key, 2).number == 2);
 }
-
-TEST_CASE("an empty beacon opens; noise of any length does not") {
-  init_crypto();
-  const BeaconKey key{3, Bytes(32, 'k')};
-  const Bytes fleet(16, 'f');
-  const Bytes sealed = seal_beacon(key, fleet, "");
-  CHECK(*open_beacon(key, fleet, sealed) == "");
-  CHECK(code_of(open_beacon(key, fleet, sealed.substr(0, sealed.size() - 1))) == Errc::malformed);
-  CHECK(code_of(open_beacon(key, fleet, Bytes(sealed.size(), 'T'))) == Errc::malformed);
-}

@@ -145,11 +145,29 @@ TEST_CASE("who may sign what is a table, and what it does not name is denied") {
   }
 }
 
+namespace {
+
+/// A text sealed as a beacon.
+struct TestBeacon {
+  explicit TestBeacon(const Bytes& text) : sealed(seal_beacon(key, fleet, text)) {}
+  BeaconKey key{3, Bytes(32, 'k')};
+  Bytes fleet = Bytes(16, 'f');
+  Bytes sealed;
+};
+
+}  // namespace
+
+TEST_CASE("an empty beacon opens; noise of any length does not") {
+  init_crypto();
+  const auto& [key, fleet, sealed] = TestBeacon("");
+  CHECK(*open_beacon(key, fleet, sealed) == "");
+  CHECK(code_of(open_beacon(key, fleet, sealed.substr(0, sealed.size() - 1))) == Errc::malformed);
+  CHECK(code_of(open_beacon(key, fleet, Bytes(sealed.size(), 'T'))) == Errc::malformed);
+}
+
 TEST_CASE("a beacon opens with its key, and each reason why it does not is told apart") {
   init_crypto();
-  const BeaconKey key{3, Bytes(32, 'k')};
-  const Bytes fleet(16, 'f');
-  const Bytes sealed = seal_beacon(key, fleet, "hello");
+  const auto& [key, fleet, sealed] = TestBeacon("hello");
   CHECK(*open_beacon(key, fleet, sealed) == "hello");
   CHECK(seal_beacon(key, fleet, "hello") != sealed);
   CHECK(code_of(open_beacon(key, fleet, "noise")) == Errc::malformed);

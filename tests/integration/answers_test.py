@@ -8,11 +8,10 @@ import subprocess
 import time
 import unittest
 
-import zmq
-
 import support
 import trb_fleet
 import wire
+from router_client import make_context
 from sealer import Sealer, Signer
 from trb_fleet import CLOUD
 
@@ -44,8 +43,7 @@ class StolenKeys(unittest.TestCase):
 
     @classmethod
     def setUpClass(cls):
-        cls.context = zmq.Context()
-        cls.addClassCleanup(cls.context.term)
+        make_context(cls)
         cls.fleet = support.make_fleet(cls, block=BLOCK, udp_port=50170, robots=ROBOTS)
         cls.fleet.start_robot("ur3")
         for node in ("ur3", CLOUD):

@@ -13,7 +13,7 @@ import zmq
 import support
 import trb_fleet
 import wire
-from router_client import PLAIN_GREETING, WAIT, to_z85
+from router_client import PLAIN_GREETING, WAIT, make_context, to_z85
 
 BLOCK = 136
 UDP_PORT = 50136
@@ -59,8 +59,7 @@ class Service:
 class Bus(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.context = zmq.Context()
-        cls.addClassCleanup(cls.context.term)
+        make_context(cls)
         robots = {"pioneer1": trb_fleet.ROBOTS["pioneer1"]}
         cls.fleet = support.make_fleet(cls, TcpFleet, block=BLOCK, udp_port=UDP_PORT, robots=robots)
         cls.fleet.start()

@@ -1,235 +1,19 @@
-"""The life of a certificate, on real nodes: renewed and revoked while the fleet is up, and refused when not valid.
-No process restarts in between.
-"""
-import collections
-import fcntl
-import itertools
+"""Certificates on real nodes: refused when not valid, renewed while the fleet is up. No process restarts in between.
+Addresses 127.0.112.x."""
 import json
-import os
-import pathlib
-import shutil
 import socket
-import tempfile
-import time
-import unittest
 
 import zmq
 
 import authority
 import support
-import trb_fleet
 import wire
-from router_client import Client, Member
-
-BLOCK = 110
-UDP_PORT = 50110
-WAIT = 6
-TARGET = "ant"
-NODES = ("ant", "bee", "cat")
-SPARE = ("dog", "elk")  # have keys and certificates, but do not run: the test plays them
-
-
-def setUpModule():
-    """One at a time on a machine: fleets of two checkouts on the same addresses would receive each other's beacons."""
-    lock = open(pathlib.Path(tempfile.gettempdir()) / f"trb-certificates-{os.getuid()}.lock", "w")
-    unittest.addModuleCleanup(lock.close)
-    fcntl.flock(lock, fcntl.LOCK_EX)
-
-
-class Life(unittest.TestCase):
-    """A fleet of three that are up, new for each test: what a revocation does cannot be undone."""
-
-    block = BLOCK
-
-    def setUp(self):
-        self.context = zmq.Context()
-        self.addCleanup(self.context.term)
-        services = {node: ["router"] for node in NODES + SPARE}
-        self.fleet = support.make_fleet(self, support.RouterFleet, services=services, block=self.block, udp_port=UDP_PORT)
-        self.fleet.bring_up(*NODES)
-        self.fleet.wait("the three are linked", lambda: all(self.online(n) == set(NODES) - {n} for n in NODES), 15)
-        self.pids = {node: self.fleet.pid(node, "router") for node in NODES}
-        self.watches = {node: support.Watch(self.fleet, node) for node in NODES}
-        self.watch = self.watches[TARGET]
-
-    def routes(self, node=TARGET):
-        return {row["id"]: row for row in self.fleet.json("route", "list", node=node)["routes"]}
-
-    def online(self, node=TARGET):
-        return {name for name, row in self.routes(node).items() if row["state"] == "ONLINE"}
-
-    def authority(self):
-        return authority.Authority(self.fleet.authority_dir(), self.fleet.passphrase())
-
-    def assert_same_processes(self):
-        self.assertEqual({node: self.fleet.pid(node, "router") for node in NODES}, self.pids)
-
-    def client(self, member=None, node=TARGET, keys=None):
-        server = Member(self.fleet, node).public
-        if member is not None:
-            keys = (member.public, member.secret)
-        client = Client(self.context, self.fleet.address(node), server_key=server, keys=keys)
-        self.addCleanup(client.close)
-        return client
-
-    def send(self, client, subtype, source, **more):
-        return client.send(subtype, source, target=TARGET, **more)
-
-    def hello(self, client, member, certificate=None, boot=None):
-        boot = boot or time.time_ns() // 1_000_000_000
-        self.send(client, "hello", member.id,
-                  data=wire.hello(certificate or member.certificate, boot, f"127.0.{self.block}.99:45000"))
-
-    def linked(self, member):
-        client = self.client(member)
-        self.hello(client, member)
-        self.assertEqual(client.receive().subtype, "hello")
-        return client
-
-    def assert_alive(self, client, member):
-        ident = self.send(client, "route_list", member.id, type=wire.REQUEST, data=wire.pack([]))
-        self.assertEqual(client.answer_to(ident).subtype, "route_table")
-
-
-class Revoked(Life):
-    def test_revoked_while_connected(self):
-        """In force on every node within two seconds, sent by one of them; no process restarts."""
-        links = {node: self.routes(node)[other]["link"] for node, other in (("ant", "bee"), ("bee", "ant"))}
-        start = time.monotonic()
-        said = self.fleet.trb("fleet", "revoke", self.fleet.authority_dir(), "cat", "--reason", "stolen", "--via",
-                              self.fleet.dir("bee")).stdout
-        self.assertIn("list 1, beacon key 2 for the 4 nodes that stay", said)
-        told = time.monotonic()
-        for node in ("ant", "bee"):
-            self.fleet.wait(f"{node} has no cat", lambda: "cat" not in self.routes(node), 2)
-        took = time.monotonic() - told
-        print(f"revoked: {told - start:.2f} s to sign and hand over, {took:.2f} s more until every table shows it")
-        self.assertLess(took, 2)
-        for node in ("ant", "bee"):
-            self.watches[node].wait_counted("refused.cert_revoked")
-            self.watches[node].wait_logged("peer_revoked cat (serial 3): stolen")
-            self.watches[node].wait_logged("beacon_key number 2 from now on")
-        self.watches["cat"].wait_logged("own_certificate_over this node's certificate is revoked: stolen")
-        self.assertIn("revoked: stolen", self.fleet.services("cat")["router"]["note"])
-        self.assertEqual(self.online("cat"), set())
-        self.assert_same_processes()
-        for node, other in (("ant", "bee"), ("bee", "ant")):
-            self.assertEqual(self.routes(node)[other]["link"], links[node], "the link of those that stay was lost")
-
-    def test_a_revoked_node_s_key_knocks_in_vain(self):
-        self.fleet.trb("fleet", "revoke", self.fleet.authority_dir(), "cat", "--via", self.fleet.dir("ant"))
-        self.watch.wait_logged("peer_revoked cat")
-        before = self.watch.rise().get("refused.cert_revoked", 0)
-        client = self.client(Member(self.fleet, "cat"))
-        client.wait_event(zmq.EVENT_HANDSHAKE_FAILED_AUTH)
-        self.watch.wait_counted("refused.cert_revoked", before + 1)
-        self.watch.wait_logged("revoked_key the revoked key of 'cat' knocked")
-
-    def test_a_revoked_node_that_was_never_met(self):
-        """It is refused at its Hello, and gets the list that revokes it."""
-        self.fleet.trb("fleet", "revoke", self.fleet.authority_dir(), "dog", "--via", self.fleet.dir("ant"))
-        dog = Member(self.fleet, "dog")
-        client = self.client(dog)
-        self.hello(client, dog)
-        self.assertEqual(client.receive().subtype, "fleet_news")
-        self.assertEqual(client.wait_goodbye(), "cert_revoked")
-        self.watch.wait_counted("refused.cert_revoked")
-        self.watch.wait_logged("candidate_refused cert_revoked: certificate of 'dog' (serial 4) is revoked by list 1")
-
-    def test_the_beacon_key_is_another_one(self):
-        """The revoked node's beacons under the old key are ignored; a node that is signed now joins by beacon."""
-        listener = support.beacon_listener(self, UDP_PORT, 8)
-        sender = None
-        while sender != self.fleet.address("cat"):
-            old, (sender, _) = listener.recvfrom(4096)
-        self.fleet.trb("fleet", "revoke", self.fleet.authority_dir(), "cat", "--via", self.fleet.dir("ant"))
-        self.watch.wait_logged("beacon_key number 2")
-        before = self.watch.rise().get("beacon.wrong_key", 0)
-        listener.sendto(old, ("127.255.255.255", UDP_PORT))
-        self.watch.wait_counted("beacon.wrong_key", before + 1)
-        self.fleet.trb("fleet", "sign", self.fleet.authority_dir(), self.fleet.dir("dog") / "keys" / "request.json")
-        self.fleet.bring_up("dog")
-        for node in ("ant", "bee"):
-            self.fleet.wait(f"{node} has dog", lambda: "dog" in self.online(node), 8)
-        self.fleet.wait("dog has both", lambda: self.online("dog") == {"ant", "bee"}, 8)
-        self.assert_same_processes()
-
-    def test_a_list_that_came_by_hand_and_a_restart(self):
-        """news.json in one node's keys folder is enough; what is in force outlives every process."""
-        said = self.fleet.trb("fleet", "revoke", self.fleet.authority_dir(), "cat").stdout
-        self.assertIn("the fleet does not know it yet", said)
-        self.assertIn("cat", self.online())
-        shutil.copy(self.fleet.authority_dir() / "news.json", self.fleet.dir("bee") / "keys" / "news.json")
-        for node in ("ant", "bee"):
-            self.fleet.wait(f"{node} has no cat", lambda: "cat" not in self.routes(node), 3)
-        self.assert_same_processes()
-        self.fleet.trb("reload", self.fleet.dir("ant"))
-        self.fleet.wait("ant is another process", lambda: self.fleet.pid("ant", "router") not in (None, self.pids["ant"]), 8)
-        self.fleet.wait("ant and bee are linked", lambda: self.online("bee") == {"ant"}, 8)
-        self.watch.wait_logged("revocations list 1")
-        self.assertNotIn("cat", self.routes())
-        client = self.client(Member(self.fleet, "cat"))
-        self.hello(client, Member(self.fleet, "cat"))
-        self.assertEqual(client.wait_goodbye(), "cert_revoked")
-
-    def test_a_folder_put_back_from_an_older_copy(self):
-        """It learns what the fleet knows: a renewal admits nothing again that was revoked since the copy."""
-        folder, via = self.fleet.authority_dir(), self.fleet.dir("ant")
-        copy = folder.with_name("copy")
-        shutil.copytree(folder, copy)
-        self.fleet.trb("fleet", "revoke", folder, "cat", "--via", via)
-        shutil.rmtree(folder)
-        copy.rename(folder)
-        self.assertIn("was older than what", self.fleet.trb("fleet", "tell", folder, "--via", via).stdout)
-        again = self.fleet.trb("fleet", "renew", folder, self.fleet.dir("cat") / "keys" / "certificate.json", "--via", via,
-                               check=False)
-        self.assertIn("cert_revoked", again.stderr)
-        self.assertIn("list 2, beacon key 3 for the 3 nodes that stay",
-                      self.fleet.trb("fleet", "revoke", folder, "elk", "--via", via).stdout)
-        self.watches["bee"].wait_logged("revocations list 2")
-        self.assertEqual(self.online("bee"), {"ant"})
-
-    def test_lists_that_do_not_hold(self):
-        """Forged, foreign, older, of the same number: each refused and counted by name; the links stay."""
-        dog = Member(self.fleet, "dog")
-        client = self.linked(dog)
-        key = self.authority()
-        good = key.revocations(5, [(5, "elk")])
-        newer = key.revocations(6, [(5, "elk")])
-        forged = good[:3] + [bytes([good[3][0] ^ 1]) + good[3][1:]]
-        foreign = key.sign("revocation_list", wire.pack([bytes(16), 6, time.time_ns(), [], 1, []]))
-        cases = [
-            ("bad_signature", forged, "was not signed by this fleet's authority"),
-            ("foreign_fleet", foreign, "revocation list of another fleet"),
-            (None, good, "revocations list 5"),
-            ("downgraded", key.revocations(4, [(2, "bee")]), "revocation list 4; list 5 is in force"),
-            ("conflict", key.revocations(5, [(2, "bee")]), "another revocation list with number 5"),
-            (None, newer, "revocations list 6"),
-            ("downgraded", good, "revocation list 5; list 6 is in force"),
-            ("malformed", key.sign("revocation_list", b"noise"), "news_refused of dog: malformed"),
-        ]
-        expected = collections.Counter()
-        for code, record, logged in cases:
-            with self.subTest(logged):
-                self.send(client, "fleet_news", "dog", data=authority.news(record))
-                self.watch.wait_logged(logged)
-                if code:
-                    expected[f"refused.{code}"] += 1
-                    self.watch.wait_counted(f"refused.{code}", expected[f"refused.{code}"])
-        self.assertEqual(self.watch.rise(), expected)
-        self.assert_alive(client, dog)
-        self.assertEqual(self.online(), {"bee", "cat", "dog"})
-
-    def test_oversized_news(self):
-        dog = Member(self.fleet, "dog")
-        client = self.linked(dog)
-        self.send(client, "fleet_news", "dog", data=bytes(600_000))
-        self.watch.wait_counted("refused.too_large")
-        self.assert_alive(client, dog)
+from certified import NODES, TARGET, WAIT, Life
+from router_client import Member
 
 
 class Dates(Life):
-    block = BLOCK + 2
+    block = 112
 
     def of_another_fleet(self, member):
         """Signed with the same authority's key, so that only its fleet is wrong."""
@@ -350,7 +134,7 @@ class Dates(Life):
 
 
 class Renewed(Life):
-    block = BLOCK + 3
+    block = 112
 
     def until(self, node):
         return self.fleet.json("fleet", "show", self.fleet.dir(node))["not_after"]
@@ -409,73 +193,6 @@ class Renewed(Life):
         self.assertEqual(self.ends_soon(TARGET), [])
         self.assertNotIn("certificate ends", self.fleet.trb("service", "list", node=TARGET).stdout)
         self.assert_same_processes()
-
-
-class Rights(Life):
-    block = BLOCK + 4
-
-    def robot_node(self):
-        """ur3's node, and a probe on its bus that is this file's own: ask(subtype, body, type) returns the answer."""
-        fleet = support.make_fleet(self, block=BLOCK + 5, udp_port=UDP_PORT + 5, cloud=False,
-                                   robots={"ur3": trb_fleet.ROBOTS["ur3"]})
-        fleet.start_node("ur3")
-        fleet.nodes["ur3"].wait_line("ready", 20)
-        bus = self.context.socket(zmq.DEALER)
-        self.addCleanup(bus.close, 0)
-        bus.connect(f"ipc://{fleet.dir('ur3')}/bus/probe.ipc")
-        hello = wire.Frame("service_hello", "", "", type=wire.COMMAND, id=1,
-                           data=wire.pack(["scheduler", [], 1, os.getpid(), "independent"]))
-        bus.send(hello.encode())
-        self.assertTrue(bus.poll(WAIT * 1000))
-        slot = wire.decode(bus.recv()).body()[2]
-        ids = itertools.count((slot << 48) + 1)
-
-        def ask(subtype, body, kind):
-            frame = wire.Frame(subtype, "ur3", "ur3", type=kind, id=next(ids), data=wire.pack(body))
-            bus.send(frame.encode())
-            self.assertTrue(bus.poll(WAIT * 1000))
-            answer = wire.decode(bus.recv())
-            self.assertEqual(answer.reply_to, frame.id)
-            return answer
-
-        return support.Watch(fleet, "ur3"), ask
-
-    def assert_not_permitted(self, answer):
-        refusal = wire.nack(answer)
-        self.assertEqual(refusal["code"], "not_permitted")
-        self.assertIn("trb help rights", refusal["cure"])
-
-    def test_a_robot_s_node_signs_no_decision(self):
-        watch, ask = self.robot_node()
-        for count, purpose in enumerate(("decision", "result", "certificate", "revocation_list", "seal"), 1):
-            self.assert_not_permitted(ask("sign_request", [purpose, b"x"], wire.REQUEST))
-            watch.wait_counted("refused.not_permitted", count)
-            watch.wait_logged(f"of a robot node may not have a '{purpose}' signed")
-
-    def test_a_probe_that_calls_itself_the_scheduler(self):
-        """It cannot command a skill past the control lease, nor send the router's own subtypes."""
-        watch, ask = self.robot_node()
-        for count, subtype in enumerate(("execute", "cancel_execution", "adapter_state_request", "peer_expired", "hello"), 1):
-            self.assert_not_permitted(ask(subtype, [], wire.COMMAND))
-            watch.wait_counted("refused.not_permitted", count)
-            watch.wait_logged(f"service 'scheduler' (pid {os.getpid()}) said {subtype}, which is not its word")
-        self.assertEqual(ask("route_list", [], wire.REQUEST).subtype, "route_table")
-
-    def test_a_role_without_the_right(self):
-        """robot_fault is a robot's; the same member may send it once its certificate has that role."""
-        key, dog = self.authority(), Member(self.fleet, "dog")
-        client = self.linked(dog)
-        self.send(client, "robot_fault", "dog", data=wire.pack([]))
-        self.watch.wait_counted("refused.not_permitted")
-        self.watch.wait_logged("not_permitted dog sent robot_fault, which a cloud node may not send")
-        self.assert_alive(client, dog)
-        robot = self.client(dog)
-        self.hello(robot, dog, key.certificate(dog.certificate, serial=60, role=0))
-        self.assertEqual(robot.receive().subtype, "hello")
-        self.send(robot, "robot_fault", "dog", data=wire.pack([]))
-        self.assert_alive(robot, dog)
-        self.assertEqual(self.watch.rise(), {"refused.not_permitted": 1})
-
 
 if __name__ == "__main__":
     support.main()

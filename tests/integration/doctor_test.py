@@ -5,12 +5,10 @@ import tempfile
 import time
 import unittest
 
-import zmq
-
 import support
 import trb_fleet
 import wire
-from router_client import Client, Member
+from router_client import Client, Member, make_context
 
 BLOCK = 44
 UDP_PORT = 50044
@@ -22,8 +20,7 @@ class Doctor(unittest.TestCase):
 
     @classmethod
     def setUpClass(cls):
-        cls.context = zmq.Context()
-        cls.addClassCleanup(cls.context.term)
+        make_context(cls)
         names = ("ant", "bee", "cat", "short", "last")
         cls.fleet = support.make_fleet(cls, support.RouterFleet, services={name: ["router"] for name in names},
                                        block=BLOCK, udp_port=UDP_PORT)

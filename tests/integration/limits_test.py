@@ -15,7 +15,7 @@ import unittest
 import support
 import trb_fleet
 import wire
-from doors_test import PORT, TARGET, UDP_PORT, Pressure, sources
+from pressure import PORT, UDP_PORT, Pressure, sources
 from router_client import Member
 
 SODIUM = ctypes.CDLL(ctypes.util.find_library("sodium"))

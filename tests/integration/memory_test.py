@@ -11,6 +11,7 @@ import zmq
 import support
 import trb_fleet
 import wire
+from router_client import make_context
 from sealer import Sealer, Signer
 
 BLOCK = 176
@@ -108,8 +109,7 @@ class Fleet(support.RouterFleet):
 class Memory(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.context = zmq.Context()
-        cls.addClassCleanup(cls.context.term)
+        make_context(cls)
         services = {TARGET: ["router", "scheduler", "sensor-bus"]}
         services.update({name: ["router"] for name in ["cat", "dog", *SLOW]})
         cls.fleet = support.make_fleet(cls, Fleet, services=services, block=BLOCK, udp_port=UDP_PORT)

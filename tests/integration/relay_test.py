@@ -6,13 +6,11 @@ import secrets
 import time
 import unittest
 
-import zmq
-
 import authority
 import support
 import wire
 from authority import SECOND, Authority, sign_with
-from router_client import Client, Member
+from router_client import Client, Member, make_context
 
 BLOCK = 120
 UDP_PORT = 50120
@@ -24,8 +22,7 @@ class Relays(unittest.TestCase):
 
     @classmethod
     def setUpClass(cls):
-        cls.context = zmq.Context()
-        cls.addClassCleanup(cls.context.term)
+        make_context(cls)
 
     def setUp(self):
         services = {TARGET: ["router"], "arm": ["router"], "belt": ["router"], "crane": ["router"]}

@@ -17,6 +17,12 @@ NOBODY = "127.0.40.99:45000"
 PLAIN_GREETING = b"\xff" + bytes(7) + b"\x01\x7f" + b"\x03\x00" + b"NULL".ljust(20, b"\0") + b"\0" + bytes(31)
 
 
+def make_context(case):
+    """case.context: ZeroMQ's, for those that a test class plays; case: the class."""
+    case.context = zmq.Context()
+    case.addClassCleanup(case.context.term)
+
+
 def to_z85(raw):
     return zmq.utils.z85.encode(raw)
 

@@ -13,7 +13,7 @@ import authority
 import support
 import trb_fleet
 import wire
-from router_client import Client, Member
+from router_client import Client, Member, make_context
 
 BLOCK = 100
 UDP_PORT = 50100
@@ -161,8 +161,7 @@ class Case(unittest.TestCase):
 
     @classmethod
     def setUpClass(cls):
-        cls.context = zmq.Context()
-        cls.addClassCleanup(cls.context.term)
+        make_context(cls)
         services = {TARGET: ["router", "scheduler"], "bee": ["router"], STRICT: ["router", "scheduler", "sensor-bus"],
                     "cat": ["router"], "dog": ["router"], "elk": ["router"], "gnu": ["router"]}
         cls.fleet = support.make_fleet(cls, Sealing, services=services, block=BLOCK, udp_port=UDP_PORT)

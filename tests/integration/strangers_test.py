@@ -13,7 +13,7 @@ import zmq
 
 import support
 import wire
-from router_client import PLAIN_GREETING, TARGET, WAIT, Client, Member
+from router_client import PLAIN_GREETING, TARGET, WAIT, Client, Member, make_context
 
 BLOCK = 40
 UDP_PORT = 50040
@@ -24,8 +24,7 @@ class Door(unittest.TestCase):
 
     @classmethod
     def setUpClass(cls):
-        cls.context = zmq.Context()
-        cls.addClassCleanup(cls.context.term)
+        make_context(cls)
         services = {TARGET: ["router", "scheduler"], "arm": ["router"], "belt": ["router"], "crane": ["router"],
                     "hoist": ["router"]}
         cls.fleet = support.make_fleet(cls, support.RouterFleet, services=services, block=BLOCK, udp_port=UDP_PORT)

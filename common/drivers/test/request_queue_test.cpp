@@ -13,6 +13,15 @@ Queue::Job job(Token token, Purpose purpose = Purpose::command) {
   return {purpose, token, false, {1, 2}, 0};
 }
 
+/// Two jobs, of which the first is sent.
+Queue with_one_sent() {
+  Queue queue;
+  queue.add(job(1));
+  queue.add(job(2));
+  queue.sent(Awaits::job);
+  return queue;
+}
+
 }  // namespace
 
 TEST_CASE("one thing is under way at a time; values and commands take turns") {
@@ -34,10 +43,7 @@ TEST_CASE("one thing is under way at a time; values and commands take turns") {
 }
 
 TEST_CASE("a stop goes behind what is under way, whose answer is nobody's; a second one joins it while it waits") {
-  Queue queue;
-  queue.add(job(1));
-  queue.add(job(2));
-  queue.sent(Awaits::job);
+  Queue queue = with_one_sent();
   const auto dropped = queue.drop_for_stop();
   REQUIRE(dropped.size() == 2);
   CHECK(dropped[0].token == 1);
@@ -56,10 +62,7 @@ TEST_CASE("a stop goes behind what is under way, whose answer is nobody's; a sec
 }
 
 TEST_CASE("halted is what was sent; what has not begun is only dropped; what nobody knows may move") {
-  Queue queue;
-  queue.add(job(1));
-  queue.add(job(2));
-  queue.sent(Awaits::job);
+  Queue queue = with_one_sent();
   CHECK_FALSE(queue.halt(2));
   CHECK(queue.halt(1));
   CHECK(queue.awaits() == Awaits::nobody);
@@ -72,10 +75,7 @@ TEST_CASE("halted is what was sent; what has not begun is only dropped; what nob
 }
 
 TEST_CASE("nobody waits for it any more: dropped, unless something of it is on its way") {
-  Queue queue;
-  queue.add(job(1));
-  queue.add(job(2));
-  queue.sent(Awaits::job);
+  Queue queue = with_one_sent();
   queue.forget(1);
   queue.forget(2);
   CHECK(queue.runs(1));

@@ -74,6 +74,14 @@ void check_only(const Observed& seen, const std::string& cause, const std::strin
         1);
 }
 
+/// bee is lost, a connection to it shows `port`, and the router's row of it has that code and text.
+void check_lost_bee(Port port, const std::pair<std::string, std::string>& row, const std::string& cause) {
+  Ant ant;
+  ant.lose_bee(port);
+  ant.row("bee", row.first, row.second);
+  check_only(ant.seen, cause, "bee");
+}
+
 }  // namespace
 
 TEST_CASE("a node that is well has nothing to tell") {
@@ -97,14 +105,8 @@ TEST_CASE("certificates: ended, ending soon, revoked, of another fleet") {
   CHECK(diagnose(soon.seen)[0].cause == "cert_ends_soon");
   CHECK(diagnose(soon.seen)[0].weight == Weight::note);
   for (const std::string code : {"cert_expired", "cert_revoked", "foreign_fleet", "bad_signature"}) {
-    Ant theirs;
-    theirs.lose_bee(Port::zmtp);
-    theirs.row("bee", code, "text");
-    check_only(theirs.seen, code, "bee");
-    Ant ours;
-    ours.lose_bee(Port::zmtp);
-    ours.row("bee", "refused_us", code);
-    check_only(ours.seen, code, "bee");
+    check_lost_bee(Port::zmtp, {code, "text"}, code);
+    check_lost_bee(Port::zmtp, {"refused_us", code}, code);
   }
 }
 
@@ -139,10 +141,7 @@ TEST_CASE("versions apart: a note while a link is up, a problem when none can be
   linked.bee().version = "0.9";
   REQUIRE(diagnose(linked.seen).size() == 1);
   CHECK(diagnose(linked.seen)[0].cause == "versions_apart");
-  Ant apart;
-  apart.lose_bee(Port::zmtp);
-  apart.row("bee", "version_mismatch", "version 2");
-  check_only(apart.seen, "versions_apart", "bee");
+  check_lost_bee(Port::zmtp, {"version_mismatch", "version 2"}, "versions_apart");
 }
 
 TEST_CASE("what a connection shows: closed port, silence, another program") {
@@ -173,10 +172,7 @@ TEST_CASE("another subnet without a seed: asked for by address, without a route,
 }
 
 TEST_CASE("a one-way link is told apart from silence") {
-  Ant ant;
-  ant.lose_bee(Port::no_answer);
-  ant.row("bee", "one_way", "not heard by the other side for a lease");
-  check_only(ant.seen, "one_way", "bee");
+  check_lost_bee(Port::no_answer, {"one_way", "not heard by the other side for a lease"}, "one_way");
 }
 
 TEST_CASE("large messages that are lost mean the MTU: by datagrams, by echoes, by a Hello that never comes") {
@@ -186,10 +182,7 @@ TEST_CASE("large messages that are lost mean the MTU: by datagrams, by echoes, b
   Ant echoes;
   echoes.seen.echoes[0].large = false;
   check_only(echoes.seen, "mtu", "bee");
-  Ant hello;
-  hello.lose_bee(Port::zmtp);
-  hello.row("bee", "no_hello", "no Hello in time");
-  check_only(hello.seen, "mtu", "bee");
+  check_lost_bee(Port::zmtp, {"no_hello", "no Hello in time"}, "mtu");
 }
 
 TEST_CASE("on the node itself: no router, a socket that is gone, a service that is down, a silent robot") {

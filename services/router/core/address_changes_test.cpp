@@ -7,8 +7,6 @@
 
 using namespace trb;
 using namespace trb::router;
-using std::chrono::milliseconds;
-using Seconds = std::chrono::seconds;
 
 TEST_CASE(
     "a node whose address changes is linked again at once, whichever id it has, with beacons or by its own dial") {

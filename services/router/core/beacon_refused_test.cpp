@@ -5,8 +5,6 @@
 
 using namespace trb;
 using namespace trb::router;
-using std::chrono::milliseconds;
-using Seconds = std::chrono::seconds;
 
 TEST_CASE("replayed, foreign and damaged beacons are counted and lead nowhere") {
   TestFleet fleet;

@@ -5,7 +5,6 @@
 
 using namespace trb;
 using namespace trb::router;
-using Seconds = std::chrono::seconds;
 
 TEST_CASE("a beacon that was heard before a link stays a replay after it") {
   Inbox inbox;

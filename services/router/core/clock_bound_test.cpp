@@ -8,7 +8,6 @@
 
 using namespace trb;
 using namespace trb::router;
-using Seconds = std::chrono::seconds;
 using std::chrono::hours;
 using std::chrono::minutes;
 

@@ -6,7 +6,6 @@
 
 using namespace trb;
 using namespace trb::router;
-using std::chrono::milliseconds;
 
 namespace {
 

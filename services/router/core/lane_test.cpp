@@ -5,8 +5,6 @@
 
 using namespace trb;
 using namespace trb::router;
-using Seconds = std::chrono::seconds;
-using To = Routing::To;
 
 namespace {
 
@@ -250,7 +248,6 @@ TEST_CASE("what a peer gets by its link instead of the lane is bounded to the by
 }
 
 TEST_CASE("a lane that breaks again and again is dialled ever less often; one that was heard for long at once") {
-  using std::chrono::milliseconds;
   Stream stream;
   const auto comes_back_after = [&](Duration wait) {
     stream.fleet.break_lane("bee", "ant");

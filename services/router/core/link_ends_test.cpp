@@ -3,8 +3,6 @@
 
 using namespace trb;
 using namespace trb::router;
-using std::chrono::milliseconds;
-using Seconds = std::chrono::seconds;
 
 TEST_CASE("a certificate that ends takes its link with it") {
   TestFleet fleet;

@@ -5,8 +5,6 @@
 
 using namespace trb;
 using namespace trb::router;
-using std::chrono::milliseconds;
-using Seconds = std::chrono::seconds;
 
 namespace {
 

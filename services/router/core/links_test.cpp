@@ -3,8 +3,6 @@
 
 using namespace trb;
 using namespace trb::router;
-using std::chrono::milliseconds;
-using Seconds = std::chrono::seconds;
 
 TEST_CASE("two nodes meet by beacon: the smaller id dials, the greater waits") {
   TestFleet fleet;

@@ -6,9 +6,7 @@
 using namespace trb;
 using namespace trb::router;
 using std::chrono::hours;
-using std::chrono::milliseconds;
 using std::chrono::minutes;
-using Seconds = std::chrono::seconds;
 
 namespace {
 

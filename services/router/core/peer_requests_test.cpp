@@ -5,8 +5,6 @@
 
 using namespace trb;
 using namespace trb::router;
-using std::chrono::milliseconds;
-using Seconds = std::chrono::seconds;
 
 TEST_CASE("a member that asks for tables without end is told no more than its bytes of a second, by name") {
   TestFleet fleet;

@@ -6,7 +6,6 @@
 
 using namespace trb;
 using namespace trb::router;
-using Seconds = std::chrono::seconds;
 
 namespace {
 

@@ -5,8 +5,6 @@
 
 using namespace trb;
 using namespace trb::router;
-using std::chrono::milliseconds;
-using Seconds = std::chrono::seconds;
 
 TEST_CASE("two that cannot reach each other are ONLINE by the relay, and know each other's boot") {
   Triangle three;
@@ -70,24 +68,15 @@ TEST_CASE("a node that dies is expired about a lease later, though a relay says 
 }
 
 TEST_CASE("of two relays one may go: the other carries on, and no lease runs") {
-  TestFleet fleet;
-  fleet.cut("ant", "bee");
-  fleet.cut("bee", "ant");
-  fleet.start("cloud", {.beacon = false, .relay = true});
-  fleet.start("dock", {.beacon = false, .seeds = {"cloud"}, .relay = true});
-  TestNode& ant = fleet.start("ant", {.beacon = false, .seeds = {"cloud", "dock"}});
-  fleet.start("bee", {.beacon = false, .seeds = {"cloud", "dock"}});
-  fleet.run(Seconds(4));
-  const std::string first = Triangle::route(ant, "bee", fleet)->via;
-  const std::string other = first == "cloud" ? "dock" : "cloud";
-  REQUIRE(!first.empty());
-  fleet.stop(first);
-  fleet.run(milliseconds(100));
-  CHECK(Triangle::route(ant, "bee", fleet)->via == other);
-  CHECK(Triangle::route(ant, "bee", fleet)->state == "ONLINE");
-  fleet.run(Seconds(12));
-  CHECK(Triangle::route(ant, "bee", fleet)->state == "ONLINE");
-  CHECK(ant.count("peer_expired") == 1);  // the relay
+  TwoRelays two;
+  const auto state = [&] { return Triangle::route(*two.ant, "bee", two.fleet)->state; };
+  two.fleet.stop(two.first);
+  two.fleet.run(milliseconds(100));
+  CHECK(two.via() == two.other);
+  CHECK(state() == "ONLINE");
+  two.fleet.run(Seconds(12));
+  CHECK(state() == "ONLINE");
+  CHECK(two.ant->count("peer_expired") == 1);  // the relay
 }
 
 TEST_CASE("what a relay tells of a node is taken only with a certificate that a Hello could show") {

@@ -3,8 +3,6 @@
 
 using namespace trb;
 using namespace trb::router;
-using std::chrono::milliseconds;
-using Seconds = std::chrono::seconds;
 
 TEST_CASE("a profile goes to who is reached by a relay, by its own word, at once and at each change") {
   Triangle three;

@@ -3,8 +3,6 @@
 
 using namespace trb;
 using namespace trb::router;
-using std::chrono::milliseconds;
-using Seconds = std::chrono::seconds;
 
 TEST_CASE("a target that the relay has lost: who sent it is told at once; a message over 511 kB never leaves") {
   Triangle three;
@@ -109,32 +107,22 @@ TEST_CASE("a relay that loses a command in silence: who sent it is told that nob
 }
 
 TEST_CASE("a relay that loses one of several is found out at the next word, and another relay is taken") {
-  TestFleet fleet;
-  fleet.cut("ant", "bee");
-  fleet.cut("bee", "ant");
-  fleet.start("cloud", {.beacon = false, .relay = true});
-  fleet.start("dock", {.beacon = false, .seeds = {"cloud"}, .relay = true});
-  TestNode& ant = fleet.start("ant", {.beacon = false, .seeds = {"cloud", "dock"}});
-  TestNode& bee = fleet.start("bee", {.beacon = false, .seeds = {"cloud", "dock"}});
-  Triangle::serve(fleet, ant);
-  Triangle::serve(fleet, bee);
-  fleet.run(Seconds(4));
-  const std::string first = Triangle::route(ant, "bee", fleet)->via;
+  TwoRelays two;
   int lose = 1;
-  fleet.withhold = [&](const std::string& from, const Message& message) {
-    if (from != first || message.subtype != Relayed::kSubtype) return false;
+  two.fleet.withhold = [&](const std::string& from, const Message& message) {
+    if (from != two.first || message.subtype != Relayed::kSubtype) return false;
     return decode<Relayed>(message.data)->record.signer == "ant" && lose-- > 0;
   };
-  Triangle::say(fleet, ant, 1);
-  fleet.run(kStep * 3);
-  Triangle::say(fleet, ant, 2);
-  fleet.run(milliseconds(400));
-  CHECK(ant.told(Nack::kSubtype) == 1);
-  CHECK(Triangle::route(ant, "bee", fleet)->via != first);
-  Triangle::say(fleet, ant, 3);
-  fleet.run(milliseconds(400));
-  CHECK(bee.told("numbered") == 2);
-  CHECK(ant.told(Nack::kSubtype) == 1);
+  Triangle::say(two.fleet, *two.ant, 1);
+  two.fleet.run(kStep * 3);
+  Triangle::say(two.fleet, *two.ant, 2);
+  two.fleet.run(milliseconds(400));
+  CHECK(two.ant->told(Nack::kSubtype) == 1);
+  CHECK(two.via() != two.first);
+  Triangle::say(two.fleet, *two.ant, 3);
+  two.fleet.run(milliseconds(400));
+  CHECK(two.bee->told("numbered") == 2);
+  CHECK(two.ant->told(Nack::kSubtype) == 1);
 }
 
 TEST_CASE("a relay speaks of what it carries, and of nothing else") {

@@ -5,8 +5,6 @@
 
 using namespace trb;
 using namespace trb::router;
-using std::chrono::milliseconds;
-using Seconds = std::chrono::seconds;
 
 TEST_CASE("a message goes by the relay once, to whom it is for, and its answer comes back that way") {
   Triangle three;
@@ -23,60 +21,50 @@ TEST_CASE("a message goes by the relay once, to whom it is for, and its answer c
 
 TEST_CASE("what is replayed, forged, late or for another boot is refused, each by a name of its own") {
   Triangle three;
+  const auto check_refused = [&](const SignedRecord& record, const std::string& by) {
+    CAPTURE(by);
+    const std::uint64_t before = three.bee->count("refused.relayed_" + by);
+    three.hand_to_bee(record);
+    CHECK(three.bee->count("refused.relayed_" + by) == before + 1);
+  };
+  const auto changed = [&](std::uint64_t count, const std::function<void(RelayedFrame&)>& change) {
+    RelayedFrame frame = three.frame(count, three.numbered("x"));
+    change(frame);
+    return three.signed_by_ant(frame);
+  };
+  const auto of_message = [&](std::uint64_t count, const std::function<void(Message&)>& change) {
+    Message message = three.numbered("x");
+    change(message);
+    return three.signed_by_ant(three.frame(count, message));
+  };
+  const auto signed_as_ant = [&](std::string_view kind, const SigningKey& key) {
+    return sign(kind, "ant", three.fleet.authority.fleet.id(), encode(three.frame(6, three.numbered("x"))), key);
+  };
   const auto now = three.fleet.now.utc.ns;
-  const RelayedFrame good = three.frame(5, three.numbered("x"));
-  three.hand_to_bee(three.signed_by_ant(good));
+  const SignedRecord good = three.signed_by_ant(three.frame(5, three.numbered("x")));
+  three.hand_to_bee(good);
   CHECK(three.delivered() == 1);
 
-  three.hand_to_bee(three.signed_by_ant(good));
-  CHECK(three.bee->count("refused.relayed_replayed") == 1);
-  RelayedFrame unproven = three.frame(6, three.numbered("x"));
-  unproven.source_boot = 2;
-  three.hand_to_bee(three.signed_by_ant(unproven));
-  CHECK(three.bee->count("refused.relayed_replayed") == 2);
-
+  check_refused(good, "replayed");
+  check_refused(changed(6, [](RelayedFrame& is) { is.source_boot = 2; }), "replayed");
   SignedRecord forged = three.signed_by_ant(three.frame(6, three.numbered("x")));
   forged.payload.bytes.back() ^= 1;
-  three.hand_to_bee(forged);
-  CHECK(three.bee->count("refused.relayed_bad_signature") == 1);
-  SignedRecord other = sign(kSignedRelayed, "ant", three.fleet.authority.fleet.id(),
-                            encode(three.frame(6, three.numbered("x"))), three.cloud.keys.identity);
-  three.hand_to_bee(other);
-  CHECK(three.bee->count("refused.relayed_bad_signature") == 2);
-  SignedRecord purpose = sign(kSignedResult, "ant", three.fleet.authority.fleet.id(),
-                              encode(three.frame(6, three.numbered("x"))), three.ant->keys.identity);
-  three.hand_to_bee(purpose);
-  CHECK(three.bee->count("refused.relayed_bad_signature") == 3);
-
-  RelayedFrame late = three.frame(6, three.numbered("x"));
-  late.expires = now - 1;
-  three.hand_to_bee(three.signed_by_ant(late));
-  CHECK(three.bee->count("refused.relayed_late") == 1);
-  RelayedFrame boot = three.frame(6, three.numbered("x"));
-  boot.target_boot = 2;
-  three.hand_to_bee(three.signed_by_ant(boot));
-  CHECK(three.bee->count("refused.relayed_other_boot") == 1);
-
-  Message theft = three.numbered("x");
-  theft.source = "cloud";
-  three.hand_to_bee(three.signed_by_ant(three.frame(7, theft)));
-  CHECK(three.bee->count("refused.relayed_source_mismatch") == 1);
-  Message astray = three.numbered("x");
-  astray.target = "cat";
-  three.hand_to_bee(three.signed_by_ant(three.frame(8, astray)));
-  CHECK(three.bee->count("refused.relayed_wrong_target") == 1);
-  RelayedFrame garbage = three.frame(9, three.numbered("x"));
-  garbage.box.bytes = lock_relayed(relay_key(three.ant->keys.link, three.bee->keys.link.public_key), "nothing");
-  three.hand_to_bee(three.signed_by_ant(garbage));
-  CHECK(three.bee->count("refused.relayed_malformed") == 1);
-  RelayedFrame foreign = three.frame(9, three.numbered("x"));
-  foreign.box.bytes = lock_relayed(relay_key(three.ant->keys.link, three.cloud.keys.link.public_key), "nothing");
-  three.hand_to_bee(three.signed_by_ant(foreign));
-  CHECK(three.bee->count("refused.relayed_wrong_key") == 1);
+  check_refused(forged, "bad_signature");
+  check_refused(signed_as_ant(kSignedRelayed, three.cloud.keys.identity), "bad_signature");
+  check_refused(signed_as_ant(kSignedResult, three.ant->keys.identity), "bad_signature");
+  check_refused(changed(6, [&](RelayedFrame& is) { is.expires = now - 1; }), "late");
+  check_refused(changed(6, [](RelayedFrame& is) { is.target_boot = 2; }), "other_boot");
+  check_refused(of_message(7, [](Message& is) { is.source = "cloud"; }), "source_mismatch");
+  check_refused(of_message(8, [](Message& is) { is.target = "cat"; }), "wrong_target");
+  const auto boxed_with = [&](const Bytes& peer) {
+    return changed(
+        9, [&](RelayedFrame& is) { is.box.bytes = lock_relayed(relay_key(three.ant->keys.link, peer), "nothing"); });
+  };
+  check_refused(boxed_with(three.bee->keys.link.public_key), "malformed");
+  check_refused(boxed_with(three.cloud.keys.link.public_key), "wrong_key");
   SignedRecord unknown = three.signed_by_ant(three.frame(10, three.numbered("x")));
   unknown.signer = "nobody";
-  three.hand_to_bee(unknown);
-  CHECK(three.bee->count("refused.relayed_unknown_signer") == 1);
+  check_refused(unknown, "unknown_signer");
   CHECK(three.delivered() == 1);
 
   three.hand_to_bee(three.signed_by_ant(three.frame(11, three.numbered("y"))));

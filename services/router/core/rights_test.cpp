@@ -5,7 +5,6 @@
 
 using namespace trb;
 using namespace trb::router;
-using Seconds = std::chrono::seconds;
 
 namespace {
 

@@ -3,9 +3,6 @@
 
 using namespace trb;
 using namespace trb::router;
-using Seconds = std::chrono::seconds;
-using To = Routing::To;
-using Pair = RoutedPair;
 
 namespace {
 
@@ -22,7 +19,7 @@ Message answer_to_ant(const std::string& source, const std::string& subtype, std
 }  // namespace
 
 TEST_CASE("an answer goes to the slot that asked, and to no other") {
-  Pair pair;
+  RoutedPair pair;
   Message answer = pair.remote("ack", MessageType::information);
   answer.reply_to = pair.slot(1) << 48U | 4U;
   CHECK(pair.ask(2, answer.reply_to, "bee").to == To::peer);
@@ -33,7 +30,7 @@ TEST_CASE("an answer goes to the slot that asked, and to no other") {
 }
 
 TEST_CASE("a member that floods answers to what another was asked is refused, the one that was asked is heard") {
-  Pair pair;
+  RoutedPair pair;
   pair.fleet.start("cat");
   pair.fleet.run(Seconds(2));
   const std::uint64_t first = pair.slot(0) << 48U;
@@ -58,7 +55,7 @@ TEST_CASE("a member that floods answers to what another was asked is refused, th
 }
 
 TEST_CASE("on the bus only the connection that got the question answers it") {
-  Pair pair;
+  RoutedPair pair;
   pair.hello(3, "fault-tally", {"tally"});
   const std::uint64_t id = pair.slot(1) << 48U | 77U;
   CHECK(pair.ask(2, id, "ant", "stop").connection == 1);
@@ -89,7 +86,7 @@ TEST_CASE("on the bus only the connection that got the question answers it") {
 }
 
 TEST_CASE("who comes anew has asked nothing; who says hello again still waits") {
-  Pair pair;
+  RoutedPair pair;
   const std::uint64_t id = pair.slot(1) << 48U | 4U;
   Message answer = pair.remote("ack", MessageType::information);
   answer.reply_to = id;
@@ -114,7 +111,7 @@ TEST_CASE("who comes anew has asked nothing; who says hello again still waits") 
 }
 
 TEST_CASE("a user's information may be Nacked by whom it went to, and is answered by nobody") {
-  Pair pair;
+  RoutedPair pair;
   const std::uint64_t id = pair.slot(1) << 48U | 4U;
   CHECK(pair.ask(2, id, "bee", "greeting", MessageType::information).to == To::peer);
   Message answer = pair.remote("nack", MessageType::information);
@@ -173,7 +170,7 @@ TEST_CASE("by a relay, too, only whom was asked answers, and not the relay itsel
 }
 
 TEST_CASE("what is an answer, has no number or may be lost has asked nothing") {
-  Pair pair;
+  RoutedPair pair;
   const std::uint64_t id = pair.slot(1) << 48U | 4U;
   Message answer = pair.remote("nack", MessageType::information);
   const auto said = [&](std::uint64_t number, const std::function<void(Message&)>& change) {

@@ -3,12 +3,9 @@
 
 using namespace trb;
 using namespace trb::router;
-using Seconds = std::chrono::seconds;
-using To = Routing::To;
-using Pair = RoutedPair;
 
 TEST_CASE("what was said to every node is not Nacked back by each") {
-  Pair pair;
+  RoutedPair pair;
   Effects effects;
   Message word = pair.remote("greeting", MessageType::information);
   word.target = "*";
@@ -17,7 +14,7 @@ TEST_CASE("what was said to every node is not Nacked back by each") {
 }
 
 TEST_CASE("a Nack answers commands, requests and the user's own information, never an answer or typed information") {
-  Pair pair;
+  RoutedPair pair;
   const auto nack = [&](const Message& message) {
     Effects effects;
     pair.ant.core->bus().nack(1, header_of(message), Errc::unknown_target, effects);
@@ -37,7 +34,7 @@ TEST_CASE("a Nack answers commands, requests and the user's own information, nev
 }
 
 TEST_CASE("a peer is Nacked what it waits for, in its own name, by its own link, and refusals are counted apart") {
-  Pair pair;
+  RoutedPair pair;
   const LinkId link = pair.ant.link_to("bee");
   const auto nacked = [&](LinkId by, const Message& message, Errc reason) {
     Effects effects;
@@ -67,7 +64,7 @@ TEST_CASE("a peer is Nacked what it waits for, in its own name, by its own link,
 }
 
 TEST_CASE("a service that says what is not its word is named in the log, and what nobody takes is only dropped") {
-  Pair pair;
+  RoutedPair pair;
   const auto nack = [&](ConnectionId from, Errc reason) {
     Effects effects;
     pair.ant.log.clear();

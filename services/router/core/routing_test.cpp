@@ -3,12 +3,9 @@
 
 using namespace trb;
 using namespace trb::router;
-using Seconds = std::chrono::seconds;
-using To = Routing::To;
-using Pair = RoutedPair;
 
 TEST_CASE("a message that cannot go out is refused with the reason") {
-  Pair pair;
+  RoutedPair pair;
   CHECK(pair.route(pair.local("bee", "move")).to == To::peer);
   CHECK(pair.route(pair.local("cat", "move")).reason == Errc::unknown_target);
   Message late = pair.local("bee", "move");
@@ -30,14 +27,14 @@ TEST_CASE("a message that cannot go out is refused with the reason") {
 }
 
 TEST_CASE("an unclaimed word of the user's goes to the mode-adapter, an unclaimed typed one to nobody") {
-  Pair pair;
+  RoutedPair pair;
   CHECK(pair.come(pair.remote("move")).connection == 1);
   CHECK(pair.come(pair.remote("baton")).connection == 2);
   CHECK(pair.come(pair.remote("run_query", MessageType::request)).reason == Errc::no_service);
 }
 
 TEST_CASE("a peer may not use what is between services of one node, nor bring it as an answer") {
-  Pair pair;
+  RoutedPair pair;
   const auto subtypes = {"adapter_state",   "adapter_state_request", "cancel_execution", "execute",
                          "execution_query", "execution_state",       "outcome",          "outcome_journaled",
                          "run_submit",      "service_alive",         "service_hello",    "sign_request"};
@@ -55,7 +52,7 @@ TEST_CASE("a peer may not use what is between services of one node, nor bring it
 }
 
 TEST_CASE("a wrong source is refused; a gap in the sequence closes the link") {
-  Pair pair;
+  RoutedPair pair;
   Message forged = pair.remote("move");
   forged.source = "cat";
   CHECK(pair.come(forged).reason == Errc::source_mismatch);
@@ -70,7 +67,7 @@ TEST_CASE("a wrong source is refused; a gap in the sequence closes the link") {
 }
 
 TEST_CASE("who is unknown on the bus says nothing; what a robot says to its own node does not come back to it") {
-  Pair pair;
+  RoutedPair pair;
   CHECK(pair.ant.core->routing().from_bus(99, header_of(pair.local("bee", "move"))).reason == Errc::no_service);
   CHECK(pair.route(pair.local("ant", "greeting", MessageType::information)).reason == Errc::no_service);
   Message from_scheduler = pair.local("ant", "greeting", MessageType::information);
@@ -83,7 +80,7 @@ TEST_CASE("who is unknown on the bus says nothing; what a robot says to its own 
 }
 
 TEST_CASE("what comes by a link that is not there, for another node, or too late is refused with the reason") {
-  Pair pair;
+  RoutedPair pair;
   Effects effects;
   const Message lost = pair.remote("move");
   const FrameOrders orders = pair.ant.core->forwarding().from_link(4711, header_of(lost, 1, 4711), encode_frame(lost),

@@ -1,11 +1,10 @@
 // Sensors of a node's PC: sent to the fleet beside the robot's own, requested by name, gone with their service.
 #include <doctest/doctest.h>
 
-#include "services/router/test/test_fleet.hpp"
+#include "services/router/test/test_pair.hpp"
 
 using namespace trb;
 using namespace trb::router;
-using Seconds = std::chrono::seconds;
 
 namespace {
 
@@ -21,23 +20,11 @@ SensorInfo sensor(const std::string& name, const std::string& kind) {
   return info;
 }
 
-/// Two linked nodes; ant has a mode-adapter and a sensor-bus.
-struct Hall {
-  TestFleet fleet;
-  TestNode& ant = fleet.start("ant");
-  TestNode& bee = fleet.start("bee");
-
+/// Ant has a mode-adapter and a sensor-bus.
+struct Hall : LinkedPair {
   Hall() {
-    fleet.run(Seconds(1));
     hello(kAdapter, "mode-adapter");
     hello(kSensors, "sensor-bus", {"sensor_read"});
-  }
-  void hello(ConnectionId from, const std::string& service, std::vector<std::string> subtypes = {},
-             bool probe = false) {
-    Effects effects;
-    ant.core->bus().on_hello(from, {service, std::move(subtypes), 5, 100, "1"},
-                             probe ? kProbe : std::string_view(service), fleet.now, effects);
-    fleet.carry_out(ant, effects);
   }
   template <class T>
   void say(ConnectionId from, const T& body) {

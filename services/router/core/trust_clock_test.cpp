@@ -4,8 +4,6 @@
 using namespace trb;
 using namespace trb::router;
 using std::chrono::hours;
-using std::chrono::milliseconds;
-using Seconds = std::chrono::seconds;
 
 TEST_CASE("the end of a certificate is told a month before, once a day, in the log and to a person who asks") {
   Three three;  // its certificates are valid for a day

@@ -4,8 +4,6 @@
 using namespace trb;
 using namespace trb::router;
 using std::chrono::hours;
-using std::chrono::milliseconds;
-using Seconds = std::chrono::seconds;
 
 TEST_CASE("a revocation that one node hears of is in force on all, and the revoked node knows it") {
   Three three;

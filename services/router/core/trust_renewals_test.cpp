@@ -4,8 +4,6 @@
 using namespace trb;
 using namespace trb::router;
 using std::chrono::hours;
-using std::chrono::milliseconds;
-using Seconds = std::chrono::seconds;
 
 TEST_CASE("a renewed certificate reaches its node and all others, and no link is lost by it") {
   Three three;

@@ -5,8 +5,6 @@
 using namespace trb;
 using namespace trb::router;
 using std::chrono::hours;
-using std::chrono::milliseconds;
-using Seconds = std::chrono::seconds;
 
 TEST_CASE("256 copies of one certificate cost one check, and a member's news no more than 300 a second") {
   Three three;

@@ -7,7 +7,6 @@
 
 using namespace trb;
 using namespace trb::router;
-using Seconds = std::chrono::seconds;
 
 namespace {
 

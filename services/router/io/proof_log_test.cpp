@@ -77,6 +77,10 @@ struct Speaker {
     writer.sealed(record.payload.bytes);
     log.sealed(at_bee);
   }
+  void say_sealed(ProofLog& log, const Bytes& data) {
+    say(log, data);
+    seal(log);
+  }
 };
 
 std::vector<std::string> files_in(const std::string& dir) {
@@ -108,8 +112,7 @@ TEST_CASE("what was heard is proven from the disk, the tail authenticated, and f
   {
     ProofLog log(dir, 8 * kMegabyte);
     ant.say(log, "one");
-    ant.say(log, "two");
-    ant.seal(log);
+    ant.say_sealed(log, "two");
     ant.say(log, "last words");
     log.ended(5, kUtc, "closed");
   }
@@ -133,8 +136,7 @@ TEST_CASE("the log stays below its bound, the oldest go, and every file can be r
   {
     ProofLog log(temp.path, 8 * kMegabyte);
     for (int i = 0; i < 40; ++i) {
-      for (int k = 0; k < 8; ++k) ant.say(log, large);
-      ant.seal(log);
+      for (int k = 0; k < 8; ++k) ant.say_sealed(log, large);
       dropped += log.take_dropped();
     }
   }
@@ -162,15 +164,13 @@ TEST_CASE("a router that starts again goes on in a new file, within the same bou
   for (LinkId link = 1; link <= 3; ++link) {
     Speaker ant(link);
     ProofLog log(temp.path, 8 * kMegabyte);
-    for (int k = 0; k < 30; ++k) ant.say(log, Bytes(60'000, 'x'));
-    ant.seal(log);
+    for (int k = 0; k < 30; ++k) ant.say_sealed(log, Bytes(60'000, 'x'));
   }
   CHECK(files_in(temp.path).size() == 3);
   for (LinkId link = 4; link <= 8; ++link) {
     Speaker ant(link);
     ProofLog log(temp.path, 8 * kMegabyte);
-    for (int k = 0; k < 30; ++k) ant.say(log, Bytes(60'000, 'x'));
-    ant.seal(log);
+    for (int k = 0; k < 30; ++k) ant.say_sealed(log, Bytes(60'000, 'x'));
   }
   CHECK(bytes_in(temp.path) <= 8 * kMegabyte);
   CHECK(files_in(temp.path).back().find("proof-0000000008-ant.log") != std::string::npos);
@@ -181,13 +181,10 @@ TEST_CASE("too much between two seals is left out, counted, and no fault of what
   Speaker ant(5);
   {
     ProofLog log(temp.path, 8 * kMegabyte);
-    ant.say(log, "one");
-    ant.seal(log);
-    for (int k = 0; k < 6; ++k) ant.say(log, Bytes(500'000, 'x'));
-    ant.seal(log);
+    ant.say_sealed(log, "one");
+    for (int k = 0; k < 6; ++k) ant.say_sealed(log, Bytes(500'000, 'x'));
     CHECK(log.take_dropped() == 7);
-    ant.say(log, "two");
-    ant.seal(log);
+    ant.say_sealed(log, "two");
     CHECK(log.take_dropped() == 0);
   }
   const ProofReport report = read_all(ant, temp.path);
@@ -204,15 +201,12 @@ TEST_CASE("rubbish of one peer pushes out nothing of another's that has no more 
   Speaker cat(6, "cat");
   {
     ProofLog log(temp.path, 8 * kMegabyte);
-    ant.say(log, "move the arm");
-    ant.seal(log);
+    ant.say_sealed(log, "move the arm");
     for (int i = 0; i < 100; ++i) {
-      cat.say(log, Bytes(1'000'000, 'x'));
-      cat.seal(log);
+      cat.say_sealed(log, Bytes(1'000'000, 'x'));
       // At half its share, bit by bit, in the middle of the flood.
       if (i % 20 != 0) continue;
-      ant.say(log, Bytes(400'000, 'a'));
-      ant.seal(log);
+      ant.say_sealed(log, Bytes(400'000, 'a'));
     }
     log.take_dropped();
   }
@@ -235,8 +229,7 @@ TEST_CASE("who wants more than its share gives way to itself first, whoever came
       ProofLog log(temp.path, 8 * kMegabyte);
       Speaker one(++link, name);
       for (int i = 0; i < 100; ++i) {
-        one.say(log, Bytes(40'000, 'x'));
-        one.seal(log);
+        one.say_sealed(log, Bytes(40'000, 'x'));
       }
       CHECK(log.take_dropped() == 0);
     }
@@ -259,8 +252,7 @@ TEST_CASE("who has the log to itself writes few files, and loses a small part of
       ProofLog log(temp.path, 64 * kMegabyte);
       Speaker flood(link, "flood");
       for (int i = 0; i < 60; ++i) {
-        flood.say(log, Bytes(200'000, 'x'));
-        flood.seal(log);
+        flood.say_sealed(log, Bytes(200'000, 'x'));
       }
       CHECK(log.take_dropped() == 0);
     }
@@ -280,10 +272,8 @@ TEST_CASE("a thousand peers have a place each beside one that floods") {
     Speaker flood(9999, "flood");
     for (int i = 0; i < 1000; ++i) {
       Speaker one(static_cast<LinkId>(i + 1), "p" + std::to_string(i));
-      one.say(log, "promise");
-      one.seal(log);
-      flood.say(log, Bytes(200'000, 'x'));
-      flood.seal(log);
+      one.say_sealed(log, "promise");
+      flood.say_sealed(log, Bytes(200'000, 'x'));
     }
   }
   CHECK(bytes_in(temp.path) <= 64 * kMegabyte);
@@ -302,15 +292,13 @@ TEST_CASE("files of an earlier version, all peers in one, are read and go by the
     Speaker unnamed(4);
     unnamed.at_bee.signer.id.clear();  // as an earlier version wrote them
     ProofLog log(temp.path, 8 * kMegabyte);
-    unnamed.say(log, "long ago");
-    unnamed.seal(log);
+    unnamed.say_sealed(log, "long ago");
   }
   REQUIRE(files_in(temp.path).at(0).find("proof-0000000001.log") != std::string::npos);
   Speaker ant(5);
   {
     ProofLog log(temp.path, 8 * kMegabyte);
-    ant.say(log, "today");
-    ant.seal(log);
+    ant.say_sealed(log, "today");
   }
   CHECK(files_in(temp.path).at(1).find("proof-0000000002-ant.log") != std::string::npos);
   CHECK(read_all(ant, temp.path).proven.at("ant") == 2);
@@ -321,8 +309,7 @@ TEST_CASE("the half of a record that a crash has left goes at the next start; ot
   Speaker ant(5);
   {
     ProofLog log(temp.path, 8 * kMegabyte);
-    ant.say(log, "one");
-    ant.seal(log);
+    ant.say_sealed(log, "one");
     ant.say(log, "two");
     log.ended(5, kUtc, "closed");
   }
@@ -358,8 +345,7 @@ TEST_CASE("a folder that cannot be written to is told, and nothing else stops") 
     ProofLog log(temp.path + "/proof", 8 * kMegabyte);
     const auto until = read_clocks().mono + std::chrono::seconds(10);
     while (problem.empty() && read_clocks().mono < until) {
-      ant.say(log, "one");
-      ant.seal(log);
+      ant.say_sealed(log, "one");
       problem = log.take_problem();
     }
   }
@@ -372,8 +358,7 @@ TEST_CASE("a bound of 0 keeps nothing") {
   {
     ProofLog log(temp.path + "/proof", 0);
     CHECK_FALSE(log.on());
-    ant.say(log, "one");
-    ant.seal(log);
+    ant.say_sealed(log, "one");
   }
   CHECK_FALSE(std::filesystem::exists(temp.path + "/proof"));
 }

@@ -15,8 +15,12 @@
 
 namespace trb::router {
 
+using std::chrono::milliseconds;
+using Seconds = std::chrono::seconds;
+using To = Routing::To;
+
 constexpr std::int64_t kStartUtc = 1'772'366'400'000'000'000;
-constexpr Duration kStep = std::chrono::milliseconds(10);
+constexpr Duration kStep = milliseconds(10);
 constexpr Duration kInstant{1};
 
 /// What a fleet authority would have issued to a node.

@@ -7,22 +7,28 @@
 
 namespace trb::router {
 
-/// Two linked nodes; ant has a mode-adapter (connection 1) and a scheduler (connection 2) that takes "baton".
-struct RoutedPair {
+/// Two linked nodes, without services.
+struct LinkedPair {
   TestFleet fleet;
   TestNode& ant = fleet.start("ant");
   TestNode& bee = fleet.start("bee");
 
-  RoutedPair() {
-    fleet.run(std::chrono::seconds(1));
-    hello(1, "mode-adapter", {"stop"});
-    hello(2, "scheduler", {"baton", "execution_state"});
-  }
-  void hello(ConnectionId from, const std::string& service, std::vector<std::string> subtypes, bool probe = false) {
+  LinkedPair() { fleet.run(Seconds(1)); }
+  /// A service, or a probe, at ant.
+  void hello(ConnectionId from, const std::string& service, std::vector<std::string> subtypes = {},
+             bool probe = false) {
     Effects effects;
     ant.core->bus().on_hello(from, {service, std::move(subtypes), 5, 100, "1"},
                              probe ? kProbe : std::string_view(service), fleet.now, effects);
     fleet.carry_out(ant, effects);
+  }
+};
+
+/// Ant has a mode-adapter (connection 1) and a scheduler (connection 2) that takes "baton".
+struct RoutedPair : LinkedPair {
+  RoutedPair() {
+    hello(1, "mode-adapter", {"stop"});
+    hello(2, "scheduler", {"baton", "execution_state"});
   }
   std::uint64_t slot(std::size_t welcome) const {
     std::vector<std::uint64_t> slots;

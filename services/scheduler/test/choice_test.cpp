@@ -1,6 +1,7 @@
 // A condition is evaluated once, whatever dies, is lost or is forged meanwhile.
 #include "services/scheduler/test/condition_story.hpp"
 #include "services/scheduler/test/crashes.hpp"
+#include "services/scheduler/test/forged.hpp"
 
 using namespace trb;
 using namespace trb::scheduler;
@@ -174,18 +175,9 @@ TEST_CASE("a forged choice, or another's, is refused and leaves no trace") {
     CHECK(out.journal.empty());
     CHECK(sent<BatonJournaled>(out).empty());
     CHECK(sent<Execute>(out).empty());
-    const auto nacks = sent<Nack>(out);
-    return nacks.empty() ? "" : nacks.front().code;
+    return nack_of(out);
   };
-  SignedRecord changed = story.signed_by("ridgeback");
-  changed.payload.bytes.back() = static_cast<char>(changed.payload.bytes.back() ^ 1);
-  CHECK(refused(changed) == "bad_signature");
-  SignedRecord other_kind = story.signed_by("ridgeback");
-  other_kind.kind = kSignedResult;
-  CHECK(refused(other_kind) == "bad_signature");
-  SignedRecord stranger = story.signed_by("ridgeback");
-  stranger.signer = "stranger";
-  CHECK(refused(stranger) == "not_permitted");
+  check_forged(story.signed_by("ridgeback"), kSignedResult, refused);
   CHECK(refused(story.signed_by("ur3", [](Choice& is) { is.by = "ur3"; })) == "not_permitted");
   CHECK(refused(story.signed_by("cloud", [](Choice& is) { is.by = "cloud"; })) == "not_permitted");
   CHECK(refused(story.signed_by("ur3")) == "source_mismatch");

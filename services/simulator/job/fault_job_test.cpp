@@ -2,10 +2,11 @@
 
 #include <doctest/doctest.h>
 
-#include "services/simulator/job/job.hpp"
+#include "services/simulator/job/test/refused_job.hpp"
 
 using namespace trb;
 using namespace trb::simulator;
+using namespace trb::simulator::test;
 using world::FaultKind;
 
 namespace {
@@ -51,45 +52,33 @@ TEST_CASE("each kind of fault has its own keys") {
 }
 
 TEST_CASE("a fault that cannot be is refused by its field's name") {
-  struct Case {
-    const char* fault;
-    const char* key;
-  };
-  for (const Case& one : {
-           Case{R"({"at": 1, "node": "r0"})", "faults[0].kind"},
-           Case{R"({"kind": "fail", "node": "r0"})", "faults[0].at"},
-           Case{R"({"at": -1, "kind": "fail", "node": "r0"})", "faults[0].at"},
-           Case{R"({"at": 1, "kind": "fail", "node": "cloud"})", "faults[0].node"},
-           Case{R"({"at": 1, "kind": "fail", "node": "r0", "other": "r1"})", "faults[0].other"},
-           Case{R"({"at": 1, "kind": "kill"})", "faults[0].node"},
-           Case{R"({"at": 1, "kind": "cut", "node": "r0", "way": "up"})", "faults[0].way"},
-           Case{R"({"at": 1, "kind": "cut", "node": "r0", "other": "r9"})", "faults[0].other"},
-           Case{R"({"at": 1, "kind": "cut", "node": "r0", "other": "r0"})", "faults[0].other"},
-           Case{R"({"kind": "heal", "node": "r0"})", "faults[0].at"},
-           Case{R"({"kind": "partition", "nodes": []})", "faults[0].nodes"},
-           Case{R"({"kind": "partition", "nodes": ["r0", "r7"]})", "faults[0].nodes"},
-           Case{R"({"kind": "partition", "nodes": ["r0", "r0"]})", "faults[0].nodes[1]"},
-           Case{R"({"kind": "partition", "nodes": ["r0", "r1", "r2", "cloud"]})", "faults[0].nodes"},
-           Case{R"({"kind": "clock", "node": "r0"})", "faults[0].ahead_s"},
-           Case{R"({"kind": "clock", "node": "r0", "ahead_s": 3, "is_1970": true})", "faults[0].ahead_s"},
-           Case{R"({"kind": "clock", "node": "r0", "drift_ppm": 1e9})", "faults[0].drift_ppm"},
-           Case{R"({"kind": "disk", "node": "r0"})", "faults[0].commit_s"},
-           Case{R"({"kind": "disk", "node": "r0", "commit_s": 61})", "faults[0].commit_s"},
-           Case{R"({"kind": "battery", "node": "r0", "percent": 101, "per_second": 1})", "faults[0].percent"},
-           Case{R"({"kind": "battery", "node": "cloud", "percent": 1, "per_second": 1})", "faults[0].node"},
-           Case{R"({"kind": "rate"})", "faults[0].between_s"},
-           Case{R"({"kind": "rate", "between_s": 9, "at": 3})", "faults[0].at"},
-           Case{R"({"kind": "rate", "between_s": 9, "node": "cloud"})", "faults[0].node"},
+  for (const Wrong& one : {
+           Wrong{R"({"at": 1, "node": "r0"})", "faults[0].kind"},
+           Wrong{R"({"kind": "fail", "node": "r0"})", "faults[0].at"},
+           Wrong{R"({"at": -1, "kind": "fail", "node": "r0"})", "faults[0].at"},
+           Wrong{R"({"at": 1, "kind": "fail", "node": "cloud"})", "faults[0].node"},
+           Wrong{R"({"at": 1, "kind": "fail", "node": "r0", "other": "r1"})", "faults[0].other"},
+           Wrong{R"({"at": 1, "kind": "kill"})", "faults[0].node"},
+           Wrong{R"({"at": 1, "kind": "cut", "node": "r0", "way": "up"})", "faults[0].way"},
+           Wrong{R"({"at": 1, "kind": "cut", "node": "r0", "other": "r9"})", "faults[0].other"},
+           Wrong{R"({"at": 1, "kind": "cut", "node": "r0", "other": "r0"})", "faults[0].other"},
+           Wrong{R"({"kind": "heal", "node": "r0"})", "faults[0].at"},
+           Wrong{R"({"kind": "partition", "nodes": []})", "faults[0].nodes"},
+           Wrong{R"({"kind": "partition", "nodes": ["r0", "r7"]})", "faults[0].nodes"},
+           Wrong{R"({"kind": "partition", "nodes": ["r0", "r0"]})", "faults[0].nodes[1]"},
+           Wrong{R"({"kind": "partition", "nodes": ["r0", "r1", "r2", "cloud"]})", "faults[0].nodes"},
+           Wrong{R"({"kind": "clock", "node": "r0"})", "faults[0].ahead_s"},
+           Wrong{R"({"kind": "clock", "node": "r0", "ahead_s": 3, "is_1970": true})", "faults[0].ahead_s"},
+           Wrong{R"({"kind": "clock", "node": "r0", "drift_ppm": 1e9})", "faults[0].drift_ppm"},
+           Wrong{R"({"kind": "disk", "node": "r0"})", "faults[0].commit_s"},
+           Wrong{R"({"kind": "disk", "node": "r0", "commit_s": 61})", "faults[0].commit_s"},
+           Wrong{R"({"kind": "battery", "node": "r0", "percent": 101, "per_second": 1})", "faults[0].percent"},
+           Wrong{R"({"kind": "battery", "node": "cloud", "percent": 1, "per_second": 1})", "faults[0].node"},
+           Wrong{R"({"kind": "rate"})", "faults[0].between_s"},
+           Wrong{R"({"kind": "rate", "between_s": 9, "at": 3})", "faults[0].at"},
+           Wrong{R"({"kind": "rate", "between_s": 9, "node": "cloud"})", "faults[0].node"},
        }) {
-    CAPTURE(one.fault);
-    ConfigFaults faults;
-    read_job(faulty_job(one.fault), faults);
-    REQUIRE_FALSE(faults.empty());
-    CHECK(faults[0].key == one.key);
-    CHECK_FALSE(faults[0].hint.empty());
+    check_refused(faulty_job(one.text), one.key);
   }
-  ConfigFaults faults;
-  read_job(faulty_job("", R"(, "relays": ["r5"])"), faults);
-  REQUIRE_FALSE(faults.empty());
-  CHECK(faults[0].key == "relays");
+  check_refused(faulty_job("", R"(, "relays": ["r5"])"), "relays");
 }

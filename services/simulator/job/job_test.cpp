@@ -6,10 +6,12 @@
 #include "services/simulator/job/answer.hpp"
 #include "services/simulator/job/model_answer.hpp"
 #include "services/simulator/job/task_times.hpp"
+#include "services/simulator/job/test/refused_job.hpp"
 #include "services/simulator/job/world_job.hpp"
 
 using namespace trb;
 using namespace trb::simulator;
+using namespace trb::simulator::test;
 
 TEST_CASE("a job with everything becomes a plan, and its answer has every phase") {
   ConfigFaults faults;
@@ -28,43 +30,34 @@ TEST_CASE("a job with everything becomes a plan, and its answer has every phase"
 }
 
 TEST_CASE("every fault of a job is named, with a hint") {
-  struct Case {
-    const char* text;
-    const char* key;
-  };
   for (
-      const Case& one : {
-          Case{R"({"tasks": 9})", "robots"},
-          Case{R"({"robots": 0, "tasks": 9})", "robots"},
-          Case{R"({"robots": 5, "tasks": 1e7})", "tasks"},
-          Case{R"({"robots": 5, "tasks": 9, "interpreted": 6})", "interpreted"},
-          Case{R"({"robots": 5, "tasks": 9, "task_seconds": 0})", "task_seconds"},
-          Case{R"({"robots": 5, "tasks": 9, "rate": -1})", "rate"},
-          Case{R"({"robots": 5, "tasks": 9, "local_requests": 1})", "sensors"},
-          Case{R"({"robots": 1, "tasks": 9, "sensors": 1, "remote_requests": 1})", "remote_requests"},
-          Case{R"({"robots": 5, "tasks": 9, "faulty": 5})", "faulty"},
-          Case{R"({"robots": 5, "tasks": 9, "sensors": 100000, "rate": 1000, "seconds": 100000})", "sensors"},
-          Case{R"({"robots": 5, "tasks": 9, "robot": 3})", "robot"},
-          Case{R"({"robots": 5, "tasks": 9, "protocol": "mqtt"})", "protocol"},
-          Case{R"({"protocol": "talkrobots", "robots": 1001, "tasks": 9})", "robots"},
-          Case{R"({"protocol": "talkrobots", "robots": 5, "tasks": 9, "link": "string"})", "link"},
-          Case{R"({"protocol": "talkrobots", "robots": 5, "tasks": 9, "seed": -1})", "seed"},
-          Case{R"({"protocol": "talkrobots", "robots": 5, "tasks": 9, "sensors": 1})", "sensors"},
-          Case{
+      const Wrong& one : {
+          Wrong{R"({"tasks": 9})", "robots"},
+          Wrong{R"({"robots": 0, "tasks": 9})", "robots"},
+          Wrong{R"({"robots": 5, "tasks": 1e7})", "tasks"},
+          Wrong{R"({"robots": 5, "tasks": 9, "interpreted": 6})", "interpreted"},
+          Wrong{R"({"robots": 5, "tasks": 9, "task_seconds": 0})", "task_seconds"},
+          Wrong{R"({"robots": 5, "tasks": 9, "rate": -1})", "rate"},
+          Wrong{R"({"robots": 5, "tasks": 9, "local_requests": 1})", "sensors"},
+          Wrong{R"({"robots": 1, "tasks": 9, "sensors": 1, "remote_requests": 1})", "remote_requests"},
+          Wrong{R"({"robots": 5, "tasks": 9, "faulty": 5})", "faulty"},
+          Wrong{R"({"robots": 5, "tasks": 9, "sensors": 100000, "rate": 1000, "seconds": 100000})", "sensors"},
+          Wrong{R"({"robots": 5, "tasks": 9, "robot": 3})", "robot"},
+          Wrong{R"({"robots": 5, "tasks": 9, "protocol": "mqtt"})", "protocol"},
+          Wrong{R"({"protocol": "talkrobots", "robots": 1001, "tasks": 9})", "robots"},
+          Wrong{R"({"protocol": "talkrobots", "robots": 5, "tasks": 9, "link": "string"})", "link"},
+          Wrong{R"({"protocol": "talkrobots", "robots": 5, "tasks": 9, "seed": -1})", "seed"},
+          Wrong{R"({"protocol": "talkrobots", "robots": 5, "tasks": 9, "sensors": 1})", "sensors"},
+          Wrong{
               R"({"protocol": "talkrobots", "robots": 5, "tasks": 9, "faults": [{"at": 1, "kind": "burn", "node": "r0"}]})",
               "faults[0].kind"},
-          Case{
+          Wrong{
               R"({"protocol": "talkrobots", "robots": 5, "tasks": 9, "faults": [{"at": 1, "kind": "kill", "node": "r5"}]})",
               "faults[0].node"},
-          Case{R"({"protocol": "talkrobots", "robots": 5, "tasks": 9, "faults": [{"kind": "kill", "node": "r1"}]})",
-               "faults[0].at"},
+          Wrong{R"({"protocol": "talkrobots", "robots": 5, "tasks": 9, "faults": [{"kind": "kill", "node": "r1"}]})",
+                "faults[0].at"},
       }) {
-    CAPTURE(one.text);
-    ConfigFaults faults;
-    read_job(one.text, faults);
-    REQUIRE_FALSE(faults.empty());
-    CHECK(faults[0].key == one.key);
-    CHECK_FALSE(faults[0].hint.empty());
+    check_refused(one.text, one.key);
   }
   ConfigFaults faults;
   read_job("{", faults);

@@ -2,10 +2,11 @@
 
 #include <doctest/doctest.h>
 
-#include "services/simulator/job/job.hpp"
+#include "services/simulator/job/test/refused_job.hpp"
 
 using namespace trb;
 using namespace trb::simulator;
+using namespace trb::simulator::test;
 
 namespace {
 
@@ -46,22 +47,14 @@ TEST_CASE("a narrow link takes the time that the bytes need, and a lossy one sen
 }
 
 TEST_CASE("what is wrong with a link is named") {
-  struct Case {
-    const char* link;
-    const char* key;
-  };
-  for (const Case& one :
-       {Case{R"("string")", "link"}, Case{"3", "link"}, Case{"{}", "link.delay_s"},
-        Case{R"({"delay_s": 11})", "link.delay_s"}, Case{R"({"delay_s": 0.1, "deviation_s": 0.2})", "link.deviation_s"},
-        Case{R"({"delays_s": []})", "link.delays_s"}, Case{R"({"delays_s": [0.1, -1]})", "link.delays_s[1]"},
-        Case{R"({"delays_s": [0.1], "delay_s": 0.1})", "link.delay_s"},
-        Case{R"({"delay_s": 0.1, "loss": 0.6})", "link.loss"},
-        Case{R"({"delay_s": 0.1, "bytes_a_second": 1})", "link.bytes_a_second"}}) {
-    CAPTURE(one.link);
-    ConfigFaults faults;
-    read_job(linked_job(one.link), faults);
-    REQUIRE_FALSE(faults.empty());
-    CHECK(faults[0].key == one.key);
-    CHECK_FALSE(faults[0].hint.empty());
+  for (const Wrong& one :
+       {Wrong{R"("string")", "link"}, Wrong{"3", "link"}, Wrong{"{}", "link.delay_s"},
+        Wrong{R"({"delay_s": 11})", "link.delay_s"},
+        Wrong{R"({"delay_s": 0.1, "deviation_s": 0.2})", "link.deviation_s"},
+        Wrong{R"({"delays_s": []})", "link.delays_s"}, Wrong{R"({"delays_s": [0.1, -1]})", "link.delays_s[1]"},
+        Wrong{R"({"delays_s": [0.1], "delay_s": 0.1})", "link.delay_s"},
+        Wrong{R"({"delay_s": 0.1, "loss": 0.6})", "link.loss"},
+        Wrong{R"({"delay_s": 0.1, "bytes_a_second": 1})", "link.bytes_a_second"}}) {
+    check_refused(linked_job(one.text), one.key);
   }
 }

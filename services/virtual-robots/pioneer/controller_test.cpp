@@ -38,6 +38,11 @@ struct Bench {
       pass(std::min(left, 0.1));
     }
   }
+  /** VEL: so many millimetres a second, for that long. */
+  void drive(int speed, double seconds) {
+    send(command(11, speed));
+    wait(seconds);
+  }
   void pass(double seconds) { robot.advance(seconds, now += seconds); }
 
   int word(std::size_t at) {
@@ -121,8 +126,7 @@ TEST_CASE("pioneer: HEAD turns the shorter way, DHEAD on from there") {
 
 TEST_CASE("pioneer: STOP brakes within its limit, E_STOP harder") {
   Connected bench;
-  bench.send(command(11, 300));
-  bench.wait(2);
+  bench.drive(300, 2);
   bench.send(command(29));
   bench.wait(0.5);
   CHECK(bench.left() == doctest::Approx(150).epsilon(0.05));
@@ -162,8 +166,7 @@ TEST_CASE("pioneer: its counters have 15 bits: a millimetre behind its origin is
 
 TEST_CASE("pioneer: without a packet for 2 s it halts, and goes on with the next one") {
   Connected bench;
-  bench.send(command(11, 200));
-  bench.wait(1);
+  bench.drive(200, 1);
   for (int i = 0; i < 30; ++i) bench.pass(0.1);
   CHECK(bench.left() == 0);
   CHECK(bench.lines().back().starts_with("at "));
@@ -177,8 +180,7 @@ TEST_CASE("pioneer: with its motors off it does not move") {
   Connected bench;
   bench.send(command(4, 0));
   CHECK((bench.flags() & 1) == 0);
-  bench.send(command(11, 200));
-  bench.wait(1);
+  bench.drive(200, 1);
   CHECK(bench.left() == 0);
   bench.send(command(4, 1));
   bench.wait(1);
@@ -187,8 +189,7 @@ TEST_CASE("pioneer: with its motors off it does not move") {
 
 TEST_CASE("pioneer: each fault ends the motion as the robot's own would") {
   Connected bench;
-  bench.send(command(11, 200));
-  bench.wait(1);
+  bench.drive(200, 1);
   bench.robot.set_fault(Fault::Stall, "a box");
   CHECK(bench.left() == 0);
   CHECK(bench.stall() == 0x0103);
@@ -205,8 +206,7 @@ TEST_CASE("pioneer: each fault ends the motion as the robot's own would") {
 
 TEST_CASE("pioneer: CLOSE switches the motors off and waits for the next SYNC0") {
   Connected bench;
-  bench.send(command(11, 200));
-  bench.wait(1);
+  bench.drive(200, 1);
   bench.send(command(2));
   CHECK(bench.robot.sip().empty());
   CHECK(bench.send(command(0)) == command(0));

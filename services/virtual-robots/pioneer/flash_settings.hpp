@@ -2,18 +2,17 @@
 
 namespace trb::virtual_robots::pioneer {
 
-/** The gains of a servo. */
-struct Gains {
-  int proportional = 0;
-  int derivative = 0;
-  int integral = 0;
-};
-
 /**
  * Settings that CONFIG tells and commands change, with the usual values of a P3-DX. They change nothing of the motion:
  * its wheels are ideal.
  */
 struct FlashSettings {
+  /** Of a servo. */
+  struct Gains {
+    int proportional = 0;
+    int derivative = 0;
+    int integral = 0;
+  };
   int encoder_ticks_mm = 128;
   int encoder_revolution = 16'570;  ///< the wheels' difference in a half turn, eighths of ticks
   int stall_pwm = 200;

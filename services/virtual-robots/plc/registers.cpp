@@ -6,11 +6,8 @@
 namespace trb::virtual_robots::plc {
 namespace {
 
-constexpr std::uint16_t kCoils = 2;
-constexpr std::uint16_t kRunning = 0;
-constexpr std::uint16_t kReset = 1;
-constexpr std::uint16_t kSpeed = 0;
-constexpr std::uint16_t kJog = 1;
+enum Coil : std::uint16_t { kRunning, kReset, kCoils };
+enum HoldingRegister : std::uint16_t { kSpeed, kJog };
 
 std::uint16_t tenths(double value) {
   return static_cast<std::uint16_t>(static_cast<std::int16_t>(std::lround(value * 10)));

@@ -10,13 +10,6 @@
 
 namespace trb::virtual_robots::ros {
 
-/** Metres and radians a second, in the robot's own frame. */
-struct Velocity {
-  double x = 0;
-  double y = 0;
-  double turn = 0;
-};
-
 enum class Task { Idle = 0, Working = 1, Failed = 2 };
 
 /**

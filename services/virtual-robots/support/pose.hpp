@@ -9,4 +9,11 @@ struct Pose {
   double yaw = 0;
 };
 
+/** Metres and radians a second, in the robot's own frame. */
+struct Velocity {
+  double x = 0;
+  double y = 0;
+  double turn = 0;
+};
+
 }  // namespace trb::virtual_robots

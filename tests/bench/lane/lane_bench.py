@@ -19,7 +19,7 @@ sys.path[:0] = [str(REPO / each) for each in ("tests/integration", "tests/bench"
 import bench_options  # noqa: E402
 import support  # noqa: E402
 import trb_fleet  # noqa: E402
-from lane_test import Probe  # noqa: E402
+from lane_ends import Probe  # noqa: E402
 
 FROM, TO = "arm", "cloud"
 CONTROL, LOAD = {0}, {1}

@@ -22,7 +22,7 @@ import support  # noqa: E402
 import trb_fleet  # noqa: E402
 import udev_hall  # noqa: E402
 from lane_bench import CONTROL, FROM, GOAL, LOAD, TO, pin  # noqa: E402
-from lane_test import Probe  # noqa: E402
+from lane_ends import Probe  # noqa: E402
 
 EVERY_S = 0.1
 RULE = {"match": {"subsystem": "hwmon", "attributes": {"name": ["lm75*"]}}, "read": "attributes",

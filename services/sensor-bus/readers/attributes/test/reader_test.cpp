@@ -12,6 +12,18 @@ using namespace trb;
 using namespace trb::sensor;
 using namespace trb::sensor::test;
 
+namespace {
+
+/// One that is to fail, and one beside it: 1 and 2 degrees.
+struct Thermometers {
+  Machine machine;
+  std::string one = machine.plug_hwmon("hwmon0", "1000\n");
+  std::string good = machine.plug_hwmon("hwmon1", "2000\n");
+  Running running;
+};
+
+}  // namespace
+
 TEST_CASE("what is plugged in already is found, and read in SI units") {
   Machine machine;
   const std::string chip = machine.plug_hwmon("hwmon0", "21500\n");
@@ -47,45 +59,39 @@ TEST_CASE("a value is read again at its period, and at once when it is asked for
 }
 
 TEST_CASE("a file that vanishes, is empty or holds no number is an error of its sensor alone") {
-  Machine machine;
-  const std::string broken = machine.plug_hwmon("hwmon0", "1000\n");
-  const std::string good = machine.plug_hwmon("hwmon1", "2000\n");
-  Running running;
-  REQUIRE(running.tells(broken + "#temp1_input", 1));
+  Thermometers two;
+  REQUIRE(two.running.tells(two.one + "#temp1_input", 1));
   for (const auto& [text, error] : {std::pair{"", "there is no number"}, std::pair{"12x\n", "'12x' is no number"}}) {
-    machine.set(broken, "temp1_input", text);
-    running.devices->read_now(broken + "#temp1_input");
-    CHECK(running.fails(broken + "#temp1_input", error));
+    two.machine.set(two.one, "temp1_input", text);
+    two.running.devices->read_now(two.one + "#temp1_input");
+    CHECK(two.running.fails(two.one + "#temp1_input", error));
   }
-  std::filesystem::remove(machine.file(broken + "/temp1_input"));
-  running.devices->read_now(broken + "#temp1_input");
-  CHECK(running.fails(broken + "#temp1_input", "No such file"));
-  machine.set(broken, "temp1_input", "3000\n");
-  CHECK(running.tells(broken + "#temp1_input", 3));
-  CHECK_FALSE(running.heard.errors.contains(good + "#temp1_input"));
+  std::filesystem::remove(two.machine.file(two.one + "/temp1_input"));
+  two.running.devices->read_now(two.one + "#temp1_input");
+  CHECK(two.running.fails(two.one + "#temp1_input", "No such file"));
+  two.machine.set(two.one, "temp1_input", "3000\n");
+  CHECK(two.running.tells(two.one + "#temp1_input", 3));
+  CHECK_FALSE(two.running.heard.errors.contains(two.good + "#temp1_input"));
 }
 
 TEST_CASE("a reader that hangs is told as failed, holds up nothing, and is left behind at unplugging") {
-  Machine machine;
-  const std::string frozen = machine.plug_hwmon("hwmon0", "1000\n");
-  const std::string good = machine.plug_hwmon("hwmon1", "2000\n");
-  Running running;
-  CHECK(running.tells(good + "#temp1_input", 2));
-  CHECK(running.tells(frozen + "#temp1_input", 1));
-  const std::string file = machine.file(frozen + "/temp1_input");
+  Thermometers two;
+  CHECK(two.running.tells(two.good + "#temp1_input", 2));
+  CHECK(two.running.tells(two.one + "#temp1_input", 1));
+  const std::string file = two.machine.file(two.one + "/temp1_input");
   std::filesystem::remove(file);
   REQUIRE(::mkfifo(file.c_str(), 0600) == 0);
   const Descriptor fifo(::open(file.c_str(), O_RDWR));  // it opens at once, and does not answer
   REQUIRE(fifo);
-  CHECK(running.fails(frozen + "#temp1_input", "hangs: no answer for 3 s"));
-  machine.set(good, "temp1_input", "4000\n");
-  CHECK(running.tells(good + "#temp1_input", 4));
+  CHECK(two.running.fails(two.one + "#temp1_input", "hangs: no answer for 3 s"));
+  two.machine.set(two.good, "temp1_input", "4000\n");
+  CHECK(two.running.tells(two.good + "#temp1_input", 4));
   // Only what its syspath says goes: the file stays, so that the thread stays in it.
-  machine.say(frozen, "remove");
-  CHECK(running.until([&] { return running.heard.plugged.size() == 1; }));
-  CHECK(running.devices->counts().left_behind == 1);
-  CHECK(running.devices->counts().threads == 2);
+  two.machine.say(two.one, "remove");
+  CHECK(two.running.until([&] { return two.running.heard.plugged.size() == 1; }));
+  CHECK(two.running.devices->counts().left_behind == 1);
+  CHECK(two.running.devices->counts().threads == 2);
   REQUIRE(::write(fifo.get(), "1\n", 2) == 2);
-  CHECK(running.until([&] { return running.devices->counts().left_behind == 0; }));
-  CHECK(running.devices->counts().threads == 1);
+  CHECK(two.running.until([&] { return two.running.devices->counts().left_behind == 0; }));
+  CHECK(two.running.devices->counts().threads == 1);
 }

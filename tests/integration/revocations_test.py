@@ -1,0 +1,155 @@
+"""Nodes that are put out of a fleet while it is up, and the lists that say so. No process restarts in between, but where
+that is the story. Addresses 127.0.110.x."""
+import collections
+import shutil
+import time
+
+import zmq
+
+import authority
+import support
+import wire
+from certified import Life
+from router_client import Member
+
+
+class Revoked(Life):
+    block = 110
+
+    def test_revoked_while_connected(self):
+        """In force on every node within two seconds, sent by one of them; no process restarts."""
+        links = {node: self.routes(node)[other]["link"] for node, other in (("ant", "bee"), ("bee", "ant"))}
+        start = time.monotonic()
+        said = self.fleet.trb("fleet", "revoke", self.fleet.authority_dir(), "cat", "--reason", "stolen", "--via",
+                              self.fleet.dir("bee")).stdout
+        self.assertIn("list 1, beacon key 2 for the 4 nodes that stay", said)
+        told = time.monotonic()
+        for node in ("ant", "bee"):
+            self.fleet.wait(f"{node} has no cat", lambda: "cat" not in self.routes(node), 2)
+        took = time.monotonic() - told
+        print(f"revoked: {told - start:.2f} s to sign and hand over, {took:.2f} s more until every table shows it")
+        self.assertLess(took, 2)
+        for node in ("ant", "bee"):
+            self.watches[node].wait_counted("refused.cert_revoked")
+            self.watches[node].wait_logged("peer_revoked cat (serial 3): stolen")
+            self.watches[node].wait_logged("beacon_key number 2 from now on")
+        self.watches["cat"].wait_logged("own_certificate_over this node's certificate is revoked: stolen")
+        self.assertIn("revoked: stolen", self.fleet.services("cat")["router"]["note"])
+        self.assertEqual(self.online("cat"), set())
+        self.assert_same_processes()
+        for node, other in (("ant", "bee"), ("bee", "ant")):
+            self.assertEqual(self.routes(node)[other]["link"], links[node], "the link of those that stay was lost")
+
+    def test_a_revoked_node_s_key_knocks_in_vain(self):
+        self.fleet.trb("fleet", "revoke", self.fleet.authority_dir(), "cat", "--via", self.fleet.dir("ant"))
+        self.watch.wait_logged("peer_revoked cat")
+        before = self.watch.rise().get("refused.cert_revoked", 0)
+        client = self.client(Member(self.fleet, "cat"))
+        client.wait_event(zmq.EVENT_HANDSHAKE_FAILED_AUTH)
+        self.watch.wait_counted("refused.cert_revoked", before + 1)
+        self.watch.wait_logged("revoked_key the revoked key of 'cat' knocked")
+
+    def test_a_revoked_node_that_was_never_met(self):
+        """It is refused at its Hello, and gets the list that revokes it."""
+        self.fleet.trb("fleet", "revoke", self.fleet.authority_dir(), "dog", "--via", self.fleet.dir("ant"))
+        dog = Member(self.fleet, "dog")
+        client = self.client(dog)
+        self.hello(client, dog)
+        self.assertEqual(client.receive().subtype, "fleet_news")
+        self.assertEqual(client.wait_goodbye(), "cert_revoked")
+        self.watch.wait_counted("refused.cert_revoked")
+        self.watch.wait_logged("candidate_refused cert_revoked: certificate of 'dog' (serial 4) is revoked by list 1")
+
+    def test_the_beacon_key_is_another_one(self):
+        """The revoked node's beacons under the old key are ignored; a node that is signed now joins by beacon."""
+        listener = support.beacon_listener(self, 50000 + self.block, 8)
+        sender = None
+        while sender != self.fleet.address("cat"):
+            old, (sender, _) = listener.recvfrom(4096)
+        self.fleet.trb("fleet", "revoke", self.fleet.authority_dir(), "cat", "--via", self.fleet.dir("ant"))
+        self.watch.wait_logged("beacon_key number 2")
+        before = self.watch.rise().get("beacon.wrong_key", 0)
+        listener.sendto(old, ("127.255.255.255", 50000 + self.block))
+        self.watch.wait_counted("beacon.wrong_key", before + 1)
+        self.fleet.trb("fleet", "sign", self.fleet.authority_dir(), self.fleet.dir("dog") / "keys" / "request.json")
+        self.fleet.bring_up("dog")
+        for node in ("ant", "bee"):
+            self.fleet.wait(f"{node} has dog", lambda: "dog" in self.online(node), 8)
+        self.fleet.wait("dog has both", lambda: self.online("dog") == {"ant", "bee"}, 8)
+        self.assert_same_processes()
+
+    def test_a_list_that_came_by_hand_and_a_restart(self):
+        """news.json in one node's keys folder is enough; what is in force outlives every process."""
+        said = self.fleet.trb("fleet", "revoke", self.fleet.authority_dir(), "cat").stdout
+        self.assertIn("the fleet does not know it yet", said)
+        self.assertIn("cat", self.online())
+        shutil.copy(self.fleet.authority_dir() / "news.json", self.fleet.dir("bee") / "keys" / "news.json")
+        for node in ("ant", "bee"):
+            self.fleet.wait(f"{node} has no cat", lambda: "cat" not in self.routes(node), 3)
+        self.assert_same_processes()
+        self.fleet.trb("reload", self.fleet.dir("ant"))
+        self.fleet.wait("ant is another process", lambda: self.fleet.pid("ant", "router") not in (None, self.pids["ant"]), 8)
+        self.fleet.wait("ant and bee are linked", lambda: self.online("bee") == {"ant"}, 8)
+        self.watch.wait_logged("revocations list 1")
+        self.assertNotIn("cat", self.routes())
+        client = self.client(Member(self.fleet, "cat"))
+        self.hello(client, Member(self.fleet, "cat"))
+        self.assertEqual(client.wait_goodbye(), "cert_revoked")
+
+    def test_a_folder_put_back_from_an_older_copy(self):
+        """It learns what the fleet knows: a renewal admits nothing again that was revoked since the copy."""
+        folder, via = self.fleet.authority_dir(), self.fleet.dir("ant")
+        copy = folder.with_name("copy")
+        shutil.copytree(folder, copy)
+        self.fleet.trb("fleet", "revoke", folder, "cat", "--via", via)
+        shutil.rmtree(folder)
+        copy.rename(folder)
+        self.assertIn("was older than what", self.fleet.trb("fleet", "tell", folder, "--via", via).stdout)
+        again = self.fleet.trb("fleet", "renew", folder, self.fleet.dir("cat") / "keys" / "certificate.json", "--via", via,
+                               check=False)
+        self.assertIn("cert_revoked", again.stderr)
+        self.assertIn("list 2, beacon key 3 for the 3 nodes that stay",
+                      self.fleet.trb("fleet", "revoke", folder, "elk", "--via", via).stdout)
+        self.watches["bee"].wait_logged("revocations list 2")
+        self.assertEqual(self.online("bee"), {"ant"})
+
+    def test_lists_that_do_not_hold(self):
+        """Forged, foreign, older, of the same number: each refused and counted by name; the links stay."""
+        dog = Member(self.fleet, "dog")
+        client = self.linked(dog)
+        key = self.authority()
+        good = key.revocations(5, [(5, "elk")])
+        newer = key.revocations(6, [(5, "elk")])
+        forged = good[:3] + [bytes([good[3][0] ^ 1]) + good[3][1:]]
+        foreign = key.sign("revocation_list", wire.pack([bytes(16), 6, time.time_ns(), [], 1, []]))
+        cases = [
+            ("bad_signature", forged, "was not signed by this fleet's authority"),
+            ("foreign_fleet", foreign, "revocation list of another fleet"),
+            (None, good, "revocations list 5"),
+            ("downgraded", key.revocations(4, [(2, "bee")]), "revocation list 4; list 5 is in force"),
+            ("conflict", key.revocations(5, [(2, "bee")]), "another revocation list with number 5"),
+            (None, newer, "revocations list 6"),
+            ("downgraded", good, "revocation list 5; list 6 is in force"),
+            ("malformed", key.sign("revocation_list", b"noise"), "news_refused of dog: malformed"),
+        ]
+        expected = collections.Counter()
+        for code, record, logged in cases:
+            with self.subTest(logged):
+                self.send(client, "fleet_news", "dog", data=authority.news(record))
+                self.watch.wait_logged(logged)
+                if code:
+                    expected[f"refused.{code}"] += 1
+                    self.watch.wait_counted(f"refused.{code}", expected[f"refused.{code}"])
+        self.assertEqual(self.watch.rise(), expected)
+        self.assert_alive(client, dog)
+        self.assertEqual(self.online(), {"bee", "cat", "dog"})
+
+    def test_oversized_news(self):
+        dog = Member(self.fleet, "dog")
+        client = self.linked(dog)
+        self.send(client, "fleet_news", "dog", data=bytes(600_000))
+        self.watch.wait_counted("refused.too_large")
+        self.assert_alive(client, dog)
+
+if __name__ == "__main__":
+    support.main()
