@@ -136,7 +136,8 @@ TEST_CASE("the log stays below its bound, the oldest go, and every file can be r
   {
     ProofLog log(temp.path, 8 * kMegabyte);
     for (int i = 0; i < 40; ++i) {
-      for (int k = 0; k < 8; ++k) ant.say_sealed(log, large);
+      for (int k = 0; k < 8; ++k) ant.say(log, large);
+      ant.seal(log);
       dropped += log.take_dropped();
     }
   }
@@ -164,13 +165,15 @@ TEST_CASE("a router that starts again goes on in a new file, within the same bou
   for (LinkId link = 1; link <= 3; ++link) {
     Speaker ant(link);
     ProofLog log(temp.path, 8 * kMegabyte);
-    for (int k = 0; k < 30; ++k) ant.say_sealed(log, Bytes(60'000, 'x'));
+    for (int k = 0; k < 30; ++k) ant.say(log, Bytes(60'000, 'x'));
+    ant.seal(log);
   }
   CHECK(files_in(temp.path).size() == 3);
   for (LinkId link = 4; link <= 8; ++link) {
     Speaker ant(link);
     ProofLog log(temp.path, 8 * kMegabyte);
-    for (int k = 0; k < 30; ++k) ant.say_sealed(log, Bytes(60'000, 'x'));
+    for (int k = 0; k < 30; ++k) ant.say(log, Bytes(60'000, 'x'));
+    ant.seal(log);
   }
   CHECK(bytes_in(temp.path) <= 8 * kMegabyte);
   CHECK(files_in(temp.path).back().find("proof-0000000008-ant.log") != std::string::npos);
@@ -182,7 +185,8 @@ TEST_CASE("too much between two seals is left out, counted, and no fault of what
   {
     ProofLog log(temp.path, 8 * kMegabyte);
     ant.say_sealed(log, "one");
-    for (int k = 0; k < 6; ++k) ant.say_sealed(log, Bytes(500'000, 'x'));
+    for (int k = 0; k < 6; ++k) ant.say(log, Bytes(500'000, 'x'));
+    ant.seal(log);
     CHECK(log.take_dropped() == 7);
     ant.say_sealed(log, "two");
     CHECK(log.take_dropped() == 0);

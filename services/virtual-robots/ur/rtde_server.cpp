@@ -22,7 +22,7 @@ void RtdeServer::take(TcpServer::Client& client, Controller& controller, double 
   if (!session) session = std::make_unique<RtdeSession>(client.id, claims_);
   const std::string answers = session->take(client.input, written_, wall_seconds());
   for (const std::string& text : session->take_texts()) print_line("rtde_text " + escape_line(text));
-  if (session->take_news()) apply(written_, controller, now);
+  if (session->take_changes()) apply(written_, controller, now);
   if (session->broken()) return client.drop("bad_package");
   server_.send(client, answers);
 }

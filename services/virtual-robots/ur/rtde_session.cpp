@@ -145,7 +145,7 @@ std::string RtdeSession::take_data(std::string_view body, RtdeWritten& written) 
     return complaint("input recipe " + std::to_string(id) + " has " + std::to_string(size - 1) + " bytes");
   }
   for (const RtdeInput& field : recipe) field.take(in, field.index, written);
-  news_ = true;
+  changed_ = true;
   return {};
 }
 

@@ -60,7 +60,7 @@ class RtdeSession {
   /** A package's border is lost: the client must be dropped. */
   bool broken() const { return broken_; }
   /** True once after inputs were written. */
-  bool take_news() { return std::exchange(news_, false); }
+  bool take_changes() { return std::exchange(changed_, false); }
   std::vector<std::string> take_texts() { return std::exchange(texts_, {}); }
 
   /** When the next data package is due, in real time; nothing while paused. */
@@ -90,7 +90,7 @@ class RtdeSession {
   std::vector<std::vector<RtdeInput>> recipes_;
   bool started_ = false;
   bool broken_ = false;
-  bool news_ = false;
+  bool changed_ = false;
   double due_ = 0;
   std::vector<std::string> texts_;
 };

@@ -145,7 +145,7 @@ TEST_CASE("rtde: what is written reaches the controller, masked") {
   Controller controller;
   controller.set_output(1, true);
   CHECK(bench.say('U', Bytes().u8(1).u32(1).f64(0.4).u8(0b0110).u8(0b0101).str()).empty());
-  CHECK(bench.session.take_news());
+  CHECK(bench.session.take_changes());
   apply(bench.written, controller, 0);
   CHECK(controller.state(0).speed_fraction == 0.4);
   CHECK(controller.state(0).io.outputs == 0b0100);
@@ -165,7 +165,7 @@ TEST_CASE("rtde: what is not of its form is answered by a text, and a border tha
                                     bench.say('U', ""), bench.say('Q', ""), bench.say('M', "\x05hi")}) {
     CHECK(answer[2] == 'M');
   }
-  CHECK_FALSE(bench.session.take_news());
+  CHECK_FALSE(bench.session.take_changes());
   CHECK(bench.say('M', Bytes().u8(2).text("hi").u8(1).text("c").u8(3).str()).empty());
   CHECK(bench.session.take_texts() == std::vector<std::string>{"hi"});
   std::string half = sent('v', "").substr(0, 2);

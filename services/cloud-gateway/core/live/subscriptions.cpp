@@ -111,7 +111,7 @@ std::optional<Frame> Subscriptions::take(ClientId client) {
   return at->second.take();
 }
 
-bool Subscriptions::has_news() const {
+bool Subscriptions::has_changes() const {
   return pumped_head_ != blocks_.book().head() || pumped_messages_ != lane_.head() ||
          std::any_of(clients_.begin(), clients_.end(), [](const auto& one) { return one.second.is_behind(); });
 }
@@ -119,7 +119,7 @@ bool Subscriptions::has_news() const {
 std::optional<MonotonicTime> Subscriptions::next_deadline() const {
   if (clients_.empty()) return std::nullopt;
   if (!pumped_at_) return MonotonicTime{};
-  return *pumped_at_ + (has_news() ? kFrame : ClientFeed::kQuiet);
+  return *pumped_at_ + (has_changes() ? kFrame : ClientFeed::kQuiet);
 }
 
 }  // namespace trb::gateway

@@ -55,7 +55,7 @@ class Subscriptions {
 
  private:
   [[nodiscard]] std::optional<NoticeKind> why_not(const Topic& topic, const Resume& resume) const;
-  [[nodiscard]] bool has_news() const;
+  [[nodiscard]] bool has_changes() const;
   [[nodiscard]] Status check_room(const Topic& topic) const;
 
   BlockMaker blocks_;

@@ -39,7 +39,7 @@ Played play(BytesView input, std::size_t piece) {
   for (std::size_t at = 0; at < input.size() && !session.broken(); at += piece) {
     waiting += input.substr(at, piece);
     out.answers += session.take(waiting, written, 0);
-    if (session.take_news()) apply(written, controller, 0);
+    if (session.take_changes()) apply(written, controller, 0);
   }
   out.broken = session.broken();
   const RtdePicture picture{controller.state(1), 1, controller.input_registers(), controller.output_registers()};
