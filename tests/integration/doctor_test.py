@@ -13,6 +13,7 @@ from router_client import Client, Member, make_context
 BLOCK = 44
 UDP_PORT = 50044
 HOUR_NS = 3_600_000_000_000
+OF_THE_MACHINE = {"clock_not_set", "disk_low", "few_inodes"}  # that runs the test
 
 
 class Doctor(unittest.TestCase):
@@ -49,7 +50,7 @@ class Doctor(unittest.TestCase):
         done = (fleet or self.fleet).trb("doctor", *peer, "--json", node=node, check=False, timeout=30)
         report = json.loads(done.stdout)
         self.assertEqual(done.returncode, 0 if report["well"] else 1)
-        return report["findings"]
+        return [row for row in report["findings"] if row["cause"] not in OF_THE_MACHINE]
 
     def find(self, cause, subject, *peer, severity="problem", timeout=12, **more):
         """Runs the doctor until it names it; the cure is never empty."""

@@ -5,6 +5,7 @@
 
 #include "common/base/address.hpp"
 #include "common/operator/doctor/causes.hpp"
+#include "common/operator/doctor/machine_findings.hpp"
 #include "common/operator/doctor/use_findings.hpp"
 
 namespace trb::op {
@@ -26,6 +27,7 @@ class Doctor {
   std::vector<Finding> examine() && {
     own_folder();
     own_certificate();
+    add_machine_findings(seen_, out_);
     own_services();
     robot();
     add_use_findings(seen_, out_);

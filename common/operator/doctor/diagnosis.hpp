@@ -51,6 +51,14 @@ struct RobotProbe {
   Port port = Port::not_tried;
 };
 
+/// The disk that the node's folder is on.
+struct DiskState {
+  std::uint64_t free_bytes = 0;  ///< for a user that is not root
+  std::uint64_t free_files = 0;  ///< inodes, the same way
+  std::uint64_t files = 0;       ///< inodes in all; 0: the file system does not count them
+  bool read_only = false;
+};
+
 struct Observed {
   std::string node;  ///< id, from node.json
   ConfigFaults faults;
@@ -58,6 +66,8 @@ struct Observed {
   std::size_t seeds = 0;  ///< node.json
   std::optional<Certificate> own;
   UtcTime now;
+  std::optional<DiskState> disk;
+  std::optional<bool> clock_set;             ///< by something that keeps it set, such as NTP
   std::vector<std::string> missing_sockets;  ///< files of the bus that should be there
   bool bus_key_refused = false;              ///< over TCP: the router does not know the key of trb
   bool answers = false;                      ///< the router answers a probe

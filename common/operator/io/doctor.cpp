@@ -7,6 +7,7 @@
 #include "common/base/address.hpp"
 #include "common/base/files.hpp"
 #include "common/config/interfaces.hpp"
+#include "common/operator/io/machine_state.hpp"
 #include "common/operator/io/socket_address.hpp"
 #include "common/security/node_keys.hpp"
 
@@ -53,6 +54,8 @@ void Doctor::look_at_folder() {
   seen_.beacon = config_.beacon;
   seen_.seeds = config_.seeds.size();
   seen_.now = read_clocks().utc;
+  seen_.disk = disk_state(".");
+  seen_.clock_set = is_clock_set();
   if (auto keys = load_node_keys(".")) seen_.own = keys->certificate;
 }
 
