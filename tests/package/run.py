@@ -1,0 +1,257 @@
+"""The story of scripts/test-package: packages in an empty Debian 12, as their user meets them; what is left, and what they are made of."""
+import argparse
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+
+HERE = pathlib.Path(__file__).resolve().parent
+sys.path[:0] = [str(HERE), str(HERE.parent / "support")]
+
+import sbom_check  # noqa: E402
+from root import REPO, Failed, Root  # noqa: E402
+
+ROAD_S = 60  # of a processor: from `apt install` to a `trb` that answers
+STATE = "var/lib/talkrobots"
+COMPILED_IN = {"talkrobots": ("libmsgpack-cxx-dev", "nlohmann-json3-dev", "cppzmq-dev"), "talkrobots-cloud": ("libboost1.74-dev",),
+               "talkrobots-ros": (), "talkrobots-virtual-robots": (), "libtalkrobots-dev": ()}
+# What a purge may leave, by Debian's policy: the user, whose number is not given away again.
+MAY_STAY = {"etc/passwd", "etc/passwd-", "etc/group", "etc/group-", "etc/shadow", "etc/shadow-", "etc/gshadow", "etc/gshadow-", "etc/.pwd.lock"}
+INSTALL = "apt-get install -y -qq {words} >/tmp/said 2>&1 || { cat /tmp/said; exit 1; }; cat /tmp/said"
+NODE = """
+export TRB_PASSPHRASE=a-hall-for-trying
+cd /var/lib/talkrobots
+as() { runuser -u trbots -- "$@"; }
+as trb node new node --robot arm1 --like ur --address 127.0.9.2 --network 127.0.9.1 --interface 127.0.9.1
+trb fleet init /root/authority >/dev/null
+cp node/keys/request.json /root/request.json
+trb fleet sign /root/authority /root/request.json >/dev/null
+install -o trbots -g trbots -m 0600 /root/certificate.json node/keys/certificate.json
+as trb check node
+"""
+UP = """
+cd /var/lib/talkrobots
+runuser -u trbots -- trb up node >/tmp/up 2>&1 &
+node=$!
+for _ in $(seq 300); do grep -q ready /tmp/up && break; kill -0 $node || break; read -r -t 0.2 <> <(:) || true; done
+cat /tmp/up
+grep -q ready /tmp/up
+runuser -u trbots -- trb service list --node node
+runuser -u trbots -- trb down node
+wait $node
+"""
+STEPS = []
+
+
+def step(function):
+    STEPS.append(function)
+    return function
+
+
+def check(holds, what):
+    if not holds:
+        raise Failed(what)
+
+
+def fields(deb):
+    said = subprocess.run(["dpkg-deb", "-f", deb, "Package", "Version"], capture_output=True, text=True, check=True).stdout
+    return dict(re.findall(r"^(\w+): (.*)$", said, re.MULTILINE))
+
+
+def older(deb, folder):
+    """The same package as version 0.0.1, with a file that the newer one does not have any more."""
+    tree = folder / "older"
+    shutil.rmtree(tree, ignore_errors=True)
+    subprocess.run(["dpkg-deb", "-R", deb, tree], check=True)
+    name = fields(deb)["Package"]
+    (tree / "usr/share/doc" / name / "gone").write_text("of the older version\n")
+    control = (tree / "DEBIAN/control").read_text()
+    control = re.sub(r"^Version: .*$", "Version: 0.0.1", control, flags=re.MULTILINE)
+    (tree / "DEBIAN/control").write_text(re.sub(r"talkrobots \(= [^)]*\)", "talkrobots (= 0.0.1)", control))
+    made = folder / f"{name}_0.0.1.deb"
+    subprocess.run(["dpkg-deb", "--root-owner-group", "-Zgzip", "-b", tree, made], check=True, stdout=subprocess.DEVNULL)
+    return made
+
+
+class Story:
+    def __init__(self, folder, packages):
+        self.folder = folder
+        self.debs = sorted(path for path in packages.glob("*.deb"))
+        self.user = [path for path in self.debs if path.name.startswith("talkrobots")]
+        self.changes = next(iter(packages.glob("*.changes")), None)
+        self.names = [fields(path)["Package"] for path in self.debs]
+        self.root = Root(REPO / "build/package/base-root", folder / "root")
+        self.root.run("apt-get update -qq")
+        self.figures = []
+
+    def install(self, files, options=""):
+        return self.root.run(INSTALL.replace("{words}", f"{options} {' '.join(self.root.share(*files))}"))
+
+    def state(self):
+        return self.root.files(STATE)
+
+
+@step
+def what_the_dependencies_leave(story):
+    """(beside it, the same Debian with nothing but what the packages depend on, to compare with)"""
+    files = " ".join(story.root.share(*story.user))
+    said = story.root.run(f"apt-get install -s {files}").said
+    others = [name for name in re.findall(r"^Inst (\S+)", said, re.MULTILINE) if name not in story.names]
+    beside = Root(REPO / "build/package/base-root", story.folder / "beside")
+    beside.run("apt-get update -qq; " + INSTALL.replace("{words}", " ".join(others)))
+    story.without = beside.files()
+    shutil.rmtree(beside.path)
+
+
+@step
+def installed_on_an_empty_computer(story):
+    """`apt install ./talkrobots*.deb`, and `trb` answers"""
+    done = story.install(story.user)
+    again = story.root.run("trb help | head -n 1")
+    check(again.said.startswith("trb: "), again.said)
+    story.figures.append(f"from `apt install` to a trb that answers: {done.seconds + again.seconds:.1f} s, {done.processor + again.processor:.1f} s of a processor")
+    check(done.processor + again.processor < ROAD_S, story.figures[-1])
+
+
+@step
+def what_is_installed(story):
+    """every program finds its libraries; user, folder, units, completion and manual are there, and nothing is started without a node"""
+    said = story.root.run("for each in /usr/bin/trb*; do ldd $each; done").said
+    check("not found" not in said, said)
+    story.root.run("bash -n /usr/share/bash-completion/completions/trb; zcat /usr/share/man/man1/trb.1.gz | head -n 3 | grep -q TRB")
+    check(story.root.run(f"stat -c '%U %G %a' /{STATE}").said.split() == ["trbots", "trbots", "700"], "the node's folder is its user's")
+    said = story.root.run("systemd-analyze verify --man=no talkrobots.service talkrobots-sensor-bus.service 2>&1 | grep talkrobots || true").said
+    check(said == "", said)
+    for unit in ("talkrobots", "talkrobots-sensor-bus"):
+        check((story.root.path / f"etc/systemd/system/multi-user.target.wants/{unit}.service").is_symlink()
+              or (story.root.path / f"etc/systemd/system/talkrobots.service.wants/{unit}.service").is_symlink(), f"{unit} is enabled")
+
+
+@step
+def a_node_in_it(story):
+    """a node's folder made, signed and checked as its user; `trb up` says ready"""
+    said = story.root.run(NODE + UP).said
+    check("router" in said and "mode-adapter" in said, said)
+    story.kept = story.state()
+    check(any("/keys/" in path for path in story.kept), f"keys are there: {sorted(story.kept)[:9]}")
+
+
+@step
+def what_it_is_made_of(story):
+    """every package's lists of parts have every library that readelf names, with licence"""
+    for deb in story.debs:
+        name = fields(deb)["Package"]
+        tree = story.folder / "tree"
+        shutil.rmtree(tree, ignore_errors=True)
+        subprocess.run(["dpkg-deb", "-x", deb, tree], check=True)
+        found = list(sbom_check.faults(tree, tree / "usr/share/doc" / name, COMPILED_IN[name]))
+        check(not found, f"{name}: {found}")
+
+
+@step
+def an_upgrade(story):
+    """a lower version, then this one: what is no more is gone, keys and journals are the same, the node is up again"""
+    older_debs = [older(path, story.folder) for path in story.user]
+    story.install(older_debs, "--allow-downgrades")
+    check((story.root.path / "usr/share/doc/talkrobots/gone").exists(), "the older version is there")
+    check(story.state() == story.kept, "going back has left the node's folder as it was")
+    done = story.install(story.user)
+    story.figures.append(f"upgrade: {done.seconds:.1f} s")
+    left = [path for path in story.root.files("usr/share/doc") if path.endswith("/gone")]
+    check(not left, f"of the older version: {left}")
+    check(story.state() == story.kept, "the node's folder is as it was")
+    story.root.run(UP)
+    story.kept = story.state()
+
+
+@step
+def installed_once_more(story):
+    """the same version again changes nothing"""
+    before = story.root.files("usr")
+    story.install(story.user, "--reinstall")
+    check(story.root.files("usr") == before and story.state() == story.kept, "files differ")
+
+
+@step
+def removed(story):
+    """`apt remove`: programs and units go; keys and journals stay, and it says so"""
+    said = story.root.run("apt-get remove -y -qq 'talkrobots*' 2>&1").said
+    check(f"stay in /{STATE}" in said and "purge" in said, said)
+    check(story.state() == story.kept, "keys and journals are as they were")
+    left = [path for path in story.root.files() if re.search("talkrobots|trb", path) and not path.startswith(STATE)]
+    print("       left: " + ", ".join(sorted(left)))
+    check(not [path for path in left if path.startswith(("usr/bin", "usr/lib/systemd", "lib/systemd"))], f"{left}")
+
+
+@step
+def purged(story):
+    """`apt purge`: these go too, and it says so before; what is left is what the dependencies leave, and the user"""
+    said = story.root.run("apt-get purge -y -qq 'talkrobots*' 2>&1").said
+    check(f"removing /{STATE} for good" in said, said)
+    check(not (story.root.path / STATE).exists(), "the node's folder is gone")
+    now = story.root.files()
+    differs = sorted(path for path in set(now) | set(story.without) if now.get(path) != story.without.get(path))
+    print("       differs from a Debian that never had them: " + ", ".join(differs))
+    # Times and random numbers of other packages' installation, not of ours.
+    ours = [path for path in differs if path not in MAY_STAY and (path in now) and not (path in story.without and not re.search("talkrobots|trb", path))]
+    check(not ours, f"left behind: {ours}")
+    check(set(story.root.run("getent passwd trbots || true").said.split(":")[:1]) == {"trbots"}, "the user stays")
+
+
+@step
+def a_library_for_services(story):
+    """`libtalkrobots-dev` is installed with what it needs, and CMake finds it"""
+    deb = [path for path in story.debs if path.name.startswith("libtalkrobots-dev")]
+    story.install(deb, "--no-install-recommends g++ cmake make")
+    story.root.run("mkdir /tmp/own && cd /tmp/own && echo 'cmake_minimum_required(VERSION 3.25)\nproject(own CXX)\nfind_package(talkrobots 0.1 REQUIRED)\n"
+                   "add_executable(own own.cpp)\ntarget_link_libraries(own PRIVATE talkrobots::service)' >CMakeLists.txt && "
+                   "echo '#include \"common/service/service.hpp\"\nint main() { return 0; }' >own.cpp && cmake . >/dev/null && make 2>&1 && ./own")
+    story.root.run("apt-get purge -y -qq libtalkrobots-dev")
+
+
+@step
+def the_packages_judged_by_lintian(story):
+    """lintian finds no error"""
+    check(story.changes, "there is no .changes beside the packages")
+    done = subprocess.run(["lintian", "--allow-root", "--tag-display-limit", "0", *story.debs], capture_output=True, text=True, check=False)
+    told = [line for line in done.stdout.splitlines() if re.match(r"[EW]: ", line)]
+    print("\n".join(f"       {line[:180]}" for line in told))
+    check(done.returncode in (0, 2) and not [line for line in told if line.startswith("E: ")], "lintian has errors: see above")
+
+
+def play(story):
+    for each in STEPS:
+        began = time.monotonic()
+        try:
+            each(story)
+        except (Failed, OSError, subprocess.SubprocessError) as fault:
+            print(f"FAILED {time.monotonic() - began:6.1f} s  {each.__doc__}\n  {fault}", flush=True)
+            return 1
+        print(f"ok     {time.monotonic() - began:6.1f} s  {each.__doc__}", flush=True)
+    print("\n".join(story.figures) + f"\nall {len(STEPS)} steps are good")
+    return 0
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("packages", type=pathlib.Path)
+    parser.add_argument("--keep", action="store_true")
+    words = parser.parse_args()
+    folder = pathlib.Path(tempfile.mkdtemp(prefix="test-", dir=REPO / "build/package"))
+    try:
+        return play(Story(folder, words.packages))
+    except Failed as fault:
+        print(f"scripts/test-package: {fault}", file=sys.stderr)
+        return 1
+    finally:
+        if words.keep:
+            print(f"left behind: {folder}")
+        else:
+            shutil.rmtree(folder)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
