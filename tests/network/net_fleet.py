@@ -32,6 +32,14 @@ def wait_until(condition, timeout, step=0.05):
     return time.monotonic() - start
 
 
+def seed_of(folder, host):
+    """What a peer writes into its "seeds": the address, and the link key of the node's certificate."""
+    import wire
+    text = (folder / "keys" / "certificate.json").read_text()
+    payload = bytes.fromhex(json.loads(text)["certificate"]["payload"])
+    return {"address": f"{host}:{PORT}", "key": wire.unpack(payload)[0][5].hex()}
+
+
 class NetFleet(trb_fleet.Fleet):
     """`hosts`: node -> HOST_INT (None: the host's IPv4 address in the lab); `more`: node -> further keys of node.json."""
 
@@ -80,15 +88,8 @@ class NetFleet(trb_fleet.Fleet):
         path = self.dir(node) / "node.json"
         path.write_text(json.dumps({**json.loads(path.read_text()), **keys}))
 
-    def link_key(self, node):
-        text = (self.dir(node) / "keys" / "certificate.json").read_text()
-        import wire
-        payload = bytes.fromhex(json.loads(text)["certificate"]["payload"])
-        return wire.unpack(payload)[0][5].hex()
-
     def seed(self, node, address=None):
-        host = address or self.lab.address(node)
-        return {"address": f"{host}:{PORT}", "key": self.link_key(node)}
+        return seed_of(self.dir(node), address or self.lab.address(node))
 
     # ---- processes
 
