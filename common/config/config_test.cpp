@@ -97,6 +97,26 @@ TEST_CASE("keys: missing, for another id, for another role") {
   CHECK(roles[0].key == "role");
 }
 
+TEST_CASE("keys: a service in a container of its own has the certificate and no secret of its node") {
+  NodeFolder folder;
+  folder.sign("r1", Role::robot);
+  const auto put_apart = [&] {
+    for (const char* secret : {"keys/identity.key", "keys/link.key"}) folder.remove(secret);
+  };
+  SUBCASE("its bus is an address") {
+    folder.change("node.json", R"("seeds": [])", R"("seeds": [], "bus": "tcp://127.0.77.1:46000")");
+    put_apart();
+    CHECK(to_text(folder.check().faults) == "");
+    CHECK_FALSE(folder.check(false).faults.empty());  // trb up starts the router, too
+    folder.remove("keys/certificate.json");
+    CHECK(to_text(folder.check().faults).starts_with("keys"));
+  }
+  SUBCASE("its bus is sockets in the folder: there is no container of its own") {
+    put_apart();
+    CHECK(to_text(folder.check().faults).starts_with("keys"));
+  }
+}
+
 TEST_CASE("interfaces: names and addresses of this machine") {
   const std::vector<Interface> known = interfaces();
   REQUIRE_FALSE(known.empty());

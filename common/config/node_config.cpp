@@ -5,6 +5,7 @@
 #include <chrono>
 #include <filesystem>
 
+#include "common/base/files.hpp"
 #include "common/config/cloud_file.hpp"
 #include "common/config/interfaces.hpp"
 #include "common/config/json_file.hpp"
@@ -45,7 +46,7 @@ class NodeChecker {
     read_sensor_files(out_.config.dir, out_.faults);
     read_resilience_file(out_.config.dir, out_.faults);
     read_cloud_file(out_.config.dir, out_.faults);
-    if (node.usable) keys();
+    if (node.usable) keys(running);
     if (!out_.config.bus.empty()) check_bus_keys(out_.config.dir, bus_names(out_.config), out_.faults);
     if (!running) ports();
     if (!running) own_programs();
@@ -134,13 +135,18 @@ class NodeChecker {
              "add \"" + config.framework + R"(": {"port": …, "commands": {"stop": …}})");
   }
 
-  void keys() {
+  /// A service in a container of its own has a key for the bus, and no secret of the node.
+  bool is_apart(bool running) const {
+    return running && !out_.config.bus.empty() && !file_exists(out_.config.dir + "/keys/identity.key");
+  }
+
+  void keys(bool running) {
     const NodeConfig& config = out_.config;
     const std::size_t before = out_.faults.size();
     init_crypto();
-    check_node_keys(config.dir, config.id, utc_now(), out_.faults);
+    check_node_keys(config.dir, config.id, utc_now(), out_.faults, is_apart(running));
     if (out_.faults.size() != before) return;
-    const auto keys = load_node_keys(config.dir);
+    const auto keys = load_node_certificate(config.dir);
     if (!keys) return;
     if (config.relay && !keys->certificate.relay) {
       sink("keys/certificate.json")

@@ -69,6 +69,11 @@ void take_renewal(const std::string& dir, CertificateFile& file, Certificate& ow
   }
 }
 
+template <typename Loaded>
+Result<Certificate> public_part(const Result<Loaded>& loaded) {
+  return loaded ? Result<Certificate>(loaded->certificate) : Result<Certificate>(loaded.error());
+}
+
 }  // namespace
 
 Result<LinkKey> read_link_key(const std::string& path) {
@@ -93,6 +98,16 @@ Status make_request(const std::string& node_dir, const std::string& id, Role rol
   return write_file(dir + "/request.json", to_json(record) + "\n");
 }
 
+Result<NodeCertificate> load_node_certificate(const std::string& node_dir) {
+  const std::string dir = keys_dir(node_dir);
+  auto file = read_certificate_file(dir + "/certificate.json");
+  if (!file) return file.error();
+  auto certificate = open_certificate_any_time(file->certificate, file->authority);
+  if (!certificate) return certificate.error();
+  take_renewal(dir, *file, *certificate);
+  return NodeCertificate{file->certificate, *certificate, file->authority};
+}
+
 Result<NodeKeys> load_node_keys(const std::string& node_dir) {
   const std::string dir = keys_dir(node_dir);
   auto identity = read_identity(dir);
@@ -113,19 +128,20 @@ Result<NodeKeys> load_node_keys(const std::string& node_dir) {
   return NodeKeys{*identity, *link, file->certificate, *certificate, file->authority, *beacon, file->revocations};
 }
 
-void check_node_keys(const std::string& node_dir, const std::string& id, UtcTime now, ConfigFaults& faults) {
-  auto keys = load_node_keys(node_dir);
+void check_node_keys(const std::string& node_dir, const std::string& id, UtcTime now, ConfigFaults& faults,
+                     bool apart) {
+  const auto certificate = apart ? public_part(load_node_certificate(node_dir)) : public_part(load_node_keys(node_dir));
   const std::string file = "keys/certificate.json";
-  if (!keys) {
-    faults.push_back({"keys", "", keys.error().what, keys.error().hint});
+  if (!certificate) {
+    faults.push_back({"keys", "", certificate.error().what, certificate.error().hint});
     return;
   }
-  if (keys->certificate.id != id) {
-    faults.push_back({file, "id", "is for '" + keys->certificate.id + "', node.json says '" + id + "'",
+  if (certificate->id != id) {
+    faults.push_back({file, "id", "is for '" + certificate->id + "', node.json says '" + id + "'",
                       "run trb fleet request and trb fleet sign for this node"});
   }
-  if (now.ns >= keys->certificate.not_after) {
-    faults.push_back({file, "not_after", "ended " + to_iso8601({keys->certificate.not_after}),
+  if (now.ns >= certificate->not_after) {
+    faults.push_back({file, "not_after", "ended " + to_iso8601({certificate->not_after}),
                       "run trb fleet renew, and put news.json into the keys folder"});
   }
 }

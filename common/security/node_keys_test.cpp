@@ -39,6 +39,19 @@ TEST_CASE("a renewal that lies beside the certificate is taken, with its record,
   CHECK(hall.keys("ur3")->certificate_record == second);
 }
 
+TEST_CASE("the certificate is read without any secret, and a renewal beside it is taken, too") {
+  Late hall;
+  hall.put({hall.renew("ur3")});
+  const std::string folder = hall.keys_of("ur3");
+  for (const char* secret : {"/identity.key", "/link.key"}) REQUIRE(::remove((folder + secret).c_str()) == 0);
+  const auto read = load_node_certificate(folder + "/..");
+  REQUIRE(read.ok());
+  CHECK(read->certificate.id == "ur3");
+  CHECK(read->certificate.serial == 3);
+  CHECK(read->authority.id() == hall.authority.fleet.id());
+  CHECK(hall.keys("ur3").error().code == Errc::missing);
+}
+
 TEST_CASE("a renewal of another node, of another fleet, of other keys, or none that is newer, is not taken") {
   Late hall;
   const Certificate own = hall.living("ur3");

@@ -12,11 +12,10 @@ std::string program_dir() {
   return std::filesystem::read_symlink("/proc/self/exe").parent_path().string();
 }
 
-void die_with_parent() {
-  const pid_t parent = ::getppid();
+void die_with_parent(pid_t parent) {
   ::prctl(PR_SET_PDEATHSIG, SIGTERM);
   // The parent may have ended before this request.
-  if (::getppid() != parent || parent == 1) ::raise(SIGTERM);
+  if (::getppid() != parent) ::raise(SIGTERM);
 }
 
 }  // namespace trb::supervisor

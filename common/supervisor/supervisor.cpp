@@ -31,8 +31,8 @@ int wait_signal(Duration wait) {
   return signal > 0 ? signal : 0;
 }
 
-[[noreturn]] void become(const std::string& program, const std::vector<std::string>& arguments) {
-  die_with_parent();
+[[noreturn]] void become(const std::string& program, const std::vector<std::string>& arguments, pid_t parent) {
+  die_with_parent(parent);
   ServiceManager::forget();
   sigset_t none;
   sigemptyset(&none);
@@ -122,10 +122,11 @@ Duration Supervisor::until_next(Now now, bool ready) const {
 }
 
 void Supervisor::start_due(Now now) {
+  const pid_t self = ::getpid();
   for (Child& child : children_) {
     if (child.pid != 0 || now.mono < child.start_at) continue;
     const pid_t pid = ::fork();
-    if (pid == 0) become(child.program, child.arguments);
+    if (pid == 0) become(child.program, child.arguments, self);
     child.pid = pid > 0 ? pid : 0;
     child.started = now.mono;
     if (pid < 0) child.start_at = now.mono + kForkAgain;

@@ -102,8 +102,14 @@ int supervise(const Arguments& arguments, const std::string& dir, const std::str
   return supervisor.run(reload, std::ref(is_ready));
 }
 
+/// Who is 1 now is not who started this: that one has ended.
+void end_with_starter() {
+  const pid_t starter = ::getppid();
+  supervisor::die_with_parent(starter == 1 ? 0 : starter);
+}
+
 int run_up(const Arguments& arguments) {
-  if (arguments.has("--die-with-parent")) supervisor::die_with_parent();
+  if (arguments.has("--die-with-parent")) end_with_starter();
   const std::string dir = absolute(arguments.words[0]);
   // Before the check: a node that is up holds its ports, and that is not what is wrong.
   if (const auto pid = NodeLock::holder(dir)) {

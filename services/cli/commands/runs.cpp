@@ -110,7 +110,7 @@ int show_run(const Arguments& arguments) {
 int prove_run(const Arguments& arguments) {
   auto probe = open_probe(arguments);
   if (!probe) return kFailed;
-  const auto keys = load_node_keys(".");  // the probe stands in the node's folder
+  const auto keys = load_node_certificate(".");  // the probe stands in the node's folder
   if (!keys) return print_error(arguments, keys.error());
   const auto read = probe->wait<RunRecords>(
       [&](op::Session& session, const auto& done) { op::read_run_records(session, arguments.words[0], done); });

@@ -27,10 +27,11 @@ Result<Child> start(const std::string& program, const std::string& job) {
   if (input < 0) return fail(Errc::io_error, "a file in memory", "close other programs");
   std::array<int, 2> pipe_ends{};
   if (pipe2(pipe_ends.data(), O_CLOEXEC) != 0) return fail(Errc::io_error, "a pipe", "close other programs");
+  const pid_t self = getpid();
   const pid_t pid = fork();
   if (pid < 0) return fail(Errc::io_error, "a process", "close other programs");
   if (pid == 0) {
-    supervisor::die_with_parent();
+    supervisor::die_with_parent(self);
     dup2(input, STDIN_FILENO);
     dup2(pipe_ends[1], STDOUT_FILENO);
     execl(program.c_str(), program.c_str(), "-", nullptr);

@@ -33,12 +33,12 @@ void close_both(const Pipe& pipe) {
 }
 
 /// Between fork and exec of a process with threads: calls of the kernel alone.
-[[noreturn]] void become(const char* program, int job, const Pipe& answer, const Pipe& progress) {
+[[noreturn]] void become(const char* program, int job, const Pipe& answer, const Pipe& progress, pid_t parent) {
   sigset_t none;
   sigemptyset(&none);
   sigprocmask(SIG_SETMASK, &none, nullptr);
   for (const int signal : {SIGTERM, SIGINT, SIGHUP, SIGPIPE}) ::signal(signal, SIG_DFL);
-  supervisor::die_with_parent();
+  supervisor::die_with_parent(parent);
   setpgid(0, 0);
   setpriority(PRIO_PROCESS, 0, kLast);
   const bool is_set =
@@ -63,8 +63,9 @@ Result<SimulatorProgram> start_simulator(const std::string& job) {
     return no_room;
   }
   const int input = supervisor::memory_file(job);
+  const pid_t self = getpid();
   const pid_t pid = input < 0 ? -1 : fork();
-  if (pid == 0) become(program.c_str(), input, answer, progress);
+  if (pid == 0) become(program.c_str(), input, answer, progress, self);
   if (input >= 0) close(input);
   const int exit = pid < 0 ? -1 : pidfd_open(pid, 0);
   if (exit < 0) {

@@ -40,11 +40,11 @@ HistoryLimits limits_of(const CloudSettings& cloud) {
   return {std::chrono::hours(24) * cloud.history_days, std::uint64_t{cloud.history_mb} << 20U};
 }
 
-Result<std::unique_ptr<GatewayDb>> open_db(const NodeConfig& config, const CloudSettings& cloud, const NodeKeys& keys) {
+Result<std::unique_ptr<GatewayDb>> open_db(const NodeConfig& config, const CloudSettings& cloud, const NodeCertificate& keys) {
   if (!cloud.database) return GatewayDb::open(config.dir + "/state/gateway.db");
   auto server = postgres_server(*cloud.database, config.dir);
   if (!server) return server.error();
-  return open_shared_db(std::move(*server), {config.id, encode(keys.certificate_record)}, kFirstAnswer);
+  return open_shared_db(std::move(*server), {config.id, encode(keys.record)}, kFirstAnswer);
 }
 
 Result<std::unique_ptr<HistoryStore>> open_history(const NodeConfig& config, const CloudSettings& cloud) {
@@ -55,7 +55,7 @@ Result<std::unique_ptr<HistoryStore>> open_history(const NodeConfig& config, con
 }
 
 /// What another gateway is at work on is not settled here.
-Result<std::unique_ptr<Access>> open_access(const NodeConfig& config, const CloudSettings& cloud, const NodeKeys& keys,
+Result<std::unique_ptr<Access>> open_access(const NodeConfig& config, const CloudSettings& cloud, const NodeCertificate& keys,
                                             GatewayDb& db) {
   auto access = Access::open(db, cloud.origins(), {keys.authority.id(), config.id});
   if (!access || db.is_shared()) return access;
@@ -70,7 +70,7 @@ Result<int> start(NodeConfig config) {
   ConfigFaults faults;  // reported by the check
   const CloudSettings cloud = read_cloud_file(config.dir, faults);
   if (auto made = make_private_dir(config.dir + "/state"); !made) return made.error();
-  const auto keys = load_node_keys(config.dir);
+  const auto keys = load_node_certificate(config.dir);
   if (!keys) return keys.error();
   const auto db = open_db(config, cloud, *keys);
   if (!db) return db.error();

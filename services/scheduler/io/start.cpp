@@ -11,7 +11,7 @@
 namespace trb::scheduler {
 namespace {
 
-Result<int> run(const NodeConfig& node, const NodeKeys& keys, Service& service, JournalFile& journal) {
+Result<int> run(const NodeConfig& node, const NodeCertificate& keys, Service& service, JournalFile& journal) {
   SchedulerCore core({node.id, keys.authority, node.has_service("mode-adapter")}, journal);
   if (journal.was_lost()) {
     log_event(Level::error, "journal_lost",
@@ -30,7 +30,7 @@ Result<int> run(const NodeConfig& node, const NodeKeys& keys, Service& service, 
 }  // namespace
 
 Result<int> start(NodeConfig node) {
-  const auto keys = load_node_keys(node.dir);
+  const auto keys = load_node_certificate(node.dir);
   if (!keys) return keys.error();
   if (auto made = make_private_dir(node.dir + "/state"); !made) return made.error();
   auto journal = JournalFile::open(node.dir + "/state/journal.db", std::int64_t{node.archive_mb} << 20U);

@@ -52,9 +52,9 @@ Result<std::string> certificate_lines(Gateway& gateway, const SignedRecord& own)
 
 /// The lines of a page: the certificates, then the records with the heads that cover them.
 Result<std::string> export_lines(Gateway& gateway, const std::vector<AuditRow>& rows) {
-  const auto keys = load_node_keys(gateway.node_dir);
+  const auto keys = load_node_certificate(gateway.node_dir);
   if (!keys) return keys.error();
-  auto lines = certificate_lines(gateway, keys->certificate_record);
+  auto lines = certificate_lines(gateway, keys->record);
   if (!lines) return lines.error();
   std::string out = std::move(*lines);
   for (const AuditRow& row : rows) out += audit_line(row);

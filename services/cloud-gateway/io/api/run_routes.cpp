@@ -34,7 +34,7 @@ void show_run(Gateway& gateway, const CallPtr& call) {
 void show_proof(Gateway& gateway, const CallPtr& call) {
   op::read_run_records(gateway.session, call->parameter("run"), [&gateway, call](const Result<RunRecords>& read) {
     if (!read) return call->fail(read.error());
-    const auto keys = load_node_keys(gateway.node_dir);
+    const auto keys = load_node_certificate(gateway.node_dir);
     if (!keys) return call->fail(keys.error());
     call->reply(json_reply(write_run_proof(read->run, read->records, keys->authority)));
   });
