@@ -41,8 +41,9 @@ Result<NodeCertificate> load_node_certificate(const std::string& node_dir);
 /// other keys), and those of open_certificate_any_time.
 Result<NodeKeys> load_node_keys(const std::string& node_dir);
 
-/// The same as faults for `trb check`; also an id that differs from node.json's, and an expired certificate. `apart`: for a
-/// service in a container of its own, which has the certificate and no secret of its node.
-void check_node_keys(const std::string& node_dir, const std::string& id, UtcTime now, ConfigFaults& faults, bool apart = false);
+/// The same as faults for `trb check`; also an id that differs from node.json's, and an expired certificate. `apart`:
+/// for a service in a container of its own, which has the certificate and no secret of its node.
+void check_node_keys(const std::string& node_dir, const std::string& id, UtcTime now, ConfigFaults& faults,
+                     bool apart = false);
 
 }  // namespace trb

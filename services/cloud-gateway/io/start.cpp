@@ -40,7 +40,8 @@ HistoryLimits limits_of(const CloudSettings& cloud) {
   return {std::chrono::hours(24) * cloud.history_days, std::uint64_t{cloud.history_mb} << 20U};
 }
 
-Result<std::unique_ptr<GatewayDb>> open_db(const NodeConfig& config, const CloudSettings& cloud, const NodeCertificate& keys) {
+Result<std::unique_ptr<GatewayDb>> open_db(const NodeConfig& config, const CloudSettings& cloud,
+                                           const NodeCertificate& keys) {
   if (!cloud.database) return GatewayDb::open(config.dir + "/state/gateway.db");
   auto server = postgres_server(*cloud.database, config.dir);
   if (!server) return server.error();
@@ -55,8 +56,8 @@ Result<std::unique_ptr<HistoryStore>> open_history(const NodeConfig& config, con
 }
 
 /// What another gateway is at work on is not settled here.
-Result<std::unique_ptr<Access>> open_access(const NodeConfig& config, const CloudSettings& cloud, const NodeCertificate& keys,
-                                            GatewayDb& db) {
+Result<std::unique_ptr<Access>> open_access(const NodeConfig& config, const CloudSettings& cloud,
+                                            const NodeCertificate& keys, GatewayDb& db) {
   auto access = Access::open(db, cloud.origins(), {keys.authority.id(), config.id});
   if (!access || db.is_shared()) return access;
   if (Status settled = settle_unsure(**access); !settled) return settled.error();
