@@ -42,6 +42,10 @@ std::string robot_address(const DemoFleet& fleet, std::size_t robot) {
   return node_address(fleet, kFirstRobot + robot);
 }
 
+std::string fault_address(const DemoFleet& fleet, std::size_t robot) {
+  return robot_address(fleet, robot) + ":46000";
+}
+
 }  // namespace
 
 std::span<const DemoRobot> demo_robots() {
@@ -85,11 +89,13 @@ std::string cloud_address(const DemoFleet& fleet) {
 NewNode node_of(const DemoFleet& fleet, std::size_t robot) {
   const std::string side = node_address(fleet, 2 + robot);
   const DemoRobot& one = kRobots[robot];
-  return {std::string(one.id), *robot_kind(std::string(one.like)), robot_address(fleet, robot), side, side};
+  return {std::string(one.id),        *robot_kind(std::string(one.like)), robot_address(fleet, robot), side, side,
+          fault_address(fleet, robot)};
 }
 
 std::vector<std::string> robot_arguments(const DemoFleet& fleet, std::size_t robot) {
-  return {"--address", robot_address(fleet, robot), "--speed", std::to_string(fleet.speed), "--die-with-parent"};
+  return {"--address", robot_address(fleet, robot), "--control",        fault_address(fleet, robot),
+          "--speed",   std::to_string(fleet.speed), "--die-with-parent"};
 }
 
 std::string cloud_node_json(const DemoFleet& fleet) {

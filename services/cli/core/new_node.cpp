@@ -65,10 +65,15 @@ std::string node_json_of(const NewNode& node) {
   out += member("description", "robots/" + std::string(node.kind.description), in);
   out += in + "\"robot\": {\n";
   out += comment("Its address: " + std::string(node.kind.address_at) + ".", deep);
-  out += member("host", node.robot_address, deep, node.robot_side.empty());
+  const bool has_faults = !node.told_faults_at.empty();
+  out += member("host", node.robot_address, deep, node.robot_side.empty() && !has_faults);
   if (!node.robot_side.empty()) {
     out += comment("This computer's address or interface towards the robot: ip address lists them.", deep);
-    out += member("interface", node.robot_side, deep, true);
+    out += member("interface", node.robot_side, deep, !has_faults);
+  }
+  if (has_faults) {
+    out += comment("Where this virtual robot is told to fail: trb robot fault.", deep);
+    out += member("fault_injection", node.told_faults_at, deep, true);
   }
   out += in + "},\n";
   out += comment("Nodes that beacons do not reach, as 10.0.0.1:45000: a cloud node behind a VPN, for example.", in);

@@ -31,6 +31,7 @@ struct NewNode {
   std::string robot_address;  ///< IPv4
   std::string robot_side;     ///< this computer's address or interface towards the robot; empty: the fleet's network
   std::string fleet_side;     ///< interface or address on the fleet's network
+  std::string told_faults_at = {};  ///< of a virtual robot: HOST:PORT for trb robot fault; empty: none
 };
 
 /// Each value with a line that says what it is and where to find it.

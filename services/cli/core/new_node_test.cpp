@@ -26,6 +26,9 @@ TEST_CASE("new node: every value stands behind a line that says what it is") {
   CHECK(text.find("teach pendant") < text.find("\"host\": \"10.0.0.5\""));
   CHECK(text.find("\"interface\": \"eth1\"\n") != std::string::npos);
   CHECK(text.find("ros-bridge") == std::string::npos);
+  CHECK(text.find("fault_injection") == std::string::npos);
+  const NewNode virtual_one{"arm1", *robot_kind("ur"), "127.0.0.5", "127.0.0.1", "127.0.0.1", "127.0.0.5:46000"};
+  CHECK(node_json_of(virtual_one).find("\"fault_injection\": \"127.0.0.5:46000\"\n") != std::string::npos);
   CHECK(network_json_of(node).find("\"HOST_INT\": \"eth0\"") != std::string::npos);
   CHECK(node_json_of({"r", *robot_kind("ros"), "10.0.0.5", "", "eth0"}).find("\"ros-bridge\"") != std::string::npos);
 }

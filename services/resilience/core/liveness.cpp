@@ -1,5 +1,7 @@
 #include "services/resilience/core/liveness.hpp"
 
+#include "services/resilience/core/alert_causes.hpp"
+
 namespace trb::resilience {
 
 void Liveness::look(const std::string& id, const RobotRecord* robot, Now now, bool expired) {
@@ -13,7 +15,7 @@ void Liveness::look(const std::string& id, const RobotRecord* robot, Now now, bo
   Gone& gone = at->second;
   if (is_new) gone.since = now.mono;
   if (expired) gone.since = now.mono - kGrace;
-  gone.cause = reached ? "robot_connection" : "peer_expired";
+  gone.cause = reached ? kRobotLost : kNodeLost;
   gone.text = robot == nullptr ? "its node is not known" : why_unfit(*robot);
 }
 

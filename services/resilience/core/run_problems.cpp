@@ -44,18 +44,18 @@ class Finder {
     out_.needs_confirmation = out_.needs_confirmation || !why_confirmation(run_, index, fleet_, false).empty();
     if (gone_ != nullptr) tell(gone_->cause, Severity::critical, "", gone_->text);
     if (leaves)
-      tell("robot_retired", Severity::warning, "", run_.view->tasks[index].robot + " " + retired_text(*retired));
-    if (fault != nullptr) tell("robot_fault", fault->severity, fault->capability, fault->text);
+      tell(kRobotRetired, Severity::warning, "", run_.view->tasks[index].robot + " " + retired_text(*retired));
+    if (fault != nullptr) tell(kRobotFault, fault->severity, fault->capability, fault->text);
     if (!stopped) return;
     const bool interrupted = task.outcome == TaskOutcome::interrupted;
-    tell(interrupted ? "task_interrupted" : "task_failed", interrupted ? Severity::critical : Severity::urgent,
+    tell(interrupted ? kTaskInterrupted : kTaskFailed, interrupted ? Severity::critical : Severity::urgent,
          capability, "task '" + task.id + "': " + (task.reason.empty() ? "stopped" : task.reason));
   }
 
   RunProblem take() { return std::move(out_); }
 
  private:
-  void tell(const std::string& cause, Severity severity, const std::string& capability, const std::string& text) {
+  void tell(std::string_view cause, Severity severity, const std::string& capability, const std::string& text) {
     const int mine = strength_of(cause);
     const int known = strength_of(out_.cause);
     if (mine < known || (mine == known && severity <= out_.severity && !out_.cause.empty())) return;
@@ -98,7 +98,7 @@ bool may_be_ruled(const Alert& alert) {
 }
 
 bool covers(const Alert& alert, std::string_view capability) {
-  return alert.cause == "robot_fault" && (alert.capability.empty() || alert.capability == capability);
+  return alert.cause == kRobotFault && (alert.capability.empty() || alert.capability == capability);
 }
 
 bool is_pinned(const Alert& alert, const WatchedRun& run, std::string_view task) {
@@ -114,10 +114,10 @@ bool is_about(const Alert& alert, const WatchedRun& run, const RunProblem& probl
 }
 
 int strength_of(std::string_view cause) {
-  if (cause == "peer_expired" || cause == "robot_connection") return 5;
-  if (cause == "robot_fault") return 4;
-  if (cause == "robot_retired") return 3;
-  if (cause == "task_interrupted") return 2;
+  if (cause == kNodeLost || cause == kRobotLost) return 5;
+  if (cause == kRobotFault) return 4;
+  if (cause == kRobotRetired) return 3;
+  if (cause == kTaskInterrupted) return 2;
   return cause.empty() ? 0 : 1;
 }
 
@@ -152,7 +152,7 @@ std::vector<Alert> lesser_faults(const Fleet& fleet, UtcTime since) {
       shown.robot = id;
       shown.capability = fault.capability;
       shown.severity = fault.severity;
-      shown.cause = "robot_fault";
+      shown.cause = kRobotFault;
       shown.text = fault.text;
       shown.time = fault.since.ns;
       shown.state = AlertState::closed;

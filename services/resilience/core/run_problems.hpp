@@ -7,18 +7,11 @@
 #include <vector>
 
 #include "proto/bodies/resilience.hpp"
+#include "services/resilience/core/alert_causes.hpp"
 #include "services/resilience/core/liveness.hpp"
 #include "services/resilience/core/watched_run.hpp"
 
 namespace trb::resilience {
-
-/// Alert::cause of a task that is due and names no robot: nothing has failed, a robot has to be chosen.
-constexpr std::string_view kWantsRobot = "robot_wanted";
-
-constexpr std::string_view kOverdue = "task_overdue";    ///< it should have ended, or begun
-constexpr std::string_view kTwice = "double_execution";  ///< two robots have done it: the run is held
-constexpr std::string_view kRunEnds = "run_ends";        ///< its time to live is nearly over
-constexpr std::string_view kAsked = "asked";             ///< nothing has failed: a person wants a change
 
 struct RunProblem {
   std::string robot;

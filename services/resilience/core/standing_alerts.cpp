@@ -8,7 +8,7 @@ namespace trb::resilience {
 void StandingAlerts::tell(Now now, Outbox& out) {
   standing_.follow(situation_.fleet(), now);
   for (const Alert* alert : alerts_.open()) {
-    if (alert->cause != "robot_fault") continue;
+    if (alert->cause != kRobotFault) continue;
     const RobotRecord* robot = situation_.fleet().find(alert->robot);
     if (robot == nullptr) continue;
     for (const Fault& fault : robot->faults) {
@@ -29,7 +29,7 @@ Alert* StandingAlerts::raise(const Standing::Key& key, Now now, Outbox& out) {
   fresh.robot = key.robot;
   fresh.capability = key.capability;
   fresh.severity = fault.severity;
-  fresh.cause = "robot_fault";
+  fresh.cause = kRobotFault;
   fresh.text = cut_utf8(fault.text, kMaxAlertText);
   fresh.time = now.utc.ns;
   Alert* alert = alerts_.raise(std::move(fresh), now, out);
