@@ -10,6 +10,7 @@ import subprocess
 import threading
 import unittest
 
+import shell_blocks
 import support
 import trb_fleet
 
@@ -19,7 +20,7 @@ README = support.REPO / "config" / "robots" / "README.md"
 def commands_of(heading):
     """The shell blocks below a heading, as one script."""
     section = README.read_text().split(f"\n## {heading}\n", 1)[1].split("\n## ", 1)[0]
-    return "".join(re.findall(r"^```sh\n(.*?)^```$", section, re.DOTALL | re.MULTILINE))
+    return "".join(block.text for block in shell_blocks.blocks_of(README, section))
 
 
 class FifteenMinutes(unittest.TestCase):

@@ -5,9 +5,9 @@ Addresses 127.0.238.x, 127.0.239.x.
 import json
 import os
 import pathlib
-import re
 import subprocess
 
+import shell_blocks
 import support
 from gateway_case import GOOD, ROBOT, GatewayCase
 
@@ -16,9 +16,8 @@ STATED = "https://localhost:8443"
 
 
 def readme_lines():
-    found = re.findall(r"^```sh\n(.*?)^```", README.read_text(), re.S | re.M)
-    assert len(found) == 1, "the README has one block of shell"
-    return found[0]
+    block, = shell_blocks.blocks_of(README)  # the README has one block of shell
+    return block.text
 
 
 class Curl(GatewayCase):

@@ -51,11 +51,6 @@ def blocks_of(path, text=None):
     return out
 
 
-def text_of(path, language="sh"):
-    """All blocks of that language as one text."""
-    return "".join(body for found, more, body, _ in fences(path.read_text()) if found == language and not more)
-
-
 def is_shown(line, output):
     """The index behind a line of the output that fits, or -1."""
     parts = [re.escape(part) for part in " ".join(line.split()).split("…")]

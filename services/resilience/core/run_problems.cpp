@@ -48,8 +48,8 @@ class Finder {
     if (fault != nullptr) tell(kRobotFault, fault->severity, fault->capability, fault->text);
     if (!stopped) return;
     const bool interrupted = task.outcome == TaskOutcome::interrupted;
-    tell(interrupted ? kTaskInterrupted : kTaskFailed, interrupted ? Severity::critical : Severity::urgent,
-         capability, "task '" + task.id + "': " + (task.reason.empty() ? "stopped" : task.reason));
+    tell(interrupted ? kTaskInterrupted : kTaskFailed, interrupted ? Severity::critical : Severity::urgent, capability,
+         "task '" + task.id + "': " + (task.reason.empty() ? "stopped" : task.reason));
   }
 
   RunProblem take() { return std::move(out_); }
