@@ -9,9 +9,10 @@ import tempfile
 import time
 
 HERE = pathlib.Path(__file__).resolve().parent
-sys.path[:0] = [str(HERE), str(HERE.parent / "support")]
+sys.path[:0] = [str(HERE), str(HERE.parent / "support"), str(HERE.parent / "integration")]
 
 import sbom_check  # noqa: E402
+import shell_blocks  # noqa: E402
 from root import REPO, Failed, Root  # noqa: E402
 
 ROAD_S = 60  # of a processor: from `apt install` to a `trb` that answers
@@ -137,6 +138,15 @@ def a_node_in_it(story):
     check("router" in said and "mode-adapter" in said, said)
     story.kept = story.state()
     check(any("/keys/" in path for path in story.kept), f"keys are there: {sorted(story.kept)[:9]}")
+
+
+@step
+def the_first_page_of_the_handbook(story):
+    """after the installation two commands, as they stand there, and robots have moved"""
+    blocks = [block.text for block in shell_blocks.blocks_of(REPO / "deploy/handbook/README.md") if not block.not_run][:2]
+    done = story.root.run("cd /root\n" + "".join(blocks) + "trb down hall\nrm -r hall")
+    check(re.search(r"^run \w+ FINISHED", done.said, re.MULTILINE), done.said)
+    story.figures.append(f"the handbook's two commands after that, until its robots have moved: {done.seconds:.1f} s")
 
 
 @step
