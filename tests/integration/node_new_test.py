@@ -6,6 +6,7 @@ import json
 import os
 import pty
 import select
+import shutil
 import subprocess
 import time
 import unittest
@@ -138,6 +139,38 @@ class Folder(unittest.TestCase):
             self.assertTrue(ready, f"no {wanted!r} in {self.shown!r}")
             self.shown += os.read(terminal, 4096).decode()
         self.shown = self.shown.split(wanted, 1)[1]
+
+
+class Demo(unittest.TestCase):
+    """trb demo, where it refuses; what it does, the handbook's test shows."""
+
+    def setUp(self):
+        self.folder = support.temporary_folder(self)
+
+    def demo(self, *words, program=support.PROGRAMS / "trb"):
+        return subprocess.run([program, "demo", *map(str, words)], capture_output=True, text=True, timeout=30, stdin=subprocess.DEVNULL)
+
+    def test_what_is_wrong_is_named_with_its_option_and_nothing_is_made(self):
+        for words, said in ((["--network", "10.0.1"], "--network"), (["--page", "80"], "--page"), (["--speed", "1000"], "--speed"),
+                            (["--timeout", "soon"], "--timeout")):
+            with self.subTest(words):
+                done = self.demo(self.folder / "hall", *words)
+                self.assertNotEqual(done.returncode, 0)
+                self.assertIn(said, done.stderr)
+                self.assertEqual(list(self.folder.iterdir()), [])
+
+    def test_a_folder_with_files_is_left_alone(self):
+        (self.folder / "mine").touch()
+        done = self.demo(self.folder)
+        self.assertIn("is there already", done.stderr)
+        self.assertEqual([path.name for path in self.folder.iterdir()], ["mine"])
+
+    def test_without_virtual_robots_the_package_is_named(self):
+        shutil.copy(support.PROGRAMS / "trb", self.folder)
+        done = self.demo(self.folder / "hall", program=self.folder / "trb")
+        self.assertIn("trb-virtual-pioneer is not there", done.stderr)
+        self.assertIn("talkrobots-virtual-robots", done.stderr)
+        self.assertFalse((self.folder / "hall").exists())
 
 
 if __name__ == "__main__":
