@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
+#include "common/drivers/commands_driver.hpp"
 #include "common/drivers/driver_settings.hpp"
 #include "common/drivers/request_queue.hpp"
-#include "common/drivers/words_driver.hpp"
 
 namespace trb::drivers {
 
@@ -23,7 +23,7 @@ struct PolledWording {
 
 /// A command is one or more steps. `Words`: of commands.json; `Step`: the same with its data; `Poll`: the rounds.
 template <class Words, class Step, class Poll>
-class PolledDriver : public WordsDriver<Words> {
+class PolledDriver : public CommandsDriver<Words> {
  public:
   [[nodiscard]] const RobotValue* value(std::string_view name) const override {
     return poll_.value(this->name_of_value(name));
@@ -92,7 +92,7 @@ class PolledDriver : public WordsDriver<Words> {
   using Job = typename Queue::Job;
 
   PolledDriver(const DriverSettings& settings, Poll poll, const PolledWording& wording)
-      : WordsDriver<Words>(settings.id, settings.commands), poll_(std::move(poll)), wording_(wording) {}
+      : CommandsDriver<Words>(settings.id, settings.commands), poll_(std::move(poll)), wording_(wording) {}
 
   /// The steps of a command of commands.json. Errors: unknown_subtype, bad_value, not_escapable.
   virtual Result<std::vector<Step>> fill(std::string_view subtype, BytesView data) const = 0;

@@ -9,11 +9,11 @@ namespace {
 
 constexpr auto kDriveTenth = std::chrono::milliseconds(100);
 
-struct DriveBench {
+struct DriveFixture {
   FakeNode node;
   Ending<DriveReport> ending;
 
-  explicit DriveBench(Duration lasts, bool take = false) {
+  explicit DriveFixture(Duration lasts, bool take = false) {
     drive_robot(node.session(), {"pioneer", DrivePart::base, {0.2, 0.1}, lasts, take, "ada"}, ending);
   }
   Velocity next() { return node.take<Velocity>("pioneer"); }
@@ -22,7 +22,7 @@ struct DriveBench {
 }  // namespace
 
 TEST_CASE("speeds go out every 100 ms, and at the end that the person lets go") {
-  DriveBench driving(std::chrono::milliseconds(250));
+  DriveFixture driving(std::chrono::milliseconds(250));
   const Velocity first = driving.next();
   CHECK(first.speeds == std::vector{0.2, 0.1});
   CHECK(first.by == "ada");
@@ -52,7 +52,7 @@ TEST_CASE("speeds go out every 100 ms, and at the end that the person lets go") 
 }
 
 TEST_CASE("a refusal ends it, and nothing is sent after it") {
-  DriveBench driving(std::chrono::seconds(5));
+  DriveFixture driving(std::chrono::seconds(5));
   driving.next();
   driving.node.refuse(Errc::control_held, "'office' has controlled pioneer for 3 s", "wait");
   CHECK(driving.ending.error().code == Errc::control_held);
@@ -61,14 +61,14 @@ TEST_CASE("a refusal ends it, and nothing is sent after it") {
 }
 
 TEST_CASE("control is taken once: who takes it back keeps it") {
-  DriveBench driving(std::chrono::seconds(5), true);
+  DriveFixture driving(std::chrono::seconds(5), true);
   CHECK(driving.next().take);
   driving.node.pass(kDriveTenth);
   CHECK_FALSE(driving.next().take);
 }
 
 TEST_CASE("an end that nobody confirms is an error that says so") {
-  DriveBench driving(Duration::zero());
+  DriveFixture driving(Duration::zero());
   CHECK(driving.next().over);
   driving.node.pass(std::chrono::seconds(2));
   CHECK(driving.ending.error().code == Errc::timeout);

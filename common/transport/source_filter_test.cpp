@@ -30,8 +30,9 @@ class Fd {
 };
 
 /// A listening socket on every address, and connections to it from addresses of this machine.
-struct Door {
-  explicit Door(int family_in) : family(family_in), listener(::socket(family, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+struct ListeningSocket {
+  explicit ListeningSocket(int family_in)
+      : family(family_in), listener(::socket(family, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
     REQUIRE(listener.get() >= 0);
     if (family == AF_INET6) {
       sockaddr_in6 any{};
@@ -74,34 +75,34 @@ struct Door {
 }  // namespace
 
 TEST_CASE("the kernel drops what a blocked source sends to a listening socket, and nobody else's") {
-  const Door door(AF_INET);
+  const ListeningSocket listening(AF_INET);
   SourceFilter filter;
-  filter.add_listener(door.listener.get());
-  const auto [up, before] = door.connect("127.0.130.66", 300);
+  filter.add_listener(listening.listener.get());
+  const auto [up, before] = listening.connect("127.0.130.66", 300);
   REQUIRE(up);
-  const Fd accepted(::accept(door.listener.get(), nullptr, nullptr));
+  const Fd accepted(::accept(listening.listener.get(), nullptr, nullptr));
   REQUIRE(filter.set({"127.0.130.65", "127.0.130.66"}, false));
-  CHECK(!door.lets_in("127.0.130.66"));
-  CHECK(!door.lets_in("127.0.130.65"));
-  CHECK(door.lets_in("127.0.130.67"));
+  CHECK(!listening.lets_in("127.0.130.66"));
+  CHECK(!listening.lets_in("127.0.130.65"));
+  CHECK(listening.lets_in("127.0.130.67"));
   // The earlier connection still works.
   REQUIRE(::send(before.get(), "x", 1, MSG_NOSIGNAL) == 1);
   pollfd item{accepted.get(), POLLIN, 0};
   CHECK(::poll(&item, 1, 1000) == 1);
   REQUIRE(filter.set({}, true));
-  CHECK(!door.lets_in("127.0.130.67"));
+  CHECK(!listening.lets_in("127.0.130.67"));
   REQUIRE(filter.set({}, false));
-  CHECK(door.lets_in("127.0.130.66"));
+  CHECK(listening.lets_in("127.0.130.66"));
 }
 
 TEST_CASE("closed to everybody but friends, unless one of them is kept out by name") {
-  const Door door(AF_INET);
+  const ListeningSocket listening(AF_INET);
   SourceFilter filter;
-  filter.add_listener(door.listener.get());
+  filter.add_listener(listening.listener.get());
   REQUIRE(filter.set({"127.0.130.65"}, true, {"127.0.130.65", "127.0.130.66", "2001:db8::/64"}));
-  CHECK(door.lets_in("127.0.130.66"));
-  CHECK(!door.lets_in("127.0.130.65"));
-  CHECK(!door.lets_in("127.0.130.67"));
+  CHECK(listening.lets_in("127.0.130.66"));
+  CHECK(!listening.lets_in("127.0.130.65"));
+  CHECK(!listening.lets_in("127.0.130.67"));
   std::vector<std::string> friends(1000, "2001:db8::/64");
   CHECK(filter.set(friends, true, friends));
   CHECK(source_of("10.0.0.7") == "10.0.0.7");
@@ -111,15 +112,15 @@ TEST_CASE("closed to everybody but friends, unless one of them is kept out by na
 }
 
 TEST_CASE("as many sources as there may be, and a listener that comes later") {
-  const Door door(AF_INET);
+  const ListeningSocket listening(AF_INET);
   std::vector<std::string> sources;
   for (int i = 1; i <= 100; ++i) sources.push_back("127.0.131." + std::to_string(i));
   SourceFilter filter;
   REQUIRE(filter.set(sources, false));
-  filter.add_listener(door.listener.get());
-  CHECK(!door.lets_in("127.0.131.64"));
-  CHECK(door.lets_in("127.0.131.65"));
-  CHECK(door.lets_in("127.0.132.1"));
+  filter.add_listener(listening.listener.get());
+  CHECK(!listening.lets_in("127.0.131.64"));
+  CHECK(listening.lets_in("127.0.131.65"));
+  CHECK(listening.lets_in("127.0.132.1"));
 }
 
 TEST_CASE("IPv6 is told apart by its first 64 bits") {
@@ -128,23 +129,23 @@ TEST_CASE("IPv6 is told apart by its first 64 bits") {
   own.sin6_family = AF_INET6;
   own.sin6_addr = in6addr_loopback;
   if (probe.get() < 0 || ::bind(probe.get(), reinterpret_cast<sockaddr*>(&own), sizeof own) != 0) return;
-  const Door door(AF_INET6);
+  const ListeningSocket listening(AF_INET6);
   SourceFilter filter;
-  filter.add_listener(door.listener.get());
+  filter.add_listener(listening.listener.get());
   REQUIRE(filter.set({"2001:db8::/64", "127.0.0.1"}, false));
-  const auto [up, client] = door.connect(nullptr, 300);
+  const auto [up, client] = listening.connect(nullptr, 300);
   CHECK(up);
-  const Fd accepted(::accept(door.listener.get(), nullptr, nullptr));
+  const Fd accepted(::accept(listening.listener.get(), nullptr, nullptr));
   CHECK(remote_end(accepted.get())->source == "::/64");
   REQUIRE(filter.set({"2001:db8::/64", "::/64"}, false));
-  CHECK(!door.lets_in());
+  CHECK(!listening.lets_in());
 }
 
 TEST_CASE("one connection is cut, unless its descriptor is another one's by now") {
-  const Door door(AF_INET);
-  const auto [up, client] = door.connect("127.0.130.66", 300);
+  const ListeningSocket listening(AF_INET);
+  const auto [up, client] = listening.connect("127.0.130.66", 300);
   REQUIRE(up);
-  const Fd accepted(::accept(door.listener.get(), nullptr, nullptr));
+  const Fd accepted(::accept(listening.listener.get(), nullptr, nullptr));
   const auto end = remote_end(accepted.get());
   REQUIRE(end);
   CHECK(end->source == "127.0.130.66");
@@ -156,6 +157,6 @@ TEST_CASE("one connection is cut, unless its descriptor is another one's by now"
   pollfd item{client.get(), POLLIN, 0};
   REQUIRE(::poll(&item, 1, 1000) == 1);
   CHECK(::recv(client.get(), &byte, 1, MSG_DONTWAIT) == 0);
-  CHECK(!remote_end(door.listener.get()));
+  CHECK(!remote_end(listening.listener.get()));
   CHECK(!remote_end(-1));
 }

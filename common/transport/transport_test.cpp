@@ -37,7 +37,7 @@ bool turn_until(Loop& loop, Condition condition) {
   return false;
 }
 
-struct Door {
+struct GuardedInbox {
   Context context;
   Loop loop;
   CurveKeys server = make_keys();
@@ -60,12 +60,12 @@ struct Caller {
   std::vector<LinkEvent> events;
   std::unique_ptr<SocketMonitor> watch;
 
-  Caller(Door& door, BytesView server_key, bool member)
-      : socket(*Socket::dialler(door.context, keys, server_key)),
-        watch(*SocketMonitor::watch(door.context, door.loop, socket,
+  Caller(GuardedInbox& guarded, BytesView server_key, bool member)
+      : socket(*Socket::dialler(guarded.context, keys, server_key)),
+        watch(*SocketMonitor::watch(guarded.context, guarded.loop, socket,
                                     [this](LinkEvent event, int) { events.push_back(event); })) {
-    if (member) door.members.insert(keys.public_key);
-    REQUIRE(socket.dial(door.inbox.last_endpoint()).ok());
+    if (member) guarded.members.insert(keys.public_key);
+    REQUIRE(socket.dial(guarded.inbox.last_endpoint()).ok());
   }
   bool saw(LinkEvent event) const { return std::find(events.begin(), events.end(), event) != events.end(); }
 };
@@ -73,63 +73,63 @@ struct Caller {
 }  // namespace
 
 TEST_CASE("a frame tells the descriptor of its connection, the one that the monitor told of") {
-  Door door;
-  Caller caller{door, door.server.public_key, true};
-  REQUIRE(turn_until(door.loop, [&] { return caller.saw(LinkEvent::connected); }));
+  GuardedInbox guarded;
+  Caller caller{guarded, guarded.server.public_key, true};
+  REQUIRE(turn_until(guarded.loop, [&] { return caller.saw(LinkEvent::connected); }));
   caller.socket.send(to_frame("hello"));
   Frame routing_id;
   Frame frame;
-  REQUIRE(turn_until(door.loop, [&] { return door.inbox.receive(routing_id); }));
-  REQUIRE(door.inbox.receive(frame));
-  CHECK(door.accepted_fd >= 0);
-  CHECK(connection_fd(frame) == door.accepted_fd);
+  REQUIRE(turn_until(guarded.loop, [&] { return guarded.inbox.receive(routing_id); }));
+  REQUIRE(guarded.inbox.receive(frame));
+  CHECK(guarded.accepted_fd >= 0);
+  CHECK(connection_fd(frame) == guarded.accepted_fd);
 }
 
 TEST_CASE("a member's frames carry its key, and the answer finds the way back") {
   init_crypto();
-  Door door;
-  Caller member(door, door.server.public_key, true);
-  REQUIRE(turn_until(door.loop, [&] { return member.saw(LinkEvent::connected); }));
+  GuardedInbox guarded;
+  Caller member(guarded, guarded.server.public_key, true);
+  REQUIRE(turn_until(guarded.loop, [&] { return member.saw(LinkEvent::connected); }));
   CHECK(member.socket.send(to_frame("hello")) == SendResult::sent);
   Frame id;
   Frame word;
-  REQUIRE(turn_until(door.loop, [&] { return door.inbox.receive(id) && door.inbox.receive(word); }));
+  REQUIRE(turn_until(guarded.loop, [&] { return guarded.inbox.receive(id) && guarded.inbox.receive(word); }));
   CHECK(view_of(word) == "hello");
   CHECK(user_id(word) == to_hex(member.keys.public_key));
-  CHECK(door.inbox.send_to(view_of(id), to_frame("back")) == SendResult::sent);
+  CHECK(guarded.inbox.send_to(view_of(id), to_frame("back")) == SendResult::sent);
   Frame back;
-  REQUIRE(turn_until(door.loop, [&] { return member.socket.receive(back); }));
+  REQUIRE(turn_until(guarded.loop, [&] { return member.socket.receive(back); }));
   CHECK(view_of(back) == "back");
 }
 
 TEST_CASE("a stranger's key and a wrong server key are told apart") {
   init_crypto();
-  Door door;
-  Caller stranger(door, door.server.public_key, false);
-  CHECK(turn_until(door.loop, [&] { return stranger.saw(LinkEvent::refused_key); }));
-  Caller mistaken(door, make_keys().public_key, true);
-  CHECK(turn_until(door.loop, [&] { return door.saw(LinkEvent::wrong_server_key); }));
+  GuardedInbox guarded;
+  Caller stranger(guarded, guarded.server.public_key, false);
+  CHECK(turn_until(guarded.loop, [&] { return stranger.saw(LinkEvent::refused_key); }));
+  Caller mistaken(guarded, make_keys().public_key, true);
+  CHECK(turn_until(guarded.loop, [&] { return guarded.saw(LinkEvent::wrong_server_key); }));
   CHECK_FALSE(mistaken.saw(LinkEvent::connected));
 }
 
 TEST_CASE("a dialled link is never made again behind the core's back") {
   init_crypto();
-  auto door = std::make_unique<Door>();
+  auto guarded = std::make_unique<GuardedInbox>();
   Context other;
   Loop loop;
   const CurveKeys keys = make_keys();
-  door->members.insert(keys.public_key);
-  Socket dialler = *Socket::dialler(other, keys, door->server.public_key);
+  guarded->members.insert(keys.public_key);
+  Socket dialler = *Socket::dialler(other, keys, guarded->server.public_key);
   std::vector<LinkEvent> events;
   const auto watch =
       *SocketMonitor::watch(other, loop, dialler, [&](LinkEvent event, int) { events.push_back(event); });
-  const std::string endpoint = door->inbox.last_endpoint();
+  const std::string endpoint = guarded->inbox.last_endpoint();
   REQUIRE(dialler.dial(endpoint).ok());
-  REQUIRE(turn_until(door->loop, [&] { return door->saw(LinkEvent::connected); }));
-  const CurveKeys server = door->server;
-  door.reset();
+  REQUIRE(turn_until(guarded->loop, [&] { return guarded->saw(LinkEvent::connected); }));
+  const CurveKeys server = guarded->server;
+  guarded.reset();
   REQUIRE(turn_until(loop, [&] { return !events.empty() && events.back() == LinkEvent::disconnected; }));
-  Door again;
+  GuardedInbox again;
   again.members.insert(keys.public_key);
   again.server = server;
   again.inbox = *Socket::inbox(again.context, endpoint, server);
@@ -152,8 +152,8 @@ TEST_CASE("a send to a connection that is gone is unroutable, a full one is refu
 
 TEST_CASE("two servers cannot bind one address") {
   init_crypto();
-  Door door;
-  const auto second = Socket::inbox(door.context, door.inbox.last_endpoint(), make_keys());
+  GuardedInbox guarded;
+  const auto second = Socket::inbox(guarded.context, guarded.inbox.last_endpoint(), make_keys());
   REQUIRE_FALSE(second.ok());
   CHECK(second.error().code == Errc::io_error);
   CHECK_FALSE(second.error().hint.empty());

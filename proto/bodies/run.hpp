@@ -279,7 +279,7 @@ struct NeedDefinition {
   static constexpr Travel kTravel = between_nodes(CostPhase::forward);
   std::string run;
   Blob digest;
-  bool compact = false;  ///< the asker knows the members' certificates
+  bool compact = false;  ///< the requester knows the members' certificates
   template <class T = NeedDefinition>
   static FieldTable fields() {
     return FieldTable{field("run", &T::run, 64), field("digest", &T::digest, 32), field("compact", &T::compact)};

@@ -60,7 +60,7 @@ void check_sending(const FieldChannel& channel, BytesView data) {
 
 /// Until one of the two finds a fault in the input, both read the same messages.
 void check_agreement(const FieldChannel& channel, BytesView bytes) {
-  const FieldWords words(channel, kOwnId);
+  const FieldText words(channel, kOwnId);
   FieldReceiver receiver(words);
   const conform::Words other_words(channel, kOwnId);
   conform::Collector collector(other_words, false);

@@ -98,7 +98,7 @@ std::pair<TaskOutcome, std::string> Hall::work(const std::string& robot, const E
   return {TaskOutcome::finished, R"({"n":1})"};
 }
 
-Scenario Hall::scenario(const std::vector<std::string>& crew) {
+Scenario Hall::scenario(const std::vector<std::string>& team) {
   Scenario out;
   out.name = "work";
   const std::size_t tasks = dice_.from(3, 30);
@@ -106,7 +106,7 @@ Scenario Hall::scenario(const std::vector<std::string>& crew) {
     Task task;
     task.id = "t" + std::to_string(i);
     task.skill = dice_.chance(50) ? "grip" : "drive";
-    task.robot = dice_.one_of(crew);
+    task.robot = dice_.one_of(team);
     if (dice_.chance(3)) {  // any robot that can
       task.robot.clear();
       task.requires_ = {task.skill == "grip" ? "hands" : "wheels"};
@@ -125,9 +125,9 @@ Scenario Hall::scenario(const std::vector<std::string>& crew) {
 void Hall::submit() {
   if (!takes_work_) return;
   plan(seconds(kBetween_s * 0.02 * static_cast<double>(dice_.below(100))), [this] { submit(); });
-  std::set<std::string> crew;
-  for (std::size_t i = 0, count = dice_.from(2, 5); i < count; ++i) crew.insert(dice_.one_of(robots_));
-  const std::vector<std::string> names(crew.begin(), crew.end());
+  std::set<std::string> team;
+  for (std::size_t i = 0, count = dice_.from(2, 5); i < count; ++i) team.insert(dice_.one_of(robots_));
+  const std::vector<std::string> names(team.begin(), team.end());
   Scenario work = scenario(names);
   char id[33];
   std::snprintf(id, sizeof id, "%032llx", static_cast<unsigned long long>(++count_));

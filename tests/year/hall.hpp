@@ -57,7 +57,7 @@ class Hall {
   void plan(Duration after, std::function<void()> what);
   void until(MonotonicTime end);
   void submit();
-  [[nodiscard]] Scenario scenario(const std::vector<std::string>& crew);
+  [[nodiscard]] Scenario scenario(const std::vector<std::string>& team);
   std::pair<TaskOutcome, std::string> work(const std::string& robot, const Execute& execute);
   void restart(const std::string& node);
   void cut(const std::string& node);

@@ -21,7 +21,8 @@ Error offline() {
 }  // namespace
 
 ArcosDriver::ArcosDriver(const DriverSettings& settings, ArcosCommands commands)
-    : WordsDriver(settings.id, settings.commands, std::move(commands.commands)), fields_(std::move(commands.values)) {}
+    : CommandsDriver(settings.id, settings.commands, std::move(commands.commands)),
+      fields_(std::move(commands.values)) {}
 
 bool ArcosDriver::tells_end(std::string_view subtype) const {
   const auto found = commands_.find(subtype);

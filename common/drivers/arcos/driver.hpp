@@ -10,11 +10,11 @@
 #include "common/drivers/arcos/order.hpp"
 #include "common/drivers/arcos/report.hpp"
 #include "common/drivers/arcos/state.hpp"
-#include "common/drivers/words_driver.hpp"
+#include "common/drivers/commands_driver.hpp"
 
 namespace trb::drivers {
 
-class ArcosDriver : public WordsDriver<std::vector<ArcosStep>> {
+class ArcosDriver : public CommandsDriver<std::vector<ArcosStep>> {
  public:
   ArcosDriver(const DriverSettings& settings, ArcosCommands commands);
 

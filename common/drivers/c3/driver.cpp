@@ -12,14 +12,14 @@ Error offline() {
 
 C3Jobs::Commands words_of(const C3Commands& commands) {
   C3Jobs::Commands words;
-  for (const auto& [subtype, assignments] : commands.commands) words.emplace(subtype, C3Words(assignments));
+  for (const auto& [subtype, assignments] : commands.commands) words.emplace(subtype, C3Command(assignments));
   return words;
 }
 
 C3Turns::Words turn_words(const C3Commands& commands, const C3Names& names) {
   const auto steps = [&](const char* subtype) {
     const auto found = commands.commands.find(subtype);
-    return found == commands.commands.end() ? std::vector<C3Step>{} : C3Words(found->second).steps();
+    return found == commands.commands.end() ? std::vector<C3Step>{} : C3Command(found->second).steps();
   };
   return {steps("stop"), steps("release"), !names.stopped.empty()};
 }

@@ -6,14 +6,14 @@
 
 namespace trb::drivers {
 
-C3Words::C3Words(const std::vector<C3Assignment>& assignments) {
+C3Command::C3Command(const std::vector<C3Assignment>& assignments) {
   for (const C3Assignment& one : assignments) {
     assignments_.push_back({one.variable, VendorTemplate(one.value)});
     items_ = std::max(items_, assignments_.back().value.items());
   }
 }
 
-Result<std::vector<C3Step>> C3Words::fill(BytesView data) const {
+Result<std::vector<C3Step>> C3Command::fill(BytesView data) const {
   if (items_ > 0) {
     const auto json = parse_json(data);
     if (json && json->is_list() && json->list().size() != items_) {
@@ -32,7 +32,7 @@ Result<std::vector<C3Step>> C3Words::fill(BytesView data) const {
   return out;
 }
 
-std::vector<C3Step> C3Words::steps() const {
+std::vector<C3Step> C3Command::steps() const {
   auto filled = fill({});
   return filled ? std::move(*filled) : std::vector<C3Step>{};
 }

@@ -38,9 +38,9 @@ struct C3Job {
 };
 
 /// The vendor's assignments for a subtype.
-class C3Words {
+class C3Command {
  public:
-  explicit C3Words(const std::vector<C3Assignment>& assignments);
+  explicit C3Command(const std::vector<C3Assignment>& assignments);
   /// Errors: bad_value, not_escapable. A list must have exactly the items that the assignments use.
   [[nodiscard]] Result<std::vector<C3Step>> fill(BytesView data) const;
   /// Every value with its placeholders empty; for assignments without data.

@@ -25,7 +25,7 @@ class C3Jobs {
  public:
   static constexpr std::uint64_t kMark = 0;  ///< C3Ask::about of the done flag's requests
 
-  using Commands = std::map<std::string, C3Words, std::less<>>;
+  using Commands = std::map<std::string, C3Command, std::less<>>;
   struct Program {
     bool fields = false;  ///< it accepts messages field by field
     std::size_t chunk_bytes = 0;

@@ -16,7 +16,7 @@ class Reader {
     for (const auto& [subtype, words] : vendor.commands) command(subtype, words);
     for (const auto& [name, words] : vendor.values) value(name, words);
     for (const auto& [subtype, lines] : out_.commands) {
-      for (const HttpWords& one : lines) check_names("commands." + subtype, one.path);
+      for (const HttpCall& one : lines) check_names("commands." + subtype, one.path);
     }
     return std::move(out_);
   }
@@ -24,10 +24,10 @@ class Reader {
  private:
   void command(const std::string& subtype, const std::string& words) {
     const std::string key = "commands." + subtype;
-    auto read = read_http_words(words);
+    auto read = read_http_calls(words);
     if (!read) return faults_.add(key, read.error());
     if (read->empty() && !words.empty()) faults_.add(key, "is blank", "write METHOD PATH [JSON], a line each");
-    for (const HttpWords& one : *read) {
+    for (const HttpCall& one : *read) {
       if (!one.remembers.empty()) remembered_.insert(one.remembers);
       const bool fills = one.body && !one.body->fill("", json_literal).ok();
       if (fills && (subtype == "stop" || subtype == "release")) {

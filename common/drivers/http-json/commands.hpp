@@ -7,8 +7,8 @@
 namespace trb::drivers {
 
 struct HttpCommands {
-  std::map<std::string, std::vector<HttpWords>, std::less<>> commands;  ///< by subtype
-  std::map<std::string, HttpQuestion, std::less<>> values;              ///< by name
+  std::map<std::string, std::vector<HttpCall>, std::less<>> commands;  ///< by subtype
+  std::map<std::string, HttpQuestion, std::less<>> values;             ///< by name
 };
 
 /// Checks that stop and release need no data, and that some command's answer provides what a path needs. What cannot be

@@ -24,7 +24,7 @@ HttpPath probe_of(const HttpCommands& commands) {
   return stop == commands.commands.end() || stop->second.empty() ? *HttpPath::read("/") : stop->second.front().path;
 }
 
-std::string text_of(const HttpWords& words) {
+std::string text_of(const HttpCall& words) {
   return words.method + " " + words.path.text();
 }
 
@@ -48,7 +48,7 @@ Result<std::vector<HttpStep>> HttpJsonDriver::fill(std::string_view subtype, Byt
   const auto found = commands_.find(subtype);
   if (found == commands_.end()) return fail(Errc::unknown_subtype, "commands.json has no such command");
   std::vector<HttpStep> out;
-  for (const HttpWords& words : found->second) {
+  for (const HttpCall& words : found->second) {
     const auto body = words.body ? words.body->fill(data, json_literal) : Result<std::string>(std::string());
     if (!body) return fail(body.error().code, text_of(words) + ": " + body.error().what, body.error().hint);
     out.push_back({words, *body});
@@ -126,14 +126,14 @@ void HttpJsonDriver::on_poll(const HttpAnswer& answer, Now now, const DriverOut&
 
 void HttpJsonDriver::on_step(const HttpAnswer& answer, const DriverOut& out) {
   Job& job = queue_.front();
-  const HttpWords& words = job.steps[job.done].words;
+  const HttpCall& words = job.steps[job.done].words;
   const Status kept = answer.good() ? remember(words, answer) : Status(http_refusal(text_of(words), answer));
   if (kept && ++job.done < job.steps.size()) return;
   const Job over = queue_.pop();
   kept ? on_done(over, out) : on_refused(over, kept.error(), out);
 }
 
-Status HttpJsonDriver::remember(const HttpWords& words, const HttpAnswer& answer) {
+Status HttpJsonDriver::remember(const HttpCall& words, const HttpAnswer& answer) {
   if (words.remembers.empty()) return Done{};
   const auto json = parse_json(answer.body);
   const Value* at = json ? find_by_pointer(*json, words.pointer) : nullptr;

@@ -14,7 +14,7 @@
 namespace trb::drivers {
 
 struct HttpStep {
-  HttpWords words;
+  HttpCall words;
   std::string body;  ///< with its placeholders filled
 };
 
@@ -27,7 +27,7 @@ struct HttpStep {
 ///                     | only if that takes long  | whether it was taken; a    |
 ///                     |                          | stop is sent again         |
 /// stop                | at once                  | behind that one answer     | behind that one answer
-class HttpJsonDriver : public PolledDriver<std::vector<HttpWords>, HttpStep, HttpPoll> {
+class HttpJsonDriver : public PolledDriver<std::vector<HttpCall>, HttpStep, HttpPoll> {
  public:
   HttpJsonDriver(const DriverSettings& settings, HttpCommands commands);
 
@@ -50,7 +50,7 @@ class HttpJsonDriver : public PolledDriver<std::vector<HttpWords>, HttpStep, Htt
   void on_answer(const HttpAnswer& answer, Now now, const DriverOut& out);
   void on_poll(const HttpAnswer& answer, Now now, const DriverOut& out);
   void on_step(const HttpAnswer& answer, const DriverOut& out);
-  Status remember(const HttpWords& words, const HttpAnswer& answer);
+  Status remember(const HttpCall& words, const HttpAnswer& answer);
   void on_done(const Job& job, const DriverOut& out);
   void on_refused(const Job& job, Error error, const DriverOut& out);
   void on_lost_job(const std::string& reason, const DriverOut& out);

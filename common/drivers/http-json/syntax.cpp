@@ -45,7 +45,7 @@ std::string escaped(std::string_view text) {
 }
 
 /// Removes "-> NAME POINTER" from the end of the line.
-Status take_memory(std::string_view& line, HttpWords& words) {
+Status take_memory(std::string_view& line, HttpCall& words) {
   constexpr std::string_view kArrow = " -> ";
   const std::size_t at = line.rfind(kArrow);
   // Not an arrow inside a text of the body.
@@ -71,8 +71,8 @@ Status check_body(const VendorTemplate& body) {
   return Done{};
 }
 
-Result<HttpWords> read_line(std::string_view line) {
-  HttpWords words;
+Result<HttpCall> read_line(std::string_view line) {
+  HttpCall words;
   if (Status kept = take_memory(line, words); !kept) return kept.error();
   words.method = next_word(line);
   if (std::ranges::find(kMethods, words.method) == kMethods.end()) {
@@ -156,8 +156,8 @@ Result<std::string> HttpPath::fill(const Remembered& known) const {
   return out;
 }
 
-Result<std::vector<HttpWords>> read_http_words(std::string_view text) {
-  std::vector<HttpWords> out;
+Result<std::vector<HttpCall>> read_http_calls(std::string_view text) {
+  std::vector<HttpCall> out;
   while (!text.empty()) {
     const std::size_t end = std::min(text.find('\n'), text.size());
     const std::string_view line = text.substr(0, end);

@@ -38,7 +38,7 @@ class HttpPath {
 /// One line of a command: "METHOD PATH [JSON] [-> NAME POINTER]", for example
 ///   PUT /api/v2.0.0/status {"state_id": 4}
 ///   POST /api/v2.0.0/mission_queue {"mission_id": {0}} -> mission /id
-struct HttpWords {
+struct HttpCall {
   std::string method;  ///< GET, POST, PUT, PATCH or DELETE
   HttpPath path;
   std::optional<VendorTemplate> body;  ///< JSON with {data} or {0}, {1} …
@@ -47,7 +47,7 @@ struct HttpWords {
 };
 
 /// One a line. Errors: bad_value.
-Result<std::vector<HttpWords>> read_http_words(std::string_view text);
+Result<std::vector<HttpCall>> read_http_calls(std::string_view text);
 
 /// "GET PATH POINTER [TEXT=NUMBER ...] [POINTER ...]", for example `GET /status /position/x /position/y`,
 /// `GET /queue/<mission> /state Pending=0 Executing=1 Done=2 Aborted=3`.

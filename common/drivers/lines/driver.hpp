@@ -49,7 +49,7 @@ class LinesDriver : public Driver {
 
   FieldChannel settings_;
   std::string own_id_;
-  FieldWords words_;
+  FieldText words_;
   FieldReader reader_;
   FieldReceiver receiver_;
   FieldSender sender_;

@@ -31,7 +31,7 @@ std::optional<std::string> find(const Map& map, std::string_view key) {
 
 }  // namespace
 
-FieldWords::FieldWords(const FieldChannel& settings, std::string own_id)
+FieldText::FieldText(const FieldChannel& settings, std::string own_id)
     : numeric_(settings.encoding == Encoding::numeric), own_id_(std::move(own_id)) {
   for (const auto& [word, code] : settings.subtype_codes) {
     subtype_codes_[word] = std::to_string(code);
@@ -43,14 +43,14 @@ FieldWords::FieldWords(const FieldChannel& settings, std::string own_id)
   }
 }
 
-Result<FieldHead> FieldWords::head(MessageType type, std::string_view subtype, std::string_view source,
-                                   BytesView data) const {
+Result<FieldHead> FieldText::head(MessageType type, std::string_view subtype, std::string_view source,
+                                  BytesView data) const {
   if (numeric_) return numeric_head(type, subtype, source, data);
   return FieldHead{std::string(name_of(type)), std::string(subtype), std::string(source), std::to_string(data.size())};
 }
 
-Result<FieldHead> FieldWords::numeric_head(MessageType type, std::string_view subtype, std::string_view source,
-                                           BytesView data) const {
+Result<FieldHead> FieldText::numeric_head(MessageType type, std::string_view subtype, std::string_view source,
+                                          BytesView data) const {
   const auto subtype_code = find(subtype_codes_, subtype);
   if (!subtype_code) return no_code("subtypes", subtype);
   auto source_code = find(id_codes_, source);
@@ -63,35 +63,35 @@ Result<FieldHead> FieldWords::numeric_head(MessageType type, std::string_view su
   return FieldHead{std::to_string(static_cast<int>(type)), *subtype_code, *source_code, std::to_string(data.size())};
 }
 
-std::optional<MessageType> FieldWords::type_of(std::string_view field) const {
+std::optional<MessageType> FieldText::type_of(std::string_view field) const {
   for (const MessageType type : kTypes) {
     if (numeric_ ? field == std::to_string(static_cast<int>(type)) : field == name_of(type)) return type;
   }
   return std::nullopt;
 }
 
-std::optional<std::string> FieldWords::subtype_of(std::string_view field) const {
+std::optional<std::string> FieldText::subtype_of(std::string_view field) const {
   if (numeric_) return find(subtypes_, field);
   return is_valid_word(field) ? std::optional<std::string>(field) : std::nullopt;
 }
 
-std::optional<std::string> FieldWords::target_of(std::string_view field) const {
+std::optional<std::string> FieldText::target_of(std::string_view field) const {
   if (field.empty() || (numeric_ && field == kOwnNode)) return own_id_;
   if (numeric_) return find(ids_, field);
   return is_valid_id(field) ? std::optional<std::string>(field) : std::nullopt;
 }
 
-Bytes FieldWords::unlike_orders(BytesView data) const {
+Bytes FieldText::unlike_orders(BytesView data) const {
   const bool alike = numeric_ && (data == order(Urgent::stop) || data == order(Urgent::release));
   return Bytes(data) + (alike ? ".0" : "");
 }
 
-std::string_view FieldWords::order(Urgent urgent) const {
+std::string_view FieldText::order(Urgent urgent) const {
   if (urgent == Urgent::stop) return numeric_ ? "-1" : "!stop";
   return numeric_ ? "-2" : "!release";
 }
 
-std::optional<Urgent> FieldWords::urgent_done(std::string_view field) const {
+std::optional<Urgent> FieldText::urgent_done(std::string_view field) const {
   if (field == (numeric_ ? "-1" : "!stopped")) return Urgent::stop;
   if (field == (numeric_ ? "-2" : "!released")) return Urgent::release;
   return std::nullopt;

@@ -17,9 +17,9 @@ using FieldHead = std::array<std::string, 4>;
 
 enum class Urgent : std::uint8_t { stop, release };
 
-class FieldWords {
+class FieldText {
  public:
-  FieldWords(const FieldChannel& settings, std::string own_id);
+  FieldText(const FieldChannel& settings, std::string own_id);
 
   [[nodiscard]] bool numeric() const { return numeric_; }
 

@@ -15,7 +15,7 @@ struct FieldMessage {
 
 class FieldReceiver {
  public:
-  explicit FieldReceiver(const FieldWords& words) : words_(words) {}
+  explicit FieldReceiver(const FieldText& words) : words_(words) {}
 
   /// True if the next field begins a message, so that it may also be an `ok` or a confirmation.
   [[nodiscard]] bool between_messages() const { return field_ == 0; }
@@ -28,7 +28,7 @@ class FieldReceiver {
   Status take_head(std::string_view field);
   Status take_size(std::string_view field);
 
-  const FieldWords& words_;
+  const FieldText& words_;
   FieldMessage message_;
   std::size_t field_ = 0;
   std::size_t size_ = 0;

@@ -14,7 +14,7 @@ constexpr std::size_t kHeadFields = 4;
 
 }  // namespace
 
-FieldSender::FieldSender(const FieldChannel& settings, const FieldWords& words) : settings_(settings), words_(words) {}
+FieldSender::FieldSender(const FieldChannel& settings, const FieldText& words) : settings_(settings), words_(words) {}
 
 Status FieldSender::enqueue(Outgoing message, Now now, const DriverOut& out) {
   if (queue_.size() >= kMaxQueued || queued_bytes_ + message.data.size() > kMaxQueuedBytes) {

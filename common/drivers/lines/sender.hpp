@@ -23,7 +23,7 @@ struct Outgoing {
 /// urgent written | queued       | counts for nothing| written               | idle            | ack_timeout
 class FieldSender {
  public:
-  FieldSender(const FieldChannel& settings, const FieldWords& words);
+  FieldSender(const FieldChannel& settings, const FieldText& words);
 
   /// Errors: queue_full.
   Status enqueue(Outgoing message, Now now, const DriverOut& out);
@@ -69,7 +69,7 @@ class FieldSender {
   void begin_next();
 
   FieldChannel settings_;
-  const FieldWords& words_;
+  const FieldText& words_;
   std::deque<Outgoing> queue_;  ///< the first one is being sent once field_ > 0
   std::size_t queued_bytes_ = 0;
   std::size_t field_ = 0;   ///< fields of the first message written

@@ -24,7 +24,7 @@ Error offline() {
 }  // namespace
 
 RapidDriver::RapidDriver(const DriverSettings& settings, const RapidCommands& commands)
-    : WordsDriver(settings.id, settings.commands), capabilities_(settings.description.capabilities) {
+    : CommandsDriver(settings.id, settings.commands), capabilities_(settings.description.capabilities) {
   for (const auto& [subtype, requests] : commands.commands) {
     RapidCommand& words = commands_[subtype];
     for (const RapidRequest& one : requests) {

@@ -5,11 +5,11 @@
 #include <deque>
 #include <map>
 
+#include "common/drivers/commands_driver.hpp"
 #include "common/drivers/driver_settings.hpp"
 #include "common/drivers/rapid/commands.hpp"
 #include "common/drivers/rapid/port.hpp"
 #include "common/drivers/text/vendor_template.hpp"
-#include "common/drivers/words_driver.hpp"
 
 namespace trb::drivers {
 
@@ -22,7 +22,7 @@ struct RapidCommand {
   std::size_t items = 0;  ///< of the data that the requests need
 };
 
-class RapidDriver : public WordsDriver<RapidCommand> {
+class RapidDriver : public CommandsDriver<RapidCommand> {
  public:
   RapidDriver(const DriverSettings& settings, const RapidCommands& commands);
 

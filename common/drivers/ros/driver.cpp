@@ -45,7 +45,7 @@ bool is_watched(const Description& description, const std::string& name) {
 }  // namespace
 
 RosDriver::RosDriver(const DriverSettings& settings, const RosCommands& commands)
-    : WordsDriver(settings.id, settings.commands), instance_(settings.instance) {
+    : CommandsDriver(settings.id, settings.commands), instance_(settings.instance) {
   for (const auto& [subtype, words] : commands.commands) {
     auto& publications = commands_[subtype];
     for (const RosPublication& one : words) publications.push_back({one.topic, one.type, VendorTemplate(one.data)});

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "common/drivers/commands_driver.hpp"
 #include "common/drivers/ros/commands.hpp"
 #include "common/drivers/text/vendor_template.hpp"
-#include "common/drivers/words_driver.hpp"
 #include "proto/bodies/bridge.hpp"
 
 namespace trb::drivers {
@@ -20,7 +20,7 @@ struct RosMessage {
   VendorTemplate data;
 };
 
-class RosDriver : public WordsDriver<std::vector<RosMessage>> {
+class RosDriver : public CommandsDriver<std::vector<RosMessage>> {
  public:
   /// Watches the requests that ends of skills, faults and sensors need.
   RosDriver(const DriverSettings& settings, const RosCommands& commands);

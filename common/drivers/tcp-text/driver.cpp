@@ -45,7 +45,7 @@ std::string text_or_empty(const std::map<std::string, std::string>& words, const
 }  // namespace
 
 TcpTextDriver::TcpTextDriver(const VendorCommands& words, std::string own_id)
-    : WordsDriver(std::move(own_id), words),
+    : CommandsDriver(std::move(own_id), words),
       stop_text_(text_or_empty(words.commands, "stop")),
       release_text_(text_or_empty(words.commands, "release")),
       urscript_(words.language == "urscript"),

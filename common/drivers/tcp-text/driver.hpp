@@ -5,11 +5,11 @@
 #include <map>
 
 #include "common/config/node_config.hpp"
+#include "common/drivers/commands_driver.hpp"
 #include "common/drivers/tcp-text/program_track.hpp"
 #include "common/drivers/tcp-text/ur_monitor.hpp"
 #include "common/drivers/tcp-text/ur_rtde.hpp"
 #include "common/drivers/text/vendor_template.hpp"
-#include "common/drivers/words_driver.hpp"
 
 namespace trb::drivers {
 
@@ -19,7 +19,7 @@ struct TcpCommand {
   std::string text;
 };
 
-class TcpTextDriver : public WordsDriver<TcpCommand> {
+class TcpTextDriver : public CommandsDriver<TcpCommand> {
  public:
   TcpTextDriver(const VendorCommands& words, std::string own_id);
 

@@ -31,7 +31,7 @@ Error offline() {
 }  // namespace
 
 AtDriver::AtDriver(const DriverSettings& settings, AtCommands commands)
-    : WordsDriver(settings.id, settings.commands, std::move(commands)),
+    : CommandsDriver(settings.id, settings.commands, std::move(commands)),
       names_(settings.commands.values.begin(), settings.commands.values.end()) {
   std::erase_if(commands_, [](const auto& command) { return command.second.empty(); });
   for (const auto& [subtype, lines] : commands_) {

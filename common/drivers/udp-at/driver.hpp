@@ -5,14 +5,14 @@
 #include <string>
 #include <vector>
 
+#include "common/drivers/commands_driver.hpp"
 #include "common/drivers/udp-at/commands.hpp"
 #include "common/drivers/udp-at/configs.hpp"
 #include "common/drivers/udp-at/flight.hpp"
-#include "common/drivers/words_driver.hpp"
 
 namespace trb::drivers {
 
-class AtDriver : public WordsDriver<std::vector<AtLine>> {
+class AtDriver : public CommandsDriver<std::vector<AtLine>> {
  public:
   AtDriver(const DriverSettings& settings, AtCommands commands);
 

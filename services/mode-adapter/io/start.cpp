@@ -59,7 +59,7 @@ Result<int> start(NodeConfig config) {
   const OutOfUseFile kept(config.dir);
   const DriverRow* row = find_driver(config.commands.transport);
   const Wire wire = row == nullptr ? Wire::none : row->wire;
-  const RobotIoSettings roads = io_settings(config, wire);
+  const RobotIoSettings links = io_settings(config, wire);
   const ModbusLink::Where device = modbus_device(config);
   const std::string control = config.robot.fault_injection;
   const auto inject = [&control](const std::string& line) { return send_control_line(control, line); };
@@ -68,7 +68,7 @@ Result<int> start(NodeConfig config) {
       [&fence](bool fenced) { return fence.save(fenced); },
       [&kept](const std::vector<Kept>& lines) { return kept.save(lines); },
       control.empty() ? InjectLine{} : InjectLine{inject});
-  const auto io = RobotIo::open(roads, **service, core);
+  const auto io = RobotIo::open(links, **service, core);
   if (!io) return io.error();
   const auto modbus = wire == Wire::modbus ? ModbusIo::open(device, **service, core) : std::unique_ptr<ModbusIo>();
   if (!modbus) return modbus.error();

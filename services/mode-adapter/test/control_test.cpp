@@ -8,9 +8,9 @@ using namespace trb::adapter;
 
 namespace {
 
-class ControlBench : public Fixture {
+class ControlFixture : public Fixture {
  public:
-  ControlBench() : Fixture(pioneer()) {
+  ControlFixture() : Fixture(pioneer()) {
     up(Channel::field);
     welcome();
     out.clear();
@@ -35,7 +35,7 @@ class ControlBench : public Fixture {
 }  // namespace
 
 TEST_CASE("who commands first is listened to alone, until 10 s after the last command") {
-  ControlBench fixture;
+  ControlFixture fixture;
   CHECK(fixture.move("cloud") == "ack handed_over");
   CHECK(fixture.control() == "cloud");
   fixture.wait(9);
@@ -51,7 +51,7 @@ TEST_CASE("who commands first is listened to alone, until 10 s after the last co
 }
 
 TEST_CASE("the refusal names the holder, since when, and the cure") {
-  ControlBench fixture;
+  ControlFixture fixture;
   fixture.move("cloud");
   fixture.wait(4);
   fixture.move("cloud");
@@ -63,7 +63,7 @@ TEST_CASE("the refusal names the holder, since when, and the cure") {
 }
 
 TEST_CASE("the lease is taken over by word, and that is logged and told") {
-  ControlBench fixture;
+  ControlFixture fixture;
   fixture.move("cloud");
   fixture.out.clear();
   CHECK(fixture.move("ur3", kFlagTakeControl) == "ack handed_over");
@@ -76,7 +76,7 @@ TEST_CASE("the lease is taken over by word, and that is logged and told") {
 }
 
 TEST_CASE("a command that the robot cannot take does not take the lease, unless that was asked for") {
-  ControlBench fixture;
+  ControlFixture fixture;
   fixture.down(Channel::field);
   CHECK(fixture.move("cloud") == "nack no_field_channel");
   CHECK(fixture.control().empty());
@@ -88,7 +88,7 @@ TEST_CASE("a command that the robot cannot take does not take the lease, unless 
 }
 
 TEST_CASE("stop, release, requests and information are taken from everybody and change no lease") {
-  ControlBench fixture;
+  ControlFixture fixture;
   fixture.move("cloud");
   fixture.out.clear();
   const auto question = fixture.send(MessageType::request, "battery", "", "ur3");
@@ -110,7 +110,7 @@ TEST_CASE("stop, release, requests and information are taken from everybody and 
 }
 
 TEST_CASE("a run holds the lease as long as its skill runs, and 10 s after it") {
-  ControlBench fixture;
+  ControlFixture fixture;
   CHECK(fixture.execute() == "running");
   CHECK(fixture.control() == "run run-1");
   fixture.take_fields();
@@ -127,7 +127,7 @@ TEST_CASE("a run holds the lease as long as its skill runs, and 10 s after it") 
 }
 
 TEST_CASE("a run waits while another commands the robot; its scheduler is told who") {
-  ControlBench fixture;
+  ControlFixture fixture;
   fixture.move("cloud");
   CHECK(fixture.execute() == "nack control_held");
   const auto states = fixture.told<AdapterState>();
@@ -140,7 +140,7 @@ TEST_CASE("a run waits while another commands the robot; its scheduler is told w
 }
 
 TEST_CASE("a take-over stops nothing: the skill runs to its end, the next one waits") {
-  ControlBench fixture;
+  ControlFixture fixture;
   fixture.execute();
   fixture.take_fields();
   CHECK(fixture.move("cloud", kFlagTakeControl) == "ack handed_over");

@@ -35,8 +35,8 @@ Settings driven_cart() {
   return settings;
 }
 
-struct HandBench : Fixture {
-  explicit HandBench(Settings settings = driven_cart()) : Fixture(std::move(settings)) {
+struct HandFixture : Fixture {
+  explicit HandFixture(Settings settings = driven_cart()) : Fixture(std::move(settings)) {
     up(Channel::command);
     welcome();
     out.clear();
@@ -77,210 +77,210 @@ struct HandBench : Fixture {
 }  // namespace
 
 TEST_CASE("speeds go to the robot in its units, as long as they come; then it stands, once") {
-  HandBench bench;
-  CHECK(bench.drive({0.2, 0.5}) == "ack driving");
-  CHECK(bench.sent() == "SPEED 200 0.5\n");
-  bench.wait(0.1);
-  CHECK(bench.drive({0.3}) == "ack driving");  // what is missing is 0
-  CHECK(bench.sent() == "SPEED 300 0\n");
-  bench.wait(0.24);
-  CHECK(bench.sent().empty());
-  bench.wait(0.02);
-  CHECK(bench.sent() == "SPEED 0 0\n");
-  CHECK(bench.counted("drives.dead_man") == 1);
-  bench.wait(0.25);
-  CHECK(bench.sent() == "SPEED 0 0\n");  // and the drive is over
-  bench.wait(20);
-  CHECK(bench.sent().empty());
+  HandFixture fixture;
+  CHECK(fixture.drive({0.2, 0.5}) == "ack driving");
+  CHECK(fixture.sent() == "SPEED 200 0.5\n");
+  fixture.wait(0.1);
+  CHECK(fixture.drive({0.3}) == "ack driving");  // what is missing is 0
+  CHECK(fixture.sent() == "SPEED 300 0\n");
+  fixture.wait(0.24);
+  CHECK(fixture.sent().empty());
+  fixture.wait(0.02);
+  CHECK(fixture.sent() == "SPEED 0 0\n");
+  CHECK(fixture.counted("drives.dead_man") == 1);
+  fixture.wait(0.25);
+  CHECK(fixture.sent() == "SPEED 0 0\n");  // and the drive is over
+  fixture.wait(20);
+  CHECK(fixture.sent().empty());
 }
 
 TEST_CASE("after a gap of 250 ms the robot stands, and the same drive moves it on; after 500 ms it does not") {
-  HandBench bench;
-  bench.drive({0.2});
-  bench.sent();
-  bench.wait(0.3);
-  CHECK(bench.sent() == "SPEED 0 0\n");
-  CHECK(bench.control() == "cloud");
-  CHECK(bench.drive({0.2}) == "ack driving");
-  CHECK(bench.sent() == "SPEED 200 0\n");
-  bench.wait(0.3);
-  CHECK(bench.sent() == "SPEED 0 0\n");
-  bench.wait(0.25);
-  CHECK(bench.control().empty());
-  CHECK(bench.drive({0.2}) == "nack conflict");
+  HandFixture fixture;
+  fixture.drive({0.2});
+  fixture.sent();
+  fixture.wait(0.3);
+  CHECK(fixture.sent() == "SPEED 0 0\n");
+  CHECK(fixture.control() == "cloud");
+  CHECK(fixture.drive({0.2}) == "ack driving");
+  CHECK(fixture.sent() == "SPEED 200 0\n");
+  fixture.wait(0.3);
+  CHECK(fixture.sent() == "SPEED 0 0\n");
+  fixture.wait(0.25);
+  CHECK(fixture.control().empty());
+  CHECK(fixture.drive({0.2}) == "nack conflict");
 }
 
 TEST_CASE("a robot that was not to move is not told to stand by a gap") {
-  HandBench bench;
-  bench.drive({0.2});
-  bench.drive({});
-  bench.sent();
-  bench.wait(0.45);
-  CHECK(bench.sent().empty());
-  CHECK(bench.counted("drives.dead_man") == 0);
-  CHECK(bench.drive({0, 0}) == "ack driving");
+  HandFixture fixture;
+  fixture.drive({0.2});
+  fixture.drive({});
+  fixture.sent();
+  fixture.wait(0.45);
+  CHECK(fixture.sent().empty());
+  CHECK(fixture.counted("drives.dead_man") == 0);
+  CHECK(fixture.drive({0, 0}) == "ack driving");
 }
 
 TEST_CASE("a late message of a drive that is over moves nothing, and learns why it was over") {
-  HandBench bench;
-  bench.drive({0.2});
-  bench.wait(0.5);
-  bench.sent();
-  CHECK(bench.drive({0.2}) == "nack conflict");
-  CHECK(bench.why().what == "drive: this one is over: nothing more was heard for 500 ms");
-  CHECK(bench.sent().empty());
-  CHECK(bench.drive({0.2}, bench.another(2)) == "ack driving");
-  CHECK(bench.sent() == "SPEED 200 0\n");
+  HandFixture fixture;
+  fixture.drive({0.2});
+  fixture.wait(0.5);
+  fixture.sent();
+  CHECK(fixture.drive({0.2}) == "nack conflict");
+  CHECK(fixture.why().what == "drive: this one is over: nothing more was heard for 500 ms");
+  CHECK(fixture.sent().empty());
+  CHECK(fixture.drive({0.2}, fixture.another(2)) == "ack driving");
+  CHECK(fixture.sent() == "SPEED 200 0\n");
 }
 
 TEST_CASE("who lets go has the robot stand at once, and leaves control free") {
-  HandBench bench;
-  bench.drive({0.2});
-  CHECK(bench.control() == "cloud");
-  bench.sent();
-  CHECK(bench.let_go() == "ack over");
-  CHECK(bench.sent() == "SPEED 0 0\n");
-  CHECK(bench.control().empty());
-  CHECK(bench.drive({0.2}) == "nack conflict");
-  CHECK(bench.drive({0.2}, bench.another(7), "office") == "ack driving");
+  HandFixture fixture;
+  fixture.drive({0.2});
+  CHECK(fixture.control() == "cloud");
+  fixture.sent();
+  CHECK(fixture.let_go() == "ack over");
+  CHECK(fixture.sent() == "SPEED 0 0\n");
+  CHECK(fixture.control().empty());
+  CHECK(fixture.drive({0.2}) == "nack conflict");
+  CHECK(fixture.drive({0.2}, fixture.another(7), "office") == "ack driving");
 }
 
 TEST_CASE("who lets go before the first message came has begun nothing") {
-  HandBench bench;
-  CHECK(bench.let_go(5) == "ack over");
-  CHECK(bench.drive({0.2}, bench.another(5)) == "nack conflict");
-  CHECK(bench.sent().empty());
-  CHECK(bench.drive({0.2}, bench.another(5), "office") == "ack driving");  // another node's numbers are its own
+  HandFixture fixture;
+  CHECK(fixture.let_go(5) == "ack over");
+  CHECK(fixture.drive({0.2}, fixture.another(5)) == "nack conflict");
+  CHECK(fixture.sent().empty());
+  CHECK(fixture.drive({0.2}, fixture.another(5), "office") == "ack driving");  // another node's numbers are its own
 }
 
 TEST_CASE("an older message does not overtake a newer one") {
-  HandBench bench;
-  bench.drive({0.2});
-  bench.drive({0.3});
-  bench.sent();
+  HandFixture fixture;
+  fixture.drive({0.2});
+  fixture.drive({0.3});
+  fixture.sent();
   Velocity late;
   late.sequence = 1;
-  CHECK(bench.drive({0.1}, late) == "nack conflict");
-  CHECK(bench.why().what == "sequence: 1 is not newer than 2");
+  CHECK(fixture.drive({0.1}, late) == "nack conflict");
+  CHECK(fixture.why().what == "sequence: 1 is not newer than 2");
   late.sequence = 2;
-  CHECK(bench.drive({0.1}, late) == "nack conflict");
-  CHECK(bench.sent().empty());
-  CHECK(bench.drive({0.1}) == "ack driving");  // the drive goes on
+  CHECK(fixture.drive({0.1}, late) == "nack conflict");
+  CHECK(fixture.sent().empty());
+  CHECK(fixture.drive({0.1}) == "ack driving");  // the drive goes on
 }
 
 TEST_CASE("a refused message keeps no drive alive") {
-  HandBench bench;
-  bench.drive({0.2});
-  bench.sent();
-  bench.wait(0.2);
-  CHECK(bench.drive({0.1, 0, 0}) == "nack bad_value");
-  bench.wait(0.06);
-  CHECK(bench.sent() == "SPEED 0 0\n");
+  HandFixture fixture;
+  fixture.drive({0.2});
+  fixture.sent();
+  fixture.wait(0.2);
+  CHECK(fixture.drive({0.1, 0, 0}) == "nack bad_value");
+  fixture.wait(0.06);
+  CHECK(fixture.sent() == "SPEED 0 0\n");
 }
 
 TEST_CASE("speeds beyond the limits are clamped to them; what is no speed is refused by its field") {
-  HandBench bench;
-  CHECK(bench.drive({9, -9}) == "ack driving");
-  CHECK(bench.sent() == "SPEED 500 -1\n");
-  CHECK(bench.drive({0.1, 0.1, 0.1}) == "nack bad_value");
-  CHECK(bench.why().what == "speeds: 3 of them, and 'base' has 2 axes");
-  CHECK(bench.why().hint == "give at most one for each of: x, yaw");
-  CHECK(bench.drive({0.1, std::numeric_limits<double>::quiet_NaN()}) == "nack bad_value");
-  CHECK(bench.why().what == "speeds[1]: is no finite number");
-  CHECK(bench.drive({std::numeric_limits<double>::infinity()}) == "nack bad_value");
-  bench.part = DrivePart::tool;
-  CHECK(bench.drive({0.1}) == "nack bad_value");
-  CHECK(bench.why().what == "part: the robot has no 'tool' that can be driven");
-  CHECK(bench.why().hint == "use one of: base");
-  CHECK(bench.sent().empty());
+  HandFixture fixture;
+  CHECK(fixture.drive({9, -9}) == "ack driving");
+  CHECK(fixture.sent() == "SPEED 500 -1\n");
+  CHECK(fixture.drive({0.1, 0.1, 0.1}) == "nack bad_value");
+  CHECK(fixture.why().what == "speeds: 3 of them, and 'base' has 2 axes");
+  CHECK(fixture.why().hint == "give at most one for each of: x, yaw");
+  CHECK(fixture.drive({0.1, std::numeric_limits<double>::quiet_NaN()}) == "nack bad_value");
+  CHECK(fixture.why().what == "speeds[1]: is no finite number");
+  CHECK(fixture.drive({std::numeric_limits<double>::infinity()}) == "nack bad_value");
+  fixture.part = DrivePart::tool;
+  CHECK(fixture.drive({0.1}) == "nack bad_value");
+  CHECK(fixture.why().what == "part: the robot has no 'tool' that can be driven");
+  CHECK(fixture.why().hint == "use one of: base");
+  CHECK(fixture.sent().empty());
 }
 
 TEST_CASE("an axis with a factor of its own, and one that has only one direction") {
   Settings settings = driven_cart();
   settings.description.drives[0].axes = {{"x", 0.5, true, {}}, {"yaw", 1, false, -0.5}};
   settings.description.drives[0].command.parameters[1].unit = "";
-  HandBench bench(settings);
-  bench.drive({-0.2, 1});
-  CHECK(bench.sent() == "SPEED 0 -0.5\n");
+  HandFixture fixture(settings);
+  fixture.drive({-0.2, 1});
+  CHECK(fixture.sent() == "SPEED 0 -0.5\n");
 }
 
 TEST_CASE("an order to stand of its own") {
   Settings settings = driven_cart();
   settings.description.drives[0].stand = make_skill("home", "");
-  HandBench bench(settings);
-  bench.drive({0.2});
-  bench.sent();
-  bench.let_go();
-  CHECK(bench.sent() == "HOME\n");
+  HandFixture fixture(settings);
+  fixture.drive({0.2});
+  fixture.sent();
+  fixture.let_go();
+  CHECK(fixture.sent() == "HOME\n");
 }
 
 TEST_CASE("another person of the same cloud, and another node: who has it keeps it, unless it is taken") {
-  HandBench bench;
-  bench.drive({0.2});
-  bench.sent();
-  CHECK(bench.drive({0.1}, bench.another(2)) == "nack control_held");
-  CHECK(bench.why().what == "'ada' at 'cloud' drives cart by hand");
-  CHECK(bench.drive({0.1}, bench.another(1), "office") == "nack control_held");
-  CHECK(bench.why().what.find("'cloud' has controlled cart") == 0);
-  CHECK(bench.why().hint == "wait until it is free, or take it over: \"take\", trb drive cart --take");
-  CHECK(bench.sent().empty());
-  CHECK(bench.drive({0.1}, bench.another(1, true), "office") == "ack driving");
-  CHECK(bench.sent() == "SPEED 0 0\nSPEED 100 0\n");  // it stood in between
-  CHECK(bench.drive({0.2}) == "nack conflict");
-  CHECK(bench.why().what == "drive: this one is over: 'office' has taken it over");
-  CHECK(bench.drive({0.2}, bench.another(3)) == "nack control_held");
-  CHECK(bench.let_go(1, "office") == "ack over");
-  CHECK(bench.drive({0.2}, bench.another(3)) == "ack driving");
+  HandFixture fixture;
+  fixture.drive({0.2});
+  fixture.sent();
+  CHECK(fixture.drive({0.1}, fixture.another(2)) == "nack control_held");
+  CHECK(fixture.why().what == "'ada' at 'cloud' drives cart by hand");
+  CHECK(fixture.drive({0.1}, fixture.another(1), "office") == "nack control_held");
+  CHECK(fixture.why().what.find("'cloud' has controlled cart") == 0);
+  CHECK(fixture.why().hint == "wait until it is free, or take it over: \"take\", trb drive cart --take");
+  CHECK(fixture.sent().empty());
+  CHECK(fixture.drive({0.1}, fixture.another(1, true), "office") == "ack driving");
+  CHECK(fixture.sent() == "SPEED 0 0\nSPEED 100 0\n");  // it stood in between
+  CHECK(fixture.drive({0.2}) == "nack conflict");
+  CHECK(fixture.why().what == "drive: this one is over: 'office' has taken it over");
+  CHECK(fixture.drive({0.2}, fixture.another(3)) == "nack control_held");
+  CHECK(fixture.let_go(1, "office") == "ack over");
+  CHECK(fixture.drive({0.2}, fixture.another(3)) == "ack driving");
 }
 
 TEST_CASE("the lease is held as long as the drive lasts, and is free when it is over") {
-  HandBench bench;
+  HandFixture fixture;
   for (int i = 0; i < 150; ++i) {  // longer than a lease without a command
-    CHECK(bench.drive({0.2}) == "ack driving");
-    bench.wait(0.1);
+    CHECK(fixture.drive({0.2}) == "ack driving");
+    fixture.wait(0.1);
   }
-  CHECK(bench.control() == "cloud");
-  bench.wait(0.4);
-  CHECK(bench.control().empty());
+  CHECK(fixture.control() == "cloud");
+  fixture.wait(0.4);
+  CHECK(fixture.control().empty());
 }
 
 TEST_CASE("a stop ends the drive, and a release does not begin it again") {
-  HandBench bench;
-  bench.drive({0.2});
-  bench.sent();
-  bench.deliver(MessageType::command, Stop{"a person is in the way"}, "ur3");
-  CHECK(bench.sent() == "HALT\n");
-  CHECK(bench.drive({0.2}, bench.another(2)) == "nack fenced");
-  bench.deliver(MessageType::command, Release{}, "ur3");
-  CHECK(bench.drive({0.2}) == "nack conflict");
-  CHECK(bench.why().what == "drive: this one is over: stopped by ur3: a person is in the way");
-  bench.wait(1);
-  CHECK(bench.sent().empty());
-  CHECK(bench.drive({0.2}, bench.another(2)) == "ack driving");
+  HandFixture fixture;
+  fixture.drive({0.2});
+  fixture.sent();
+  fixture.deliver(MessageType::command, Stop{"a person is in the way"}, "ur3");
+  CHECK(fixture.sent() == "HALT\n");
+  CHECK(fixture.drive({0.2}, fixture.another(2)) == "nack fenced");
+  fixture.deliver(MessageType::command, Release{}, "ur3");
+  CHECK(fixture.drive({0.2}) == "nack conflict");
+  CHECK(fixture.why().what == "drive: this one is over: stopped by ur3: a person is in the way");
+  fixture.wait(1);
+  CHECK(fixture.sent().empty());
+  CHECK(fixture.drive({0.2}, fixture.another(2)) == "ack driving");
 }
 
 TEST_CASE("a robot whose link was lost is told to stand as soon as it is back") {
-  HandBench bench;
-  bench.drive({0.2});
-  bench.sent();
-  bench.down(Channel::command);
-  CHECK(bench.drive({0.2}, bench.another(2)) == "nack robot_offline");
-  bench.up(Channel::command);
-  CHECK(bench.sent() == "SPEED 0 0\n");
-  CHECK(bench.drive({0.2}) == "nack conflict");
-  bench.down(Channel::command);
-  bench.up(Channel::command);
-  CHECK(bench.sent().empty());  // once
+  HandFixture fixture;
+  fixture.drive({0.2});
+  fixture.sent();
+  fixture.down(Channel::command);
+  CHECK(fixture.drive({0.2}, fixture.another(2)) == "nack robot_offline");
+  fixture.up(Channel::command);
+  CHECK(fixture.sent() == "SPEED 0 0\n");
+  CHECK(fixture.drive({0.2}) == "nack conflict");
+  fixture.down(Channel::command);
+  fixture.up(Channel::command);
+  CHECK(fixture.sent().empty());  // once
 }
 
 TEST_CASE("a skill under way, and a part that is out of use") {
-  HandBench bench;
-  bench.deliver(MessageType::command, order("home", ""), "cart");
-  bench.sent();
-  CHECK(bench.drive({0.1}) == "nack control_held");
-  CHECK(bench.drive({0.1}, bench.another(2, true)) == "nack busy");
-  CHECK(bench.sent().empty());
-  HandBench other;
+  HandFixture fixture;
+  fixture.deliver(MessageType::command, order("home", ""), "cart");
+  fixture.sent();
+  CHECK(fixture.drive({0.1}) == "nack control_held");
+  CHECK(fixture.drive({0.1}, fixture.another(2, true)) == "nack busy");
+  CHECK(fixture.sent().empty());
+  HandFixture other;
   other.drive({0.2});
   other.sent();
   other.deliver(MessageType::command, TakeOutOfUse{{"mobile", Severity::critical, "a wheel is flat", 0, false, ""}},
@@ -291,32 +291,32 @@ TEST_CASE("a skill under way, and a part that is out of use") {
 }
 
 TEST_CASE("no command disturbs a drive, unless it takes control: then the robot stands first") {
-  HandBench bench;
-  bench.drive({0.2});
-  bench.sent();
-  CHECK(bench.answer(bench.send(MessageType::command, "go", "1", "cloud")) == "nack busy");
-  CHECK(bench.answer(bench.send(MessageType::command, "go", "1", "office")) == "nack control_held");
-  CHECK(bench.sent().empty());
-  bench.flags = kFlagTakeControl;
-  CHECK(bench.answer(bench.send(MessageType::command, "go", "1", "office")) == "ack handed_over");
-  CHECK(bench.sent() == "SPEED 0 0\nGO 1\n");
+  HandFixture fixture;
+  fixture.drive({0.2});
+  fixture.sent();
+  CHECK(fixture.answer(fixture.send(MessageType::command, "go", "1", "cloud")) == "nack busy");
+  CHECK(fixture.answer(fixture.send(MessageType::command, "go", "1", "office")) == "nack control_held");
+  CHECK(fixture.sent().empty());
+  fixture.flags = kFlagTakeControl;
+  CHECK(fixture.answer(fixture.send(MessageType::command, "go", "1", "office")) == "ack handed_over");
+  CHECK(fixture.sent() == "SPEED 0 0\nGO 1\n");
 }
 
 TEST_CASE("a message whose time is over when it comes moves nothing") {
-  HandBench bench;
-  bench.remaining_ms = 0;
-  CHECK(bench.drive({0.2}) == "nack expired");
-  CHECK(bench.sent().empty());
-  CHECK(bench.let_go() == "ack over");  // to stand it is never too late
+  HandFixture fixture;
+  fixture.remaining_ms = 0;
+  CHECK(fixture.drive({0.2}) == "nack expired");
+  CHECK(fixture.sent().empty());
+  CHECK(fixture.let_go() == "ack over");  // to stand it is never too late
 }
 
 TEST_CASE("a process that ends has its robot stand") {
-  HandBench bench;
-  bench.drive({0.2});
-  bench.sent();
-  CHECK_FALSE(bench.core.idle());
-  bench.core.leave(bench.now, bench.out);
-  CHECK(bench.sent() == "SPEED 0 0\n");
+  HandFixture fixture;
+  fixture.drive({0.2});
+  fixture.sent();
+  CHECK_FALSE(fixture.core.idle());
+  fixture.core.leave(fixture.now, fixture.out);
+  CHECK(fixture.sent() == "SPEED 0 0\n");
 }
 
 namespace {
@@ -340,8 +340,8 @@ Settings driven_ur() {
   return settings;
 }
 
-struct HandUrBench : UrFixture {
-  HandUrBench() : UrFixture(driven_ur()) {}
+struct HandUrFixture : UrFixture {
+  HandUrFixture() : UrFixture(driven_ur()) {}
   std::string drive(double speed, bool over = false) {
     Velocity how{DrivePart::joints, {speed}, 1, ++sequence, over, false, "ada"};
     return answer(deliver(MessageType::command, how, "cloud"));
@@ -352,69 +352,70 @@ struct HandUrBench : UrFixture {
 }  // namespace
 
 TEST_CASE("speeds that have not left yet are replaced by newer ones") {
-  HandUrBench bench;
-  CHECK(bench.drive(0.1) == "ack driving");
-  CHECK(bench.sent().find("speedj([0.1, 0], 1, 0.5)") != std::string::npos);
-  CHECK(bench.drive(0.2) == "ack driving");
-  CHECK(bench.drive(0.3) == "ack driving");
-  CHECK(bench.sent().empty());  // the controller has not begun the first one
-  bench.monitor(ur_started("trb_1"));
-  const std::string next = bench.sent();
+  HandUrFixture fixture;
+  CHECK(fixture.drive(0.1) == "ack driving");
+  CHECK(fixture.sent().find("speedj([0.1, 0], 1, 0.5)") != std::string::npos);
+  CHECK(fixture.drive(0.2) == "ack driving");
+  CHECK(fixture.drive(0.3) == "ack driving");
+  CHECK(fixture.sent().empty());  // the controller has not begun the first one
+  fixture.monitor(ur_started("trb_1"));
+  const std::string next = fixture.sent();
   CHECK(next.find("speedj([0.3, 0], 1, 0.5)") != std::string::npos);
   CHECK(next.find("0.2") == std::string::npos);
-  bench.monitor(ur_stopped("trb_1") + ur_started("trb_2"));
-  CHECK(bench.sent().empty());
-  CHECK(bench.counted("from_robot.failed") == 0);  // a program that is replaced has not failed
+  fixture.monitor(ur_stopped("trb_1") + ur_started("trb_2"));
+  CHECK(fixture.sent().empty());
+  CHECK(fixture.counted("from_robot.failed") == 0);  // a program that is replaced has not failed
 }
 
 TEST_CASE("an order to stand does not wait for speeds that have not left, and nothing leaves after it") {
-  HandUrBench bench;
-  bench.drive(0.1);
-  bench.drive(0.2);
-  bench.sent();
-  CHECK(bench.drive(0, true) == "ack over");
-  CHECK(bench.sent().find("stopj(2)") != std::string::npos);
-  bench.monitor(ur_started("trb_1") + ur_started("trb_2"));
-  CHECK(bench.sent().empty());
+  HandUrFixture fixture;
+  fixture.drive(0.1);
+  fixture.drive(0.2);
+  fixture.sent();
+  CHECK(fixture.drive(0, true) == "ack over");
+  CHECK(fixture.sent().find("stopj(2)") != std::string::npos);
+  fixture.monitor(ur_started("trb_1") + ur_started("trb_2"));
+  CHECK(fixture.sent().empty());
 }
 
 TEST_CASE("a robot that takes no speeds for 500 ms is told to stand, though they still come") {
-  HandUrBench bench;
+  HandUrFixture fixture;
   for (int i = 0; i < 5; ++i) {
-    CHECK(bench.drive(0.1) == "ack driving");
-    bench.live(0.1);
+    CHECK(fixture.drive(0.1) == "ack driving");
+    fixture.live(0.1);
   }
-  CHECK(bench.drive(0.1) == "nack conflict");
-  CHECK(bench.nack_of(bench.last_id).what == "drive: this one is over: the robot has not taken its speeds for 500 ms");
-  CHECK(bench.sent().find("stopj(2)") != std::string::npos);
+  CHECK(fixture.drive(0.1) == "nack conflict");
+  CHECK(fixture.nack_of(fixture.last_id).what ==
+        "drive: this one is over: the robot has not taken its speeds for 500 ms");
+  CHECK(fixture.sent().find("stopj(2)") != std::string::npos);
 }
 
 TEST_CASE("what the robot refuses ends the drive; if it does not take the order to stand, it is halted") {
-  HandUrBench bench;
-  bench.drive(0.1);
-  bench.sent();
-  bench.monitor(ur_exception(2, 3, "compile_error_name_not_found:speedj:"));
-  const std::string told = bench.sent();
+  HandUrFixture fixture;
+  fixture.drive(0.1);
+  fixture.sent();
+  fixture.monitor(ur_exception(2, 3, "compile_error_name_not_found:speedj:"));
+  const std::string told = fixture.sent();
   CHECK(told.find("stopj(2)") != std::string::npos);
-  CHECK(bench.drive(0.1) == "nack conflict");
-  bench.monitor(ur_exception(2, 3, "compile_error_name_not_found:stopj:"));
-  CHECK(bench.sent() == "stop program\n");
+  CHECK(fixture.drive(0.1) == "nack conflict");
+  fixture.monitor(ur_exception(2, 3, "compile_error_name_not_found:stopj:"));
+  CHECK(fixture.sent() == "stop program\n");
 }
 
 TEST_CASE("an arm that is off is not driven, and says what to do") {
-  HandUrBench bench;
-  bench.state({.mode = 3});
-  CHECK(bench.drive(0.1) == "nack robot_error");
-  CHECK(bench.nack_of(bench.last_id).what == "the arm is powered off");
-  bench.state();
-  CHECK(bench.drive(0.1) == "ack driving");  // it had not begun
+  HandUrFixture fixture;
+  fixture.state({.mode = 3});
+  CHECK(fixture.drive(0.1) == "nack robot_error");
+  CHECK(fixture.nack_of(fixture.last_id).what == "the arm is powered off");
+  fixture.state();
+  CHECK(fixture.drive(0.1) == "ack driving");  // it had not begun
 }
 
 TEST_CASE("the fleet is told what can be driven") {
-  HandBench bench;
-  bench.out.clear();
-  bench.welcome();
-  const auto profile = bench.one<NodeProfile>();
+  HandFixture fixture;
+  fixture.out.clear();
+  fixture.welcome();
+  const auto profile = fixture.one<NodeProfile>();
   REQUIRE(profile.drives.size() == 1);
   CHECK(profile.drives[0] == DriveInfo{DrivePart::base, {"x", "yaw"}, {0.5, 1}});
 }

@@ -12,8 +12,8 @@ const Holder kOperator{Holder::Kind::person, "operator"};
 const Holder kCloud{Holder::Kind::person, "cloud"};
 const Holder kRun{Holder::Kind::run, "r-1"};
 
-struct RobotControlBench {
-  explicit RobotControlBench(bool fenced = false) : robot(settings(fenced)) {}
+struct RobotControlFixture {
+  explicit RobotControlFixture(bool fenced = false) : robot(settings(fenced)) {}
   static Settings settings(bool fenced) {
     Settings all = pioneer();
     all.fenced = fenced;
@@ -31,43 +31,43 @@ struct RobotControlBench {
 }  // namespace
 
 TEST_CASE("nobody commands a fenced robot, by word neither") {
-  RobotControlBench bench(true);
-  const auto barred = bench.control.barred(kOperator, true, bench.now);
+  RobotControlFixture fixture(true);
+  const auto barred = fixture.control.barred(kOperator, true, fixture.now);
   REQUIRE(barred);
   CHECK(barred->code == Errc::fenced);
   CHECK(barred->hint == "trb release pioneer");
 }
 
 TEST_CASE("another one is barred until it takes the control over, which is told") {
-  RobotControlBench bench;
-  CHECK_FALSE(bench.control.barred(kOperator, false, bench.now));
-  bench.control.take(kOperator, bench.now, bench.out);
-  CHECK(bench.control.barred(kCloud, false, bench.now)->code == Errc::control_held);
-  CHECK_FALSE(bench.control.barred(kCloud, true, bench.now));
-  CHECK(bench.out.counts.empty());
-  bench.control.take(kCloud, bench.now, bench.out);
-  CHECK(bench.out.counts == std::vector<std::string>{"control.taken_over"});
-  CHECK(bench.control.holder()->name == "cloud");
+  RobotControlFixture fixture;
+  CHECK_FALSE(fixture.control.barred(kOperator, false, fixture.now));
+  fixture.control.take(kOperator, fixture.now, fixture.out);
+  CHECK(fixture.control.barred(kCloud, false, fixture.now)->code == Errc::control_held);
+  CHECK_FALSE(fixture.control.barred(kCloud, true, fixture.now));
+  CHECK(fixture.out.counts.empty());
+  fixture.control.take(kCloud, fixture.now, fixture.out);
+  CHECK(fixture.out.counts == std::vector<std::string>{"control.taken_over"});
+  CHECK(fixture.control.holder()->name == "cloud");
 }
 
 TEST_CASE("a run holds the robot while its skill runs, and ten seconds longer") {
-  RobotControlBench bench;
-  bench.control.take(kRun, bench.now, bench.out);
-  bench.later(60);
-  bench.control.refresh(true, false, bench.now);
-  CHECK(bench.control.holder());
-  bench.control.refresh(false, false, bench.now);
-  CHECK(bench.control.holder());
-  bench.later(10);
-  bench.control.refresh(false, false, bench.now);
-  CHECK_FALSE(bench.control.holder());
+  RobotControlFixture fixture;
+  fixture.control.take(kRun, fixture.now, fixture.out);
+  fixture.later(60);
+  fixture.control.refresh(true, false, fixture.now);
+  CHECK(fixture.control.holder());
+  fixture.control.refresh(false, false, fixture.now);
+  CHECK(fixture.control.holder());
+  fixture.later(10);
+  fixture.control.refresh(false, false, fixture.now);
+  CHECK_FALSE(fixture.control.holder());
 }
 
 TEST_CASE("a person's lease does not live on a run's skill") {
-  RobotControlBench bench;
-  bench.control.take(kOperator, bench.now, bench.out);
-  bench.control.began(bench.robot.field(), 1);
-  bench.later(10);
-  bench.control.refresh(true, false, bench.now);
-  CHECK_FALSE(bench.control.holder());
+  RobotControlFixture fixture;
+  fixture.control.take(kOperator, fixture.now, fixture.out);
+  fixture.control.began(fixture.robot.field(), 1);
+  fixture.later(10);
+  fixture.control.refresh(true, false, fixture.now);
+  CHECK_FALSE(fixture.control.holder());
 }

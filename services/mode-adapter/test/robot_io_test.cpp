@@ -15,11 +15,11 @@ using namespace trb::adapter;
 namespace {
 
 struct Node {
-  explicit Node(Settings settings, RobotIoSettings roads = {kLoopback, 0, kLoopback, {}, {}})
+  explicit Node(Settings settings, RobotIoSettings links = {kLoopback, 0, kLoopback, {}, {}})
       : core(
             std::move(settings), [](bool) { return Status(Done{}); },
             [](const std::vector<Kept>&) { return Status(Done{}); }),
-        io(*RobotIo::open(roads, service, core)) {
+        io(*RobotIo::open(links, service, core)) {
     service.after_sends([this] { io->carry_out(core.take_robot_output()); });
   }
 

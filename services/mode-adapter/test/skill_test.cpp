@@ -6,9 +6,9 @@ using namespace trb::adapter;
 
 namespace {
 
-class SkillBench : public Fixture {
+class SkillFixture : public Fixture {
  public:
-  explicit SkillBench(Settings settings = pioneer()) : Fixture(std::move(settings)) { up(Channel::field); }
+  explicit SkillFixture(Settings settings = pioneer()) : Fixture(std::move(settings)) { up(Channel::field); }
   std::uint64_t execute(const Execute& order) { return deliver(MessageType::command, order, "pioneer"); }
   std::uint64_t query(std::uint32_t number = 1) {
     return deliver(MessageType::request, ExecutionQuery{attempt(number)}, "pioneer");
@@ -38,7 +38,7 @@ constexpr const char* kHomeJoints = R"({"joints": [0.5, 0.5, 0.5, 0.5, 0.5, 0.5]
 }  // namespace
 
 TEST_CASE("a skill: begun, done, told again every second until it is journaled") {
-  SkillBench fixture;
+  SkillFixture fixture;
   const auto id = fixture.execute(order("go_to", kToDock));
   CHECK(fixture.answer(id) == "running");
   CHECK(fixture.take_fields() == "command\ngo_to\npioneer\n3\n1 2\n");
@@ -60,7 +60,7 @@ TEST_CASE("a skill: begun, done, told again every second until it is journaled")
 }
 
 TEST_CASE("the same attempt twice is one attempt") {
-  SkillBench fixture;
+  SkillFixture fixture;
   fixture.execute(order("home", ""));
   CHECK(fixture.answer(fixture.execute(order("home", ""))) == "running");
   fixture.finish();
@@ -72,7 +72,7 @@ TEST_CASE("the same attempt twice is one attempt") {
 }
 
 TEST_CASE("an order for an earlier start of the process, or from another node, is refused") {
-  SkillBench fixture;
+  SkillFixture fixture;
   Execute stale = order("home", "");
   stale.instance = kInstance - 1;
   CHECK(fixture.answer(fixture.execute(stale)) == "nack stale_instance");
@@ -81,7 +81,7 @@ TEST_CASE("an order for an earlier start of the process, or from another node, i
 }
 
 TEST_CASE("one skill at a time") {
-  SkillBench fixture;
+  SkillFixture fixture;
   fixture.execute(order("home", ""));
   CHECK(fixture.answer(fixture.execute(order("home", "", 2))) == "nack busy");
   fixture.finish();
@@ -96,7 +96,7 @@ TEST_CASE("a robot that is not connected is asked for nothing, and the attempt m
 }
 
 TEST_CASE("what can never succeed has failed at once, with the parameter's name") {
-  SkillBench fixture;
+  SkillFixture fixture;
   CHECK(fixture.answer(fixture.execute(order("fly", ""))) == "failed");
   CHECK(fixture.answer(fixture.execute(order("go_to", "{}", 2))) == "failed");
   CHECK(fixture.answer(fixture.execute(order("go_to", R"({"place": "moon"})", 3))) == "failed");
@@ -110,7 +110,7 @@ TEST_CASE("what can never succeed has failed at once, with the parameter's name"
 }
 
 TEST_CASE("a robot that says `failed` gives its reason; a `done` that comes late is counted and dropped") {
-  SkillBench fixture;
+  SkillFixture fixture;
   fixture.execute(order("home", ""));
   fixture.say("information\ndone\n\n4\nhome\n");  // it has not even received it
   CHECK(fixture.told<Outcome>().empty());
@@ -125,7 +125,7 @@ TEST_CASE("a robot that says `failed` gives its reason; a `done` that comes late
 }
 
 TEST_CASE("a connection lost while a skill runs: nobody knows, so it is interrupted") {
-  SkillBench fixture;
+  SkillFixture fixture;
   fixture.execute(order("home", ""));
   fixture.take_fields();
   fixture.down(Channel::field, "connection reset by peer");
@@ -133,7 +133,7 @@ TEST_CASE("a connection lost while a skill runs: nobody knows, so it is interrup
 }
 
 TEST_CASE("time-out: the motion is stopped without a fence, and what is said of it later counts for nothing") {
-  SkillBench fixture;
+  SkillFixture fixture;
   Execute late = order("home", "");
   late.timeout_s = 2.5;
   fixture.execute(late);
@@ -152,7 +152,7 @@ TEST_CASE("time-out: the motion is stopped without a fence, and what is said of 
 }
 
 TEST_CASE("cancelled while it runs, after it has ended, and before it was ever heard of") {
-  SkillBench fixture;
+  SkillFixture fixture;
   fixture.execute(order("home", ""));
   fixture.take_fields();
   CHECK(fixture.answer(fixture.cancel()) == "failed");
@@ -172,7 +172,7 @@ TEST_CASE("cancelled while it runs, after it has ended, and before it was ever h
 }
 
 TEST_CASE("a cancelled skill that the robot has not begun to hear of is taken out of the queue, nothing is stopped") {
-  SkillBench fixture;
+  SkillFixture fixture;
   fixture.command("move", "1");
   fixture.execute(order("home", ""));
   fixture.cancel();
@@ -181,7 +181,7 @@ TEST_CASE("a cancelled skill that the robot has not begun to hear of is taken ou
 }
 
 TEST_CASE("asked what became of an attempt") {
-  SkillBench fixture;
+  SkillFixture fixture;
   CHECK(fixture.answer(fixture.query()) == "unknown");
   fixture.execute(order("home", ""));
   CHECK(fixture.answer(fixture.query()) == "running");
@@ -190,7 +190,7 @@ TEST_CASE("asked what became of an attempt") {
 }
 
 TEST_CASE("256 outcomes that nobody journals are the most; journaled ones make room") {
-  SkillBench fixture;
+  SkillFixture fixture;
   for (std::uint32_t i = 1; i <= 256; ++i) fixture.cancel(i);
   CHECK(fixture.answer(fixture.execute(order("home", "", 300))) == "nack busy");
   fixture.journaled(7);
@@ -200,7 +200,7 @@ TEST_CASE("256 outcomes that nobody journals are the most; journaled ones make r
 }
 
 TEST_CASE("the end is a state that the robot tells its node") {
-  SkillBench fixture(with_end({EndKind::state, "gripper", 2, 0, "", 0}));
+  SkillFixture fixture(with_end({EndKind::state, "gripper", 2, 0, "", 0}));
   fixture.execute(order("go_to", kToDock));
   fixture.say("information\ngripper\n\n1\n2\n");  // before it has the command
   fixture.take_fields();
@@ -214,7 +214,7 @@ TEST_CASE("the end is a position: the robot's frame and units, near enough") {
   Settings settings = with_end({EndKind::position, "", 0, 15, "place", 0});
   settings.description.frame.length = 1000;
   settings.description.frame.origin = {1, 1, 0, 0};
-  SkillBench fixture(settings);
+  SkillFixture fixture(settings);
   fixture.execute(order("go_to", kToDock));
   CHECK(fixture.take_fields() == "command\ngo_to\npioneer\n6\n0 1000\n");
   fixture.say("information\nposition\n\n5\n0 980\n");
@@ -226,7 +226,7 @@ TEST_CASE("the end is a position: the robot's frame and units, near enough") {
 }
 
 TEST_CASE("the end is a time, counted from when the robot has the command") {
-  SkillBench fixture(with_end({EndKind::time, "", 0, 0, "", 3}));
+  SkillFixture fixture(with_end({EndKind::time, "", 0, 0, "", 3}));
   fixture.execute(order("go_to", kToDock));
   fixture.wait(1);
   fixture.take_fields();

@@ -6,9 +6,9 @@ using namespace trb::adapter;
 
 namespace {
 
-class StopBench : public Fixture {
+class StopFixture : public Fixture {
  public:
-  explicit StopBench(Settings settings = pioneer()) : Fixture(std::move(settings)) { up(Channel::field); }
+  explicit StopFixture(Settings settings = pioneer()) : Fixture(std::move(settings)) { up(Channel::field); }
   std::uint64_t stop(const std::string& source = "operator") {
     return deliver(MessageType::command, Stop{"a person is in the way"}, source);
   }
@@ -18,7 +18,7 @@ class StopBench : public Fixture {
 }  // namespace
 
 TEST_CASE("a stop overtakes the queue and the rest of a message, and is answered once the robot has confirmed it") {
-  StopBench fixture;
+  StopFixture fixture;
   const auto first = fixture.command("move", "1");
   const auto second = fixture.command("move", "2");
   fixture.take_fields(2);
@@ -37,7 +37,7 @@ TEST_CASE("a stop overtakes the queue and the rest of a message, and is answered
 }
 
 TEST_CASE("the robot is told before the disk, the answer comes after it") {
-  StopBench fixture;
+  StopFixture fixture;
   const auto stop = fixture.stop();
   CHECK(fixture.written() == "!stop\n");
   CHECK(fixture.fence_writes.empty());
@@ -49,7 +49,7 @@ TEST_CASE("the robot is told before the disk, the answer comes after it") {
 
 TEST_CASE(
     "a fence that cannot be written is no promise: the robot stops, the answer says so, the disk is tried again") {
-  StopBench fixture;
+  StopFixture fixture;
   fixture.fence_status = fail(Errc::io_error, "state/fence: no space left on device");
   const auto stop = fixture.stop();
   CHECK(fixture.written() == "!stop\n");
@@ -67,7 +67,7 @@ TEST_CASE(
 }
 
 TEST_CASE("while fenced commands are refused, requests and information still go; release lifts it") {
-  StopBench fixture;
+  StopFixture fixture;
   fixture.stop();
   fixture.wait(0);
   fixture.say("!stopped\n");
@@ -90,7 +90,7 @@ TEST_CASE("while fenced commands are refused, requests and information still go;
 }
 
 TEST_CASE("a stop received twice is answered twice") {
-  StopBench fixture;
+  StopFixture fixture;
   const auto first = fixture.stop();
   const auto second = fixture.stop("ur3");
   CHECK(fixture.written() == "!stop\n!stop\n");
@@ -104,7 +104,7 @@ TEST_CASE("a stop received twice is answered twice") {
 }
 
 TEST_CASE("a robot that does not confirm: the fence holds, and the answer says what is not known") {
-  StopBench fixture;
+  StopFixture fixture;
   const auto stop = fixture.stop();
   fixture.wait(2);
   CHECK(fixture.answer(stop) == "nack timeout");
@@ -145,7 +145,7 @@ TEST_CASE("a node that was fenced when it ended boots fenced, and says so") {
 }
 
 TEST_CASE("a release that comes before the robot's confirmation ends the waiting for it") {
-  StopBench fixture;
+  StopFixture fixture;
   const auto stop = fixture.stop();
   fixture.wait(0);
   const auto release = fixture.release();
@@ -155,7 +155,7 @@ TEST_CASE("a release that comes before the robot's confirmation ends the waiting
 }
 
 TEST_CASE("a release that cannot be written leaves the fence where it is") {
-  StopBench fixture;
+  StopFixture fixture;
   fixture.stop();
   fixture.wait(0);
   fixture.fence_status = fail(Errc::io_error, "state/fence: read-only file system");
@@ -164,7 +164,7 @@ TEST_CASE("a release that cannot be written leaves the fence where it is") {
 }
 
 TEST_CASE("a running skill is interrupted by a stop, and says by whom") {
-  StopBench fixture;
+  StopFixture fixture;
   fixture.deliver(MessageType::command, order("home", ""), "pioneer");
   fixture.take_fields();
   fixture.stop("ur3");
@@ -178,7 +178,7 @@ TEST_CASE("a running skill is interrupted by a stop, and says by whom") {
 }
 
 TEST_CASE("a storm of stops is bounded, in lines and in answers") {
-  StopBench fixture;
+  StopFixture fixture;
   for (int i = 0; i < 1000; ++i) fixture.stop();
   CHECK(fixture.written().size() == 64 * std::string("!stop\n").size());
   CHECK(fixture.told<Nack>().size() == 1000 - 64);

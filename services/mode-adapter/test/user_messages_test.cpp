@@ -8,9 +8,9 @@ using namespace trb::adapter;
 
 namespace {
 
-class UserMessagesBench {
+class UserMessagesFixture {
  public:
-  explicit UserMessagesBench(bool connected = true) {
+  explicit UserMessagesFixture(bool connected = true) {
     if (connected) robot.field().on_up(Channel::field, now, robot.to(robot.field(), out));
   }
   /// The token by which the robot's driver knows it.
@@ -46,68 +46,70 @@ class UserMessagesBench {
 }  // namespace
 
 TEST_CASE("a command is answered once the robot has it, and its sender commands the robot") {
-  UserMessagesBench bench;
-  const Token token = bench.send(MessageType::command, "move", 7);
-  CHECK(bench.answer(7).empty());
-  CHECK(bench.control.holder()->name == "operator");
-  bench.messages.on_progress(token, "handed_over", bench.out);
-  CHECK(bench.answer(7) == "ack handed_over");
-  bench.messages.on_progress(token, "started", bench.out);
-  CHECK(bench.answer(7).empty());
+  UserMessagesFixture fixture;
+  const Token token = fixture.send(MessageType::command, "move", 7);
+  CHECK(fixture.answer(7).empty());
+  CHECK(fixture.control.holder()->name == "operator");
+  fixture.messages.on_progress(token, "handed_over", fixture.out);
+  CHECK(fixture.answer(7) == "ack handed_over");
+  fixture.messages.on_progress(token, "started", fixture.out);
+  CHECK(fixture.answer(7).empty());
 }
 
 TEST_CASE("what the robot refuses is refused to the sender, once") {
-  UserMessagesBench bench;
-  const Token token = bench.send(MessageType::command, "move", 7);
-  bench.messages.on_refused({token, fail(Errc::robot_error, "no")}, bench.out);
-  CHECK(bench.answer(7) == "nack robot_error");
-  bench.messages.on_refused({token, fail(Errc::robot_error, "no")}, bench.out);
-  CHECK(bench.answer(7).empty());
+  UserMessagesFixture fixture;
+  const Token token = fixture.send(MessageType::command, "move", 7);
+  fixture.messages.on_refused({token, fail(Errc::robot_error, "no")}, fixture.out);
+  CHECK(fixture.answer(7) == "nack robot_error");
+  fixture.messages.on_refused({token, fail(Errc::robot_error, "no")}, fixture.out);
+  CHECK(fixture.answer(7).empty());
 }
 
 TEST_CASE("a request is answered with the next that the robot says of it to its requester; the rest is information") {
-  UserMessagesBench bench;
-  bench.send(MessageType::request, "position", 7);
+  UserMessagesFixture fixture;
+  fixture.send(MessageType::request, "position", 7);
   const Said said{MessageType::information, "position", "operator", "[1,2]"};
-  bench.messages.on_said({MessageType::information, "position", "cloud", "[0,0]"}, bench.out);
-  CHECK(bench.answer(7).empty());
-  bench.messages.on_said(said, bench.out);
-  CHECK(bench.answer(7) == "[1,2]");
-  bench.out.sends.clear();
-  bench.messages.on_said(said, bench.out);
-  REQUIRE(bench.out.sends.size() == 1);
-  CHECK(bench.out.sends[0].type == MessageType::information);
-  CHECK(bench.out.sends[0].reply_to == 0);
+  fixture.messages.on_said({MessageType::information, "position", "cloud", "[0,0]"}, fixture.out);
+  CHECK(fixture.answer(7).empty());
+  fixture.messages.on_said(said, fixture.out);
+  CHECK(fixture.answer(7) == "[1,2]");
+  fixture.out.sends.clear();
+  fixture.messages.on_said(said, fixture.out);
+  REQUIRE(fixture.out.sends.size() == 1);
+  CHECK(fixture.out.sends[0].type == MessageType::information);
+  CHECK(fixture.out.sends[0].reply_to == 0);
 }
 
 TEST_CASE("who waits in vain is told so: at the deadline, or when the robot leaves") {
-  UserMessagesBench bench;
-  bench.send(MessageType::command, "move", 7);
-  bench.send(MessageType::request, "position", 8, 5000);
-  bench.now.mono = *bench.messages.next_deadline();
-  bench.messages.tick(bench.now, bench.out);
-  CHECK(bench.answer(7) == "nack timeout");
-  CHECK(bench.answer(8).empty());
-  bench.messages.on_link_down(bench.robot.field(), "gone", bench.out);
-  CHECK(bench.answer(8) == "nack robot_offline");
-  CHECK_FALSE(bench.messages.next_deadline());
+  UserMessagesFixture fixture;
+  fixture.send(MessageType::command, "move", 7);
+  fixture.send(MessageType::request, "position", 8, 5000);
+  fixture.now.mono = *fixture.messages.next_deadline();
+  fixture.messages.tick(fixture.now, fixture.out);
+  CHECK(fixture.answer(7) == "nack timeout");
+  CHECK(fixture.answer(8).empty());
+  fixture.messages.on_link_down(fixture.robot.field(), "gone", fixture.out);
+  CHECK(fixture.answer(8) == "nack robot_offline");
+  CHECK_FALSE(fixture.messages.next_deadline());
 }
 
 TEST_CASE("a message that is too late, or for a robot that is not there, goes nowhere") {
-  UserMessagesBench bench;
-  bench.send(MessageType::command, "move", 7, 0);
-  CHECK(bench.answer(7) == "nack expired");
-  UserMessagesBench alone(false);
+  UserMessagesFixture fixture;
+  fixture.send(MessageType::command, "move", 7, 0);
+  CHECK(fixture.answer(7) == "nack expired");
+  UserMessagesFixture alone(false);
   alone.send(MessageType::command, "move", 7);
   CHECK(alone.answer(7) == "nack no_field_channel");
   CHECK_FALSE(alone.control.holder());
 }
 
 TEST_CASE("a Nack of the user's own word goes back to the robot, one of the middleware's is counted") {
-  UserMessagesBench bench;
+  UserMessagesFixture fixture;
   const Inbound message{MessageType::information, "ur3", "pioneer", 9, 3, 0, 0, Nack{}};
-  bench.messages.on_nack(message, Nack{"offline", "greeting", "ur3", "no such node", "", ""}, bench.now, bench.out);
-  CHECK_FALSE(bench.robot.take_output().writes.empty());
-  bench.messages.on_nack(message, Nack{"offline", "outcome", "ur3", "no such node", "", ""}, bench.now, bench.out);
-  CHECK(bench.out.counts.back() == "refused.nack_outcome");
+  fixture.messages.on_nack(message, Nack{"offline", "greeting", "ur3", "no such node", "", ""}, fixture.now,
+                           fixture.out);
+  CHECK_FALSE(fixture.robot.take_output().writes.empty());
+  fixture.messages.on_nack(message, Nack{"offline", "outcome", "ur3", "no such node", "", ""}, fixture.now,
+                           fixture.out);
+  CHECK(fixture.out.counts.back() == "refused.nack_outcome");
 }

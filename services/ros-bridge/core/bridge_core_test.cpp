@@ -18,13 +18,13 @@ Result<std::string> read_definition(const std::string& type) {
   return fail(Errc::missing, type + ": no definition", "install its package");
 }
 
-struct Bench {
+struct Fixture {
   BridgeCore core{{"ridgeback", "http://10.0.0.9:11311", 5}, read_definition};
   Now now{};
   Outbox out;
   WorkerReader to_worker;
 
-  Bench() {
+  Fixture() {
     core.on_welcome({"ridgeback", Role::robot, 1}, now, out);
     core.on_worker_started(now, out);
   }
@@ -82,125 +82,125 @@ std::vector<Bytes> odometry(double x, double y) {
 }  // namespace
 
 TEST_CASE("a command becomes the wire of the topic's own type, which the master is asked for once") {
-  Bench bench;
-  bench.up();
-  bench.command(1, BridgeAction::publish, "/cmd_vel", "[0.5,0,0,0,0,0]");
-  auto said = bench.said();
+  Fixture fixture;
+  fixture.up();
+  fixture.command(1, BridgeAction::publish, "/cmd_vel", "[0.5,0,0,0,0,0]");
+  auto said = fixture.said();
   REQUIRE(said.size() == 1);
   CHECK(said[0].word == Word::look_up);
-  bench.worker(Word::type, {"/cmd_vel", "geometry_msgs/Twist"});
-  said = bench.said();
+  fixture.worker(Word::type, {"/cmd_vel", "geometry_msgs/Twist"});
+  said = fixture.said();
   REQUIRE(said.size() == 1);
   CHECK(said[0].word == Word::publish);
   CHECK(said[0].parts[2] == "geometry_msgs/Twist");
   CHECK(said[0].parts[3] == "9f195f881246fdfa2798d1d3eebca84a");
   CHECK(said[0].parts[6].size() == 48);
-  bench.worker(Word::published, {said[0].parts[0]});
-  CHECK(bench.told() == "1 done\n");
-  bench.command(2, BridgeAction::publish, "/cmd_vel", R"({"linear":{"x":1}})");
-  said = bench.said();
+  fixture.worker(Word::published, {said[0].parts[0]});
+  CHECK(fixture.told() == "1 done\n");
+  fixture.command(2, BridgeAction::publish, "/cmd_vel", R"({"linear":{"x":1}})");
+  said = fixture.said();
   REQUIRE(said.size() == 1);
   CHECK(said[0].word == Word::publish);
 }
 
 TEST_CASE("what cannot be published is refused, and by its field") {
-  Bench bench;
-  bench.up();
-  bench.command(1, BridgeAction::publish, "/cmd_vel", "[1,2]");
-  bench.command(2, BridgeAction::publish, "/cmd_vel", R"({"linear":{"w":1}})");
-  bench.worker(Word::type, {"/cmd_vel", "geometry_msgs/Twist"});
-  CHECK(bench.told() ==
+  Fixture fixture;
+  fixture.up();
+  fixture.command(1, BridgeAction::publish, "/cmd_vel", "[1,2]");
+  fixture.command(2, BridgeAction::publish, "/cmd_vel", R"({"linear":{"w":1}})");
+  fixture.worker(Word::type, {"/cmd_vel", "geometry_msgs/Twist"});
+  CHECK(fixture.told() ==
         "1 bad_value: geometry_msgs/Twist: 2 values, where 6 are needed\n"
         "2 unknown_key: linear: w: no field of geometry_msgs/Vector3\n");
-  bench.command(3, BridgeAction::publish, "/gone", "{}");
-  bench.worker(Word::type, {"/gone", ""});
-  CHECK(bench.told() == "3 unknown_target: the ROS master knows no topic /gone\n");
-  bench.command(4, BridgeAction::publish, "/odd", "{}");
-  bench.worker(Word::type, {"/odd", "demo/Odd"});
-  CHECK(bench.told() == "4 missing: demo/Odd: no definition\n");
-  bench.command(5, BridgeAction::publish, "no topic", "{}");
-  CHECK(bench.told() == "5 bad_value: 'no topic' is no topic\n");
-  bench.command(6, BridgeAction::publish, "/cmd_vel", "{}");
-  bench.said();
-  bench.worker(Word::failed, {"3", "timeout", "/cmd_vel: nobody subscribes", ""});
-  bench.wait(std::chrono::milliseconds(1));
-  CHECK(bench.told().empty());  // of another publication
+  fixture.command(3, BridgeAction::publish, "/gone", "{}");
+  fixture.worker(Word::type, {"/gone", ""});
+  CHECK(fixture.told() == "3 unknown_target: the ROS master knows no topic /gone\n");
+  fixture.command(4, BridgeAction::publish, "/odd", "{}");
+  fixture.worker(Word::type, {"/odd", "demo/Odd"});
+  CHECK(fixture.told() == "4 missing: demo/Odd: no definition\n");
+  fixture.command(5, BridgeAction::publish, "no topic", "{}");
+  CHECK(fixture.told() == "5 bad_value: 'no topic' is no topic\n");
+  fixture.command(6, BridgeAction::publish, "/cmd_vel", "{}");
+  fixture.said();
+  fixture.worker(Word::failed, {"3", "timeout", "/cmd_vel: nobody subscribes", ""});
+  fixture.wait(std::chrono::milliseconds(1));
+  CHECK(fixture.told().empty());  // of another publication
 }
 
 TEST_CASE("an ask is answered by the topic's next message, a watch by each, ten times a second at most") {
-  Bench bench;
-  bench.up();
-  bench.command(1, BridgeAction::ask, "/odom");
-  bench.command(2, BridgeAction::watch, "/odom", "", {"x"});
-  CHECK(bench.said().size() == 1);  // one subscription for both
-  bench.worker(Word::message, odometry(1, 2));
-  CHECK(bench.told() == "1 {\"x\":1.0,\"y\":2.0}\n2 1.0\n");
-  bench.worker(Word::message, odometry(3, 2));
-  CHECK(bench.told().empty());
-  bench.wait(std::chrono::milliseconds(100));
-  bench.worker(Word::message, odometry(4, 2));
-  CHECK(bench.told() == "2 4.0\n");
-  bench.command(3, BridgeAction::ask, "/odom", "", {"y", "z"});
-  bench.worker(Word::message, odometry(4, 2));
-  CHECK(bench.told() == "3 bad_value: the message has no z\n");
+  Fixture fixture;
+  fixture.up();
+  fixture.command(1, BridgeAction::ask, "/odom");
+  fixture.command(2, BridgeAction::watch, "/odom", "", {"x"});
+  CHECK(fixture.said().size() == 1);  // one subscription for both
+  fixture.worker(Word::message, odometry(1, 2));
+  CHECK(fixture.told() == "1 {\"x\":1.0,\"y\":2.0}\n2 1.0\n");
+  fixture.worker(Word::message, odometry(3, 2));
+  CHECK(fixture.told().empty());
+  fixture.wait(std::chrono::milliseconds(100));
+  fixture.worker(Word::message, odometry(4, 2));
+  CHECK(fixture.told() == "2 4.0\n");
+  fixture.command(3, BridgeAction::ask, "/odom", "", {"y", "z"});
+  fixture.worker(Word::message, odometry(4, 2));
+  CHECK(fixture.told() == "3 bad_value: the message has no z\n");
 }
 
 TEST_CASE("nobody waits for ever") {
-  Bench bench;
-  bench.up();
-  bench.command(1, BridgeAction::ask, "/odom");
-  bench.command(2, BridgeAction::publish, "/cmd_vel", "{}");
+  Fixture fixture;
+  fixture.up();
+  fixture.command(1, BridgeAction::ask, "/odom");
+  fixture.command(2, BridgeAction::publish, "/cmd_vel", "{}");
   for (int i = 0; i < 8; ++i) {
-    bench.worker(Word::alive, {"up", ""});
-    bench.wait(std::chrono::seconds(1));
+    fixture.worker(Word::alive, {"up", ""});
+    fixture.wait(std::chrono::seconds(1));
   }
-  const std::string told = bench.told();
+  const std::string told = fixture.told();
   CHECK(told.find("1 timeout: nobody has said anything on /odom\n") != std::string::npos);
   CHECK(told.find("2 timeout: /cmd_vel: ROS did not take it in time\n") != std::string::npos);
 }
 
 TEST_CASE("a master that hangs is told of, and the worker that hangs with it is killed") {
-  Bench bench;
-  bench.up();
-  bench.wait(std::chrono::seconds(6));
-  REQUIRE(bench.core.take_worker_output().kill);
-  bench.told();
-  REQUIRE_FALSE(bench.states.empty());
-  CHECK_FALSE(bench.states.back().up);
-  CHECK(bench.states.back().detail == "the ROS master at http://10.0.0.9:11311 does not answer");
-  const auto before = bench.states.back().connection;
-  bench.core.on_worker_started(bench.now, bench.out);
-  bench.up();
-  bench.command(1, BridgeAction::watch, "/odom");
-  CHECK(bench.said().back().word == Word::subscribe);
-  CHECK(bench.states.back().up);
-  CHECK(bench.states.back().connection == before);
+  Fixture fixture;
+  fixture.up();
+  fixture.wait(std::chrono::seconds(6));
+  REQUIRE(fixture.core.take_worker_output().kill);
+  fixture.told();
+  REQUIRE_FALSE(fixture.states.empty());
+  CHECK_FALSE(fixture.states.back().up);
+  CHECK(fixture.states.back().detail == "the ROS master at http://10.0.0.9:11311 does not answer");
+  const auto before = fixture.states.back().connection;
+  fixture.core.on_worker_started(fixture.now, fixture.out);
+  fixture.up();
+  fixture.command(1, BridgeAction::watch, "/odom");
+  CHECK(fixture.said().back().word == Word::subscribe);
+  CHECK(fixture.states.back().up);
+  CHECK(fixture.states.back().connection == before);
 }
 
 TEST_CASE("an absent master is told of, and commands are refused with it") {
-  Bench bench;
-  bench.worker(Word::alive, {"absent", "no ROS master at http://10.0.0.9:11311"});
-  bench.command(1, BridgeAction::publish, "/cmd_vel", "{}");
-  CHECK(bench.told() == "1 robot_offline: no ROS master at http://10.0.0.9:11311\n");
+  Fixture fixture;
+  fixture.worker(Word::alive, {"absent", "no ROS master at http://10.0.0.9:11311"});
+  fixture.command(1, BridgeAction::publish, "/cmd_vel", "{}");
+  CHECK(fixture.told() == "1 robot_offline: no ROS master at http://10.0.0.9:11311\n");
 }
 
 TEST_CASE("a mode-adapter that was restarted starts anew; nobody else is listened to") {
-  Bench bench;
-  bench.up();
-  bench.command(1, BridgeAction::watch, "/odom");
-  bench.command(1, BridgeAction::ask, "/scan", "", {}, "ridgeback", kAdapter + 1);
-  bench.worker(Word::message, odometry(1, 2));
-  CHECK(bench.told().empty());
-  bench.command(2, BridgeAction::publish, "/cmd_vel", "{}", {}, "ur3");
-  bench.said();
-  CHECK(bench.told().empty());
+  Fixture fixture;
+  fixture.up();
+  fixture.command(1, BridgeAction::watch, "/odom");
+  fixture.command(1, BridgeAction::ask, "/scan", "", {}, "ridgeback", kAdapter + 1);
+  fixture.worker(Word::message, odometry(1, 2));
+  CHECK(fixture.told().empty());
+  fixture.command(2, BridgeAction::publish, "/cmd_vel", "{}", {}, "ur3");
+  fixture.said();
+  CHECK(fixture.told().empty());
 }
 
 TEST_CASE("a worker's garbage ends it") {
-  Bench bench;
-  bench.up();
-  bench.core.on_worker_bytes(Bytes("\xff\xff\xff\x7f", 4), bench.now, bench.out);
-  CHECK(bench.core.take_worker_output().kill);
+  Fixture fixture;
+  fixture.up();
+  fixture.core.on_worker_bytes(Bytes("\xff\xff\xff\x7f", 4), fixture.now, fixture.out);
+  CHECK(fixture.core.take_worker_output().kill);
   std::vector<WorkerMessage> none;
   for (const char* bytes : {"\x01\0\0\0\x63", "\x01\0\0\0\x05", "\x06\0\0\0\x06\x09\0\0\0x"}) {
     CHECK_FALSE(WorkerReader().add(Bytes(bytes, bytes[0] + 4), none));

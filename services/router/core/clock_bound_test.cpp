@@ -17,13 +17,13 @@ constexpr std::int64_t kMost = std::numeric_limits<std::int64_t>::max();
 constexpr std::int64_t kLeast = std::numeric_limits<std::int64_t>::min();
 
 /// A clock of UTC beside the monotonic one, and what would have been written to state/utc.
-struct Bench {
+struct Fixture {
   ClockBound clock;
   Now now{{1'000'000'000}, {kStartUtc}};
   std::vector<std::int64_t> peers;
   std::vector<UtcTime> stored;
 
-  Bench() { clock.start({}, now); }
+  Fixture() { clock.start({}, now); }
   void run(Duration time) {
     for (Duration left = time; left > Duration{}; left -= Seconds(2)) {
       now = {now.mono + Seconds(2), now.utc + Seconds(2)};
@@ -39,39 +39,39 @@ struct Bench {
 }  // namespace
 
 TEST_CASE("a time is stored once the clock has run in step for ten minutes, then every ten") {
-  Bench bench;
-  bench.run(minutes(10) - Seconds(2));
-  CHECK(bench.stored.empty());
-  bench.run(Seconds(2));
-  REQUIRE(bench.stored.size() == 1);
-  CHECK(bench.stored[0] == bench.now.utc);
-  bench.run(minutes(30));
-  CHECK(bench.stored.size() == 4);
+  Fixture fixture;
+  fixture.run(minutes(10) - Seconds(2));
+  CHECK(fixture.stored.empty());
+  fixture.run(Seconds(2));
+  REQUIRE(fixture.stored.size() == 1);
+  CHECK(fixture.stored[0] == fixture.now.utc);
+  fixture.run(minutes(30));
+  CHECK(fixture.stored.size() == 4);
 }
 
 TEST_CASE("a clock that was 40 days ahead for 4 s leaves nothing behind") {
-  Bench bench;
-  bench.run(minutes(20));
-  const auto stored = bench.stored;
-  bench.jump(hours(24 * 40));
-  bench.run(Seconds(4));
-  bench.jump(-hours(24 * 40));
-  bench.run(minutes(10) - Seconds(4));
-  CHECK(bench.stored == stored);
-  bench.run(Seconds(8));
-  REQUIRE(bench.stored.size() == stored.size() + 1);
-  CHECK(bench.stored.back() <= bench.now.utc);
+  Fixture fixture;
+  fixture.run(minutes(20));
+  const auto stored = fixture.stored;
+  fixture.jump(hours(24 * 40));
+  fixture.run(Seconds(4));
+  fixture.jump(-hours(24 * 40));
+  fixture.run(minutes(10) - Seconds(4));
+  CHECK(fixture.stored == stored);
+  fixture.run(Seconds(8));
+  REQUIRE(fixture.stored.size() == stored.size() + 1);
+  CHECK(fixture.stored.back() <= fixture.now.utc);
 }
 
 TEST_CASE("a jump is more than 2 s, whichever way; what a time server corrects little by little is none") {
   for (const Duration by : {Duration(Seconds(3)), Duration(-Seconds(3))}) {
-    Bench bench;
-    bench.run(minutes(8));
-    bench.jump(by);
-    bench.run(minutes(9));
-    CHECK(bench.stored.empty());
+    Fixture fixture;
+    fixture.run(minutes(8));
+    fixture.jump(by);
+    fixture.run(minutes(9));
+    CHECK(fixture.stored.empty());
   }
-  Bench slewed;
+  Fixture slewed;
   for (int i = 0; i < 40; ++i) {
     slewed.jump(std::chrono::milliseconds(100));
     slewed.run(minutes(1));
@@ -81,46 +81,46 @@ TEST_CASE("a jump is more than 2 s, whichever way; what a time server corrects l
 
 TEST_CASE("two seconds to the dot are no jump yet, and five minutes ahead of the others not too much") {
   for (const Duration by : {Duration(Seconds(2)), Duration(-Seconds(2))}) {
-    Bench bench;
-    bench.run(minutes(8));
-    bench.jump(by);
-    bench.run(minutes(3));
-    CHECK(bench.stored.size() == 1);
+    Fixture fixture;
+    fixture.run(minutes(8));
+    fixture.jump(by);
+    fixture.run(minutes(3));
+    CHECK(fixture.stored.size() == 1);
   }
-  Bench bench;
-  bench.peer(-minutes(5));
-  bench.run(minutes(15));
-  CHECK(bench.stored.size() == 1);
+  Fixture fixture;
+  fixture.peer(-minutes(5));
+  fixture.run(minutes(15));
+  CHECK(fixture.stored.size() == 1);
 }
 
 TEST_CASE("a clock that is ahead of most peers' is not believed, however steady") {
-  Bench bench;
+  Fixture fixture;
   SUBCASE("of two of three") {
-    bench.peer(-minutes(6));
-    bench.peer(-hours(24 * 40));
-    bench.peer({});
-    bench.run(minutes(30));
-    CHECK(bench.stored.empty());
+    fixture.peer(-minutes(6));
+    fixture.peer(-hours(24 * 40));
+    fixture.peer({});
+    fixture.run(minutes(30));
+    CHECK(fixture.stored.empty());
   }
   SUBCASE("a half of them is no majority, nor is one that is a little behind, or ahead") {
-    bench.peer(-minutes(6));
-    bench.peer(-minutes(4));
-    bench.peer(minutes(9));
-    bench.peer(-minutes(9));
-    bench.run(minutes(15));
-    CHECK(bench.stored.size() == 1);
+    fixture.peer(-minutes(6));
+    fixture.peer(-minutes(4));
+    fixture.peer(minutes(9));
+    fixture.peer(-minutes(9));
+    fixture.run(minutes(15));
+    CHECK(fixture.stored.size() == 1);
   }
 }
 
 TEST_CASE("no clock overflows it") {
   for (const std::int64_t utc : {kMost, kLeast}) {
-    Bench bench;
-    bench.peers = {kMost, kLeast, kLeast};
-    bench.now.utc = {utc};
-    bench.clock.watch(bench.now);
-    CHECK_FALSE(bench.clock.to_store(bench.now, [&] { return bench.peers; }));
-    bench.clock.start({utc}, {{1}, {0}});
-    CHECK_FALSE(bench.clock.to_store({{2}, {0}}, [&] { return bench.peers; }));
+    Fixture fixture;
+    fixture.peers = {kMost, kLeast, kLeast};
+    fixture.now.utc = {utc};
+    fixture.clock.watch(fixture.now);
+    CHECK_FALSE(fixture.clock.to_store(fixture.now, [&] { return fixture.peers; }));
+    fixture.clock.start({utc}, {{1}, {0}});
+    CHECK_FALSE(fixture.clock.to_store({{2}, {0}}, [&] { return fixture.peers; }));
   }
 }
 

@@ -99,10 +99,10 @@ void check_upkeep(const Counted& counted, const OwnParameters& p) {
 }
 
 void check_nothing_else(const Counted& counted) {
-  for (const auto& [subtype, messages] : counted.counts.all) {
-    CAPTURE(subtype);
-    CAPTURE(messages);
-    CHECK(std::ranges::any_of(model::own_terms(), [&](const OwnTerm& term) { return term.subtype == subtype; }));
+  for (const auto& row : counted.counts.all) {
+    CAPTURE(row.first);
+    CAPTURE(row.second);
+    CHECK(std::ranges::any_of(model::own_terms(), [&](const OwnTerm& term) { return term.subtype == row.first; }));
   }
 }
 
@@ -144,19 +144,18 @@ TEST_CASE("own model and counts agree term by term: tasks in turn") {
     double task_s;
     const char* link;
   };
-  for (const auto& [robots, tasks, task_s, link] :
-       {Case{1, 4, 3, "lan"}, Case{2, 3, 3, "wifi"}, Case{3, 9, 3, "lan"}, Case{4, 16, 2.7, "lan"},
-        Case{5, 9, 3, "lan"}, Case{6, 6, 4, "lan"}, Case{8, 12, 1.7, "lan"}}) {
-    CAPTURE(robots);
-    CAPTURE(tasks);
+  for (const Case& one : {Case{1, 4, 3, "lan"}, Case{2, 3, 3, "wifi"}, Case{3, 9, 3, "lan"}, Case{4, 16, 2.7, "lan"},
+                          Case{5, 9, 3, "lan"}, Case{6, 6, 4, "lan"}, Case{8, 12, 1.7, "lan"}}) {
+    CAPTURE(one.robots);
+    CAPTURE(one.tasks);
     WorldPlan plan;
-    plan.robots = robots;
-    plan.tasks = tasks;
-    plan.task.mean_s = task_s;
-    plan.seed = robots;
-    plan.link = *find_link_kind(link);
+    plan.robots = one.robots;
+    plan.tasks = one.tasks;
+    plan.task.mean_s = one.task_s;
+    plan.seed = one.robots;
+    plan.link = *find_link_kind(one.link);
     plan.link.loss = 0;  // what is lost is owed, and sent again
-    check_world(plan, model::own_parameters_of(model::tasks_in_turn(robots, tasks), {}, task_s));
+    check_world(plan, model::own_parameters_of(model::tasks_in_turn(one.robots, one.tasks), {}, one.task_s));
   }
 }
 

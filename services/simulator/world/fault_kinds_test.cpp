@@ -141,18 +141,23 @@ TEST_CASE("fault: a battery lasts as long as its robot works, then another robot
 }
 
 TEST_CASE("fault: the cloud asks what a battery has left, and gives the task to the robot with more") {
-  for (const auto& [r0, r2, taken] : {std::tuple{90.0, 25.0, "r0"}, std::tuple{25.0, 90.0, "r2"}}) {
-    CAPTURE(taken);
+  struct Case {
+    double r0, r2;
+    const char* taken;
+  };
+  for (const Case& one : {Case{90, 25, "r0"}, Case{25, 90, "r2"}}) {
+    CAPTURE(one.taken);
     World world(plan_of(
-        3, 3, {battery_of("r0", {.percent = r0}), battery_of("r2", {.percent = r2}), {0.5, FaultKind::fail, "r1"}}));
+        3, 3,
+        {battery_of("r0", {.percent = one.r0}), battery_of("r2", {.percent = one.r2}), {0.5, FaultKind::fail, "r1"}}));
     std::string by;
-    Robot& robot = *world.nodes().at(taken)->robot();
-    robot.on_begin = [&, then = robot.on_begin, &node = *world.nodes().at(taken)] {
-      if (node.order().key.task == "t1") by = taken;
+    Robot& robot = *world.nodes().at(one.taken)->robot();
+    robot.on_begin = [&, then = robot.on_begin, &node = *world.nodes().at(one.taken)] {
+      if (node.order().key.task == "t1") by = one.taken;
       then();
     };
     check_all_done(world.play(), 3);
-    CHECK(by == taken);
+    CHECK(by == one.taken);
   }
 }
 

@@ -7,8 +7,8 @@ namespace trb::virtual_robots::abb {
 VirtualAbb::VirtualAbb(const Settings& settings)
     : clock_(settings.speed),
       controller_(settings.failures),
-      program_({settings.address, settings.port}, 1, TcpServer::Extra::Waits),
-      service_({settings.address, settings.service_port}, 1, TcpServer::Extra::Waits),
+      program_({settings.address, settings.port}, 1, TcpServer::Extra::waits),
+      service_({settings.address, settings.service_port}, 1, TcpServer::Extra::waits),
       console_(settings.control) {}
 
 void VirtualAbb::run(const Fd& end) {

@@ -30,30 +30,30 @@ double brake(double speed, double seconds) {
 }  // namespace
 
 bool Aircraft::take_off() {
-  if (phase_ == Phase::Landing) {
-    phase_ = z_ < kHoverHeight_m ? Phase::TakingOff : Phase::Flying;
-  } else if (phase_ == Phase::Landed) {
+  if (phase_ == Phase::landing) {
+    phase_ = z_ < kHoverHeight_m ? Phase::taking_off : Phase::flying;
+  } else if (phase_ == Phase::landed) {
     if (battery_low()) return false;
-    phase_ = Phase::TakingOff;
+    phase_ = Phase::taking_off;
   }
-  return phase_ != Phase::Cut;
+  return phase_ != Phase::cut;
 }
 
 void Aircraft::land() {
-  if (in_air()) phase_ = Phase::Landing;
+  if (in_air()) phase_ = Phase::landing;
 }
 
 void Aircraft::cut_motors() {
-  phase_ = Phase::Cut;
+  phase_ = Phase::cut;
   stick_ = {};
 }
 
 void Aircraft::restore() {
-  if (phase_ == Phase::Cut) phase_ = Phase::Landed;
+  if (phase_ == Phase::cut) phase_ = Phase::landed;
 }
 
 Phase Aircraft::phase() const {
-  return phase_ == Phase::Flying && stick_ == Stick{} ? Phase::Hovering : phase_;
+  return phase_ == Phase::flying && stick_ == Stick{} ? Phase::hovering : phase_;
 }
 
 void Aircraft::advance(double seconds) {
@@ -68,7 +68,7 @@ void Aircraft::advance(double seconds) {
 
 void Aircraft::step(double seconds) {
   drain(seconds);
-  if (phase_ == Phase::Landed) {
+  if (phase_ == Phase::landed) {
     forward_ = right_ = climb_ = 0;
     return;
   }
@@ -76,22 +76,22 @@ void Aircraft::step(double seconds) {
   x_ += (forward_ * std::cos(heading_) - right_ * std::sin(heading_)) * seconds;
   y_ += (forward_ * std::sin(heading_) + right_ * std::cos(heading_)) * seconds;
   z_ = std::clamp(z_ + climb_ * seconds, 0.0, std::max(ceiling_, kHoverHeight_m));
-  if (phase_ == Phase::TakingOff && z_ >= kHoverHeight_m) phase_ = Phase::Flying;
-  if (phase_ == Phase::Landing && z_ <= 0) phase_ = Phase::Landed;
-  if (phase_ == Phase::Cut && z_ <= 0) forward_ = right_ = climb_ = 0;
+  if (phase_ == Phase::taking_off && z_ >= kHoverHeight_m) phase_ = Phase::flying;
+  if (phase_ == Phase::landing && z_ <= 0) phase_ = Phase::landed;
+  if (phase_ == Phase::cut && z_ <= 0) forward_ = right_ = climb_ = 0;
 }
 
 void Aircraft::fly(double seconds) {
-  const bool steered = phase() == Phase::Flying;
+  const bool steered = phase() == Phase::flying;
   forward_ = steered ? towards(forward_, -stick_.pitch * kFastest_m_s, seconds) : brake(forward_, seconds);
   right_ = steered ? towards(right_, stick_.roll * kFastest_m_s, seconds) : brake(right_, seconds);
-  if (phase_ == Phase::Flying) {
+  if (phase_ == Phase::flying) {
     climb_ = steered ? towards(climb_, stick_.gaz * kClimb_m_s, seconds) : brake(climb_, seconds);
     heading_ = std::remainder(heading_ + stick_.yaw * kTurn_rad_s * seconds, 2 * M_PI);
-  } else if (phase_ == Phase::Cut) {
+  } else if (phase_ == Phase::cut) {
     climb_ -= kGravity * seconds;
   } else {
-    climb_ = phase_ == Phase::TakingOff ? kTakeOff_m_s : -kLanding_m_s;
+    climb_ = phase_ == Phase::taking_off ? kTakeOff_m_s : -kLanding_m_s;
   }
 }
 

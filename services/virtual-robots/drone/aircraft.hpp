@@ -5,7 +5,7 @@
 namespace trb::virtual_robots::drone {
 
 /** The aircraft's phase, numbered as in the maker's navdata. */
-enum class Phase : std::uint8_t { Cut = 0, Landed = 2, Flying = 3, Hovering = 4, TakingOff = 6, Landing = 8 };
+enum class Phase : std::uint8_t { cut = 0, landed = 2, flying = 3, hovering = 4, taking_off = 6, landing = 8 };
 
 /** Fractions of the largest tilt or speed, -1 to 1, as in PCMD: forward is a negative pitch, right and up positive.
  */
@@ -41,7 +41,7 @@ class Aircraft {
   void advance(double seconds);
 
   Phase phase() const;
-  bool in_air() const { return phase_ != Phase::Landed && phase_ != Phase::Cut; }
+  bool in_air() const { return phase_ != Phase::landed && phase_ != Phase::cut; }
   bool battery_low() const { return battery_ < kLowBattery; }
   double battery() const { return battery_; }
   double x() const { return x_; }
@@ -59,7 +59,7 @@ class Aircraft {
   void fly(double seconds);
   void drain(double seconds);
 
-  Phase phase_ = Phase::Landed;  ///< never Hovering: that is Flying without a stick command
+  Phase phase_ = Phase::landed;  ///< never Hovering: that is Flying without a stick command
   Stick stick_;
   double ceiling_ = 3;
   double battery_ = 100;

@@ -15,17 +15,17 @@ constexpr double kMostOptions = 0xffffffff;
 
 std::string_view name_of(Phase phase) {
   switch (phase) {
-    case Phase::Cut:
+    case Phase::cut:
       return "cut";
-    case Phase::Landed:
+    case Phase::landed:
       return "landed";
-    case Phase::Flying:
+    case Phase::flying:
       return "flying";
-    case Phase::Hovering:
+    case Phase::hovering:
       return "hovering";
-    case Phase::TakingOff:
+    case Phase::taking_off:
       return "taking_off";
-    case Phase::Landing:
+    case Phase::landing:
       break;
   }
   return "landing";

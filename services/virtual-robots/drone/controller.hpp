@@ -60,7 +60,7 @@ class Controller {
   double last_advance_;
   double last_command_;
   Aircraft aircraft_;
-  Phase told_phase_ = Phase::Landed;
+  Phase told_phase_ = Phase::landed;
   std::uint32_t last_sequence_ = 0;
   std::uint32_t navdata_sequence_ = 0;
   std::uint32_t injected_ = 0;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <map>
 
 #include "services/virtual-robots/drone/controller.hpp"
@@ -23,7 +24,7 @@ class Pilot {
   void raw(const std::string& datagram) { drone_.take(datagram, now_); }
   /** The state, sent as a real client sends it. */
   void fly(double seconds, const std::string& reference, const std::string& motion = "0,0,0,0,0") {
-    for (double t = 0; t < seconds - 1e-9; t += 0.03) {
+    for (int left = static_cast<int>(std::ceil((seconds - 1e-9) / 0.03)); left > 0; --left) {
       now_ += 0.03;
       send("REF", reference);
       send("PCMD", motion);
@@ -31,7 +32,11 @@ class Pilot {
   }
   /** In the steps of the loop around it. */
   void pass(double seconds) {
-    for (double left = seconds; left > 0; left -= 0.05) drone_.advance(now_ += std::min(left, 0.05));
+    double left = seconds;
+    while (left > 0) {
+      drone_.advance(now_ += std::min(left, 0.05));
+      left -= 0.05;
+    }
   }
   bool said(const std::string& line) {
     for (std::string& event : drone_.take_events()) events_.push_back(std::move(event));
@@ -170,15 +175,15 @@ TEST_CASE("a healthy drone says that its camera and its PIC's version are well")
 TEST_CASE("take-off, hover and land take their time") {
   Pilot pilot;
   pilot.fly(0.3, kAir);
-  CHECK(pilot.aircraft().phase() == Phase::TakingOff);
+  CHECK(pilot.aircraft().phase() == Phase::taking_off);
   CHECK((pilot.state() & bits::kFlying) != 0);
   pilot.fly(2, kAir);
-  CHECK(pilot.aircraft().phase() == Phase::Hovering);
+  CHECK(pilot.aircraft().phase() == Phase::hovering);
   CHECK(pilot.aircraft().altitude() == doctest::Approx(0.8).epsilon(0.05));
   pilot.fly(0.5, kGround);
-  CHECK(pilot.aircraft().phase() == Phase::Landing);
+  CHECK(pilot.aircraft().phase() == Phase::landing);
   pilot.fly(2, kGround);
-  CHECK(pilot.aircraft().phase() == Phase::Landed);
+  CHECK(pilot.aircraft().phase() == Phase::landed);
   CHECK((pilot.state() & bits::kFlying) == 0);
   CHECK(pilot.said("state landed"));
 }
@@ -188,11 +193,11 @@ TEST_CASE("it flies where it is tilted to, and stands when it is told to hover")
   pilot.fly(2.5, kAir);
   pilot.fly(2, kAir, "1,0,-1085485875,0,0");  // pitch -0.8: forward
   CHECK(pilot.aircraft().forward_speed() == doctest::Approx(2.4).epsilon(0.02));
-  CHECK(pilot.aircraft().phase() == Phase::Flying);
+  CHECK(pilot.aircraft().phase() == Phase::flying);
   CHECK(pilot.aircraft().x() > 3);
   pilot.fly(2, kAir);
   CHECK(pilot.aircraft().forward_speed() == 0);
-  CHECK(pilot.aircraft().phase() == Phase::Hovering);
+  CHECK(pilot.aircraft().phase() == Phase::hovering);
 }
 
 TEST_CASE(
@@ -212,12 +217,12 @@ TEST_CASE("a number that does not rise is ignored; 1 is a client that has starte
   pilot.raw("AT*REF=500," + kAir + "\r");
   pilot.raw("AT*REF=500," + kGround + "\r");
   pilot.raw("AT*REF=499," + kGround + "\r");
-  CHECK(pilot.aircraft().phase() == Phase::TakingOff);
+  CHECK(pilot.aircraft().phase() == Phase::taking_off);
   CHECK(pilot.said("ignored REF 499 after 500"));
   pilot.raw("AT*REF=1," + kGround + "\r");
-  CHECK(pilot.aircraft().phase() == Phase::Landing);
+  CHECK(pilot.aircraft().phase() == Phase::landing);
   pilot.raw("AT*REF=2," + kAir + "\r");
-  CHECK(pilot.aircraft().phase() == Phase::TakingOff);
+  CHECK(pilot.aircraft().phase() == Phase::taking_off);
 }
 
 TEST_CASE("comWatchdog comes after 50 ms, communicationLost after 2 s; COMWDG clears both") {
@@ -246,18 +251,18 @@ TEST_CASE("after a silence it does not take off, nor obey in the air, until COMW
     pilot.pass(silence);
     pilot.sequence_ = std::max(pilot.sequence_, 7U);
     pilot.fly(0.1, kAir);
-    CHECK(pilot.aircraft().phase() == Phase::Landed);
+    CHECK(pilot.aircraft().phase() == Phase::landed);
     pilot.send("COMWDG");
     pilot.fly(3, kAir);
-    CHECK(pilot.aircraft().phase() == Phase::Hovering);
+    CHECK(pilot.aircraft().phase() == Phase::hovering);
     pilot.fly(0.5, kAir, "1,0,-1085485875,0,0");
     pilot.pass(silence);
-    CHECK(pilot.aircraft().phase() == Phase::Hovering);
+    CHECK(pilot.aircraft().phase() == Phase::hovering);
     pilot.fly(0.5, kAir, "1,0,-1085485875,0,0");
-    CHECK(pilot.aircraft().phase() == Phase::Hovering);
+    CHECK(pilot.aircraft().phase() == Phase::hovering);
     pilot.send("COMWDG");
     pilot.fly(0.5, kAir, "1,0,-1085485875,0,0");
-    CHECK(pilot.aircraft().phase() == Phase::Flying);
+    CHECK(pilot.aircraft().phase() == Phase::flying);
   }
 }
 
@@ -268,7 +273,7 @@ TEST_CASE("a client that is only late is obeyed, and the first one needs no COMW
   pilot.send("REF", kAir);
   pilot.pass(0.2);
   pilot.send("REF", kGround);
-  CHECK(pilot.aircraft().phase() == Phase::Landing);
+  CHECK(pilot.aircraft().phase() == Phase::landing);
 }
 
 TEST_CASE("a lost client is told nothing until it wakes the drone again; without a command for 4 s it lands") {
@@ -277,9 +282,9 @@ TEST_CASE("a lost client is told nothing until it wakes the drone again; without
   CHECK(pilot.drone().tells());
   pilot.pass(2.1);
   CHECK(!pilot.drone().tells());
-  CHECK(pilot.aircraft().phase() == Phase::Hovering);
+  CHECK(pilot.aircraft().phase() == Phase::hovering);
   pilot.pass(2);
-  CHECK(pilot.aircraft().phase() == Phase::Landing);
+  CHECK(pilot.aircraft().phase() == Phase::landing);
   pilot.drone().wake(false);
   CHECK(pilot.drone().tells());
   CHECK((pilot.state() & bits::kComLost) != 0);
@@ -292,11 +297,11 @@ TEST_CASE("emergency is toggled by the bit's edge: motors cut, and back on the g
   CHECK((pilot.state() & bits::kEmergency) != 0);
   CHECK(pilot.aircraft().altitude() == 0);
   pilot.fly(1, kAir);
-  CHECK(pilot.aircraft().phase() == Phase::Cut);
+  CHECK(pilot.aircraft().phase() == Phase::cut);
   pilot.fly(0.5, kGround);
   pilot.fly(0.1, kToggle);
   CHECK((pilot.state() & bits::kEmergency) == 0);
-  CHECK(pilot.aircraft().phase() == Phase::Landed);
+  CHECK(pilot.aircraft().phase() == Phase::landed);
 }
 
 TEST_CASE("a fault by word cuts the motors with its cause; clear gives them back") {
@@ -315,13 +320,13 @@ TEST_CASE("the battery drains in the air, keeps it on the ground when low, and l
   pilot.drone().set_battery(19);
   CHECK((pilot.state() & bits::kBatteryLow) != 0);
   pilot.fly(1, kAir);
-  CHECK(pilot.aircraft().phase() == Phase::Hovering);
+  CHECK(pilot.aircraft().phase() == Phase::hovering);
   pilot.drone().set_battery(3);
   pilot.pass(0.1);
-  CHECK(pilot.aircraft().phase() == Phase::Landing);
+  CHECK(pilot.aircraft().phase() == Phase::landing);
   pilot.fly(3, kGround);
   pilot.fly(0.1, kAir);
-  CHECK(pilot.aircraft().phase() == Phase::Landed);
+  CHECK(pilot.aircraft().phase() == Phase::landed);
   CHECK(pilot.said("take_off_refused battery_low"));
 }
 
@@ -343,7 +348,7 @@ TEST_CASE("a setting is acknowledged by a bit until it is put down; the flight i
 TEST_CASE("robot time runs faster, its watchdog does not") {
   Pilot pilot(10);
   pilot.fly(0.3, kAir);
-  CHECK(pilot.aircraft().phase() == Phase::Hovering);
+  CHECK(pilot.aircraft().phase() == Phase::hovering);
   pilot.pass(1.9);
   CHECK((pilot.state() & bits::kComLost) == 0);
 }
@@ -360,5 +365,5 @@ TEST_CASE("what is no command, or not for it, changes nothing and is said") {
   CHECK(pilot.said("rejected REF"));
   CHECK(pilot.said("rejected CONFIG"));
   CHECK(pilot.said("unknown DANCE 1"));
-  CHECK(pilot.aircraft().phase() == Phase::Landed);
+  CHECK(pilot.aircraft().phase() == Phase::landed);
 }

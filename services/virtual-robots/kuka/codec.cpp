@@ -63,7 +63,7 @@ std::string reply(const Request& request, std::string_view value, Code code) {
   std::string body(1, static_cast<char>(request.type));
   if (request.type <= 1) body += u16(value.size()) + std::string(value);
   body += u16(static_cast<std::size_t>(code));
-  body += code == Code::Success ? '\1' : '\0';
+  body += code == Code::success ? '\1' : '\0';
   return u16(request.tag) + u16(body.size()) + body;
 }
 

@@ -17,7 +17,7 @@ struct Request {
 };
 
 /** Error codes of the C3 server. */
-enum class Code : std::uint16_t { General = 0, Success = 1, NotImplemented = 7, Protocol = 9 };
+enum class Code : std::uint16_t { general = 0, success = 1, not_implemented = 7, protocol = 9 };
 
 /** Takes one request off the front of the bytes; nothing while it is not complete. */
 std::optional<Request> take_request(std::string& bytes);

@@ -28,10 +28,10 @@ TEST_CASE("a read and a write, split anywhere") {
 
 TEST_CASE("replies: the golden bytes") {
   Request request{7, 0, "$OV_PRO", "", true};
-  CHECK(reply(request, "100", Code::Success) == "\x00\x07\x00\x09\x00\x00\x03\x31\x30\x30\x00\x01\x01"s);
-  CHECK(reply(request, "", Code::General) == "\x00\x07\x00\x06\x00\x00\x00\x00\x00\x00"s);
+  CHECK(reply(request, "100", Code::success) == "\x00\x07\x00\x09\x00\x00\x03\x31\x30\x30\x00\x01\x01"s);
+  CHECK(reply(request, "", Code::general) == "\x00\x07\x00\x06\x00\x00\x00\x00\x00\x00"s);
   request.type = 12;
-  CHECK(reply(request, "", Code::NotImplemented) == "\x00\x07\x00\x04\x0c\x00\x07\x00"s);
+  CHECK(reply(request, "", Code::not_implemented) == "\x00\x07\x00\x04\x0c\x00\x07\x00"s);
 }
 
 TEST_CASE("lengths that contradict each other") {

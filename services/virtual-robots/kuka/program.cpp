@@ -41,22 +41,22 @@ void Program::declare_variables() {
   Variables& v = variables_;
   for (const char* name :
        {"TRB_TYPE", "TRB_SUBTYPE", "TRB_SOURCE", "TRB_OUT_TYPE", "TRB_OUT_SUBTYPE", "TRB_OUT_TARGET"}) {
-    v.declare(name, Type::Text, "", kRoom);
+    v.declare(name, Type::text, "", kRoom);
   }
   for (const char* name : {"TRB_DATA", "TRB_OUT_DATA", "TRB_TEXT", "TRB_ERROR"})
-    v.declare(name, Type::Text, "", kDataRoom);
+    v.declare(name, Type::text, "", kDataRoom);
   for (const char* name : {"TRB_SIZE", "TRB_NUMBER", "TRB_DONE_NUMBER", "TRB_RESULT", "TRB_OUT_SIZE"}) {
-    v.declare(name, Type::Int, "0");
+    v.declare(name, Type::int_, "0");
   }
   for (const char* name : {"TRB_CHUNK", "TRB_COMMAND", "TRB_DONE", "TRB_OUT", "TRB_STOP", "TRB_STOPPED"}) {
-    v.declare(name, Type::Bool, "FALSE");
+    v.declare(name, Type::bool_, "FALSE");
   }
   // As trb.dat has them before anybody has written them.
-  v.declare("TRB_AXIS", Type::Axis, "{A1 0,A2 -90,A3 90}");
-  v.declare("TRB_POS", Type::Pos, "{S 2,T 35}");
-  v.declare("$OV_PRO", Type::Int, "100");
-  v.declare("$STOPMESS", Type::Bool, "FALSE");
-  v.declare("$ALARM_STOP", Type::Bool, "TRUE");  // as on the controller: FALSE while the emergency stop is pressed
+  v.declare("TRB_AXIS", Type::axis, "{A1 0,A2 -90,A3 90}");
+  v.declare("TRB_POS", Type::pos, "{S 2,T 35}");
+  v.declare("$OV_PRO", Type::int_, "100");
+  v.declare("$STOPMESS", Type::bool_, "FALSE");
+  v.declare("$ALARM_STOP", Type::bool_, "TRUE");  // as on the controller: FALSE while the emergency stop is pressed
   v.declare_live("$MODE_OP", [] { return std::string("#EX"); });
   v.declare_live("$PRO_STATE1", [this] { return std::string(running_ ? "#P_ACTIVE" : "#P_RESET"); });
   v.declare_live("$AXIS_ACT", [this] { return axis_text(); });
@@ -65,12 +65,12 @@ void Program::declare_variables() {
 
 std::string Program::axis_text() const {
   const arm::Joints joints = arm_.joints(now_);
-  return structure_text(Type::Axis, {joints.begin(), joints.end()});
+  return structure_text(Type::axis, {joints.begin(), joints.end()});
 }
 
 std::string Program::pose_text() const {
   const arm::Pose pose = arm_.pose(now_);
-  return structure_text(Type::Pos, {pose.x, pose.y, pose.z, pose.a, pose.b, pose.c, 2, 35});
+  return structure_text(Type::pos, {pose.x, pose.y, pose.z, pose.a, pose.b, pose.c, 2, 35});
 }
 
 void Program::advance(double now) {

@@ -15,7 +15,7 @@ std::string upper(std::string_view text) {
 }
 
 bool is_structure(Type type) {
-  return type == Type::Axis || type == Type::Pos;
+  return type == Type::axis || type == Type::pos;
 }
 
 /** The contents of a quoted text of printable characters. */
@@ -33,7 +33,7 @@ bool set_parts(Type type, std::string_view text, std::vector<double>& parts) {
   if (const std::size_t colon = text.find(':'); colon != std::string_view::npos) {
     const std::string name = upper(trim(text.substr(0, colon)));
     const bool axis = name == "E6AXIS" || name == "AXIS";
-    if (type == Type::Axis ? !axis : name != "E6POS" && name != "POS" && name != "FRAME") return false;
+    if (type == Type::axis ? !axis : name != "E6POS" && name != "POS" && name != "FRAME") return false;
     text.remove_prefix(colon + 1);
   }
   const std::vector<std::string>& names = components_of(type);
@@ -55,7 +55,7 @@ const std::vector<std::string>& components_of(Type type) {
   static const std::vector<std::string> axis = {"A1", "A2", "A3", "A4", "A5", "A6", "E1", "E2", "E3", "E4", "E5", "E6"};
   static const std::vector<std::string> pos = {"X", "Y",  "Z",  "A",  "B",  "C",  "S",
                                                "T", "E1", "E2", "E3", "E4", "E5", "E6"};
-  return type == Type::Axis ? axis : pos;
+  return type == Type::axis ? axis : pos;
 }
 
 std::string structure_text(Type type, const std::vector<double>& parts) {
@@ -66,7 +66,7 @@ std::string structure_text(Type type, const std::vector<double>& parts) {
     const double part = i < parts.size() ? parts[i] : 0;
     out += (i == 0 ? "" : ", ") + names[i] + " " + format_fixed(part, whole ? 0 : 4);
   }
-  return std::string(type == Type::Axis ? "{E6AXIS: " : "{E6POS: ") + out + "}";
+  return std::string(type == Type::axis ? "{E6AXIS: " : "{E6POS: ") + out + "}";
 }
 
 void Variables::declare(const std::string& name, Type type, const std::string& value, std::size_t room) {
@@ -97,7 +97,7 @@ std::string Variables::key_of(std::string_view name, std::string& component) con
   }
   const auto found = variables_.find(wanted);
   if (found == variables_.end()) return {};
-  const bool is_text = !found->second.live && found->second.type == Type::Text;
+  const bool is_text = !found->second.live && found->second.type == Type::text;
   return array == is_text ? wanted : std::string();
 }
 
@@ -108,7 +108,7 @@ std::optional<std::string> Variables::read(std::string_view name) const {
   const Variable& found = variables_.at(key);
   std::string value = found.live ? found.live() : found.value;
   if (!found.live && is_structure(found.type)) value = structure_text(found.type, found.parts);
-  if (component.empty()) return found.type == Type::Text && !found.live ? '"' + value + '"' : value;
+  if (component.empty()) return found.type == Type::text && !found.live ? '"' + value + '"' : value;
   const std::size_t at = value.find(" " + component + " ");
   if (value.empty() || value.front() != '{' || at == std::string::npos) return std::nullopt;
   const std::size_t begin = at + component.size() + 2;
@@ -126,25 +126,25 @@ bool Variables::write(std::string_view name, std::string_view value) {
            set_parts(found.type, "{" + component + " " + std::string(value) + "}", found.parts);
   }
   switch (found.type) {
-    case Type::Axis:
-    case Type::Pos:
+    case Type::axis:
+    case Type::pos:
       return set_parts(found.type, value, found.parts);
-    case Type::Text: {
+    case Type::text: {
       const auto text = quoted(value);
       if (!text || text->size() > found.room) return false;
       found.value = *text;
       return true;
     }
-    case Type::Bool:
+    case Type::bool_:
       if (upper(value) != "TRUE" && upper(value) != "FALSE") return false;
       break;
-    case Type::Int:
+    case Type::int_:
       if (!parse_integer(value)) return false;
       break;
-    case Type::Real:
+    case Type::real:
       if (!parse_number(value)) return false;
       break;
-    case Type::Enum:
+    case Type::enum_:
       if (!value.starts_with('#')) return false;
       break;
   }
@@ -166,7 +166,7 @@ std::vector<double> Variables::numbers(const std::string& name) const {
 
 void Variables::set(const std::string& name, const std::string& value) {
   Variable& variable = variables_.at(name);
-  variable.value = variable.type == Type::Text ? value.substr(0, variable.room) : value;
+  variable.value = variable.type == Type::text ? value.substr(0, variable.room) : value;
 }
 
 std::size_t Variables::room(const std::string& name) const {

@@ -9,7 +9,7 @@
 
 namespace trb::virtual_robots::kuka {
 
-enum class Type { Bool, Int, Real, Text, Axis, Pos, Enum };
+enum class Type { bool_, int_, real, text, axis, pos, enum_ };
 
 /** A structure's components in KRL's order: A1 … A6, or X Y Z A B C S T, then E1 … E6. */
 const std::vector<std::string>& components_of(Type type);

@@ -8,10 +8,10 @@ namespace {
 
 Variables some() {
   Variables variables;
-  variables.declare("FLAG", Type::Bool, "FALSE");
-  variables.declare("COUNT", Type::Int, "0");
-  variables.declare("NAME", Type::Text, "", 5);
-  variables.declare("GOAL", Type::Axis, "");
+  variables.declare("FLAG", Type::bool_, "FALSE");
+  variables.declare("COUNT", Type::int_, "0");
+  variables.declare("NAME", Type::text, "", 5);
+  variables.declare("GOAL", Type::axis, "");
   variables.declare_live("$MODE_OP", [] { return std::string("#EX"); });
   return variables;
 }
@@ -39,15 +39,15 @@ TEST_CASE("what the controller refuses") {
   CHECK_FALSE(variables.read("NAME"));
   CHECK_FALSE(variables.read("FLAG[]"));
   CHECK_FALSE(variables.read("GOAL.X"));
-  for (const auto& [name, value] : std::vector<std::pair<std::string, std::string>>{{"NOBODY", "1"},
-                                                                                    {"FLAG", "1"},
-                                                                                    {"COUNT", "1.5"},
-                                                                                    {"NAME[]", "plain"},
-                                                                                    {"NAME[]", "\"a\"b\""},
-                                                                                    {"NAME[]", "\"too long\""},
-                                                                                    {"GOAL", "{E6POS: X 1}"},
-                                                                                    {"GOAL", "{X 1}"},
-                                                                                    {"$MODE_OP", "#T1"}}) {
-    CHECK_FALSE_MESSAGE(variables.write(name, value), name, " = ", value);
+  for (const auto& one : std::vector<std::pair<std::string, std::string>>{{"NOBODY", "1"},
+                                                                          {"FLAG", "1"},
+                                                                          {"COUNT", "1.5"},
+                                                                          {"NAME[]", "plain"},
+                                                                          {"NAME[]", "\"a\"b\""},
+                                                                          {"NAME[]", "\"too long\""},
+                                                                          {"GOAL", "{E6POS: X 1}"},
+                                                                          {"GOAL", "{X 1}"},
+                                                                          {"$MODE_OP", "#T1"}}) {
+    CHECK_FALSE_MESSAGE(variables.write(one.first, one.second), one.first, " = ", one.second);
   }
 }

@@ -33,7 +33,7 @@ void VirtualKuka::serve(TcpServer::Client& client) {
   while (auto request = take_request(client.input)) {
     if (!request->well_formed) {
       // The lengths contradict each other: what follows may be anything.
-      server_.send(client, reply(*request, "", Code::Protocol));
+      server_.send(client, reply(*request, "", Code::protocol));
       return client.drop("bad_request");
     }
     server_.send(client, answer(*request));
@@ -44,16 +44,16 @@ void VirtualKuka::serve(TcpServer::Client& client) {
 
 std::string VirtualKuka::answer(const Request& request) {
   Variables& variables = program_.variables();
-  if (request.type > 1) return reply(request, "", Code::NotImplemented);
+  if (request.type > 1) return reply(request, "", Code::not_implemented);
   program_.advance(clock_.now());
   if (request.type == 0) {
-    if (request.name == "PING") return reply(request, "PONG", Code::Success);
+    if (request.name == "PING") return reply(request, "PONG", Code::success);
     const auto value = variables.read(request.name);
-    return value ? reply(request, *value, Code::Success) : reply(request, "", Code::General);
+    return value ? reply(request, *value, Code::success) : reply(request, "", Code::general);
   }
   const bool taken = variables.write(request.name, request.value);
   print_line((taken ? "write " : "refused ") + escape_line(request.name) + " " + escape_line(request.value));
-  return taken ? reply(request, request.value, Code::Success) : reply(request, "", Code::General);
+  return taken ? reply(request, request.value, Code::success) : reply(request, "", Code::general);
 }
 
 void VirtualKuka::take_line(const std::string& line) {

@@ -45,13 +45,13 @@ std::string format_pose(const Pose& pose) {
 
 std::string_view reason_text(Reason reason) {
   switch (reason) {
-    case Reason::Busy:
+    case Reason::busy:
       return "busy";
-    case Reason::Stopped:
+    case Reason::stopped:
       return "stopped";
-    case Reason::Injected:
+    case Reason::injected:
       return "injected failure";
-    case Reason::BadData:
+    case Reason::bad_data:
       return "bad data";
   }
   return "unknown";
@@ -65,12 +65,12 @@ void Body::take(const Message& message, double now) {
 
 void Body::command(const Message& message, double now) {
   const std::string& skill = message.subtype;
-  if (stopped_) return emit(Failed{skill, Reason::Stopped});
-  if (run_) return emit(Failed{skill, Reason::Busy});
-  if (fails(skill)) return emit(Failed{skill, Reason::Injected});
+  if (stopped_) return emit(Failed{skill, Reason::stopped});
+  if (run_) return emit(Failed{skill, Reason::busy});
+  if (fails(skill)) return emit(Failed{skill, Reason::injected});
   if (skill == "go_to") {
     const auto goal = parse_pose(message.data, ' ');
-    if (!goal) return emit(Failed{skill, Reason::BadData});
+    if (!goal) return emit(Failed{skill, Reason::bad_data});
     to_ = *goal;
   }
   run_ = Run{skill, now, now + duration_of(skill)};
@@ -104,7 +104,7 @@ void Body::stop(double now) {
   if (!run_) return;
   const std::string skill = run_->skill;
   halt(now);
-  emit(Failed{skill, Reason::Stopped});
+  emit(Failed{skill, Reason::stopped});
 }
 
 void Body::advance(double now) {

@@ -27,7 +27,7 @@ struct BodySettings {
   Failures failures;
 };
 
-enum class Reason { Busy = 1, Stopped = 2, Injected = 3, BadData = 4 };
+enum class Reason { busy = 1, stopped = 2, injected = 3, bad_data = 4 };
 
 std::string_view reason_text(Reason reason);
 
@@ -40,7 +40,7 @@ struct Done {
 };
 struct Failed {
   std::string skill;
-  Reason reason = Reason::Busy;
+  Reason reason = Reason::busy;
 };
 struct Answer {
   std::string subtype;

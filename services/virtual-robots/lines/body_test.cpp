@@ -11,8 +11,8 @@ namespace {
 using Lines = std::vector<std::string>;
 
 /** A body, its clock, and its messages: `SUBTYPE DATA`, for an answer with `-> TARGET` behind it. */
-struct Bench {
-  explicit Bench(BodySettings settings = {}) : body(std::move(settings)) {}
+struct Fixture {
+  explicit Fixture(BodySettings settings = {}) : body(std::move(settings)) {}
 
   void command(const std::string& skill, const std::string& data = "") {
     body.take({"command", skill, "ui", data}, now);
@@ -40,22 +40,22 @@ struct Bench {
 }  // namespace
 
 TEST_CASE("body: go_to drives at one metre a second and says done") {
-  Bench bench({{}, {1, 0, 0}, 87, {}});
-  bench.command("go_to", "3 0 1.5");
-  CHECK(bench.body.next_deadline() == doctest::Approx(102));
-  bench.wait(0.5);
-  CHECK(bench.ask("position") == "position 1.500 0.000 0.375 -> ui");
-  bench.wait(1.5);
-  CHECK(bench.said() == Lines{"done go_to"});
-  CHECK(bench.ask("position") == "position 3.000 0.000 1.500 -> ui");
-  CHECK_FALSE(bench.body.next_deadline());
+  Fixture fixture({{}, {1, 0, 0}, 87, {}});
+  fixture.command("go_to", "3 0 1.5");
+  CHECK(fixture.body.next_deadline() == doctest::Approx(102));
+  fixture.wait(0.5);
+  CHECK(fixture.ask("position") == "position 1.500 0.000 0.375 -> ui");
+  fixture.wait(1.5);
+  CHECK(fixture.said() == Lines{"done go_to"});
+  CHECK(fixture.ask("position") == "position 3.000 0.000 1.500 -> ui");
+  CHECK_FALSE(fixture.body.next_deadline());
 }
 
 TEST_CASE("body: the shortest drive, a given duration, and the short way round") {
-  Bench near;
+  Fixture near;
   near.command("go_to", "0.01 0 0");
   CHECK(near.body.next_deadline() == doctest::Approx(100.2));
-  Bench given({{{"go_to", 4.0}}, {0, 0, 3.0}, 100, {}});
+  Fixture given({{{"go_to", 4.0}}, {0, 0, 3.0}, 100, {}});
   given.command("go_to", "1 0 -3.0");
   CHECK(given.body.next_deadline() == doctest::Approx(104));
   given.wait(2);
@@ -63,61 +63,61 @@ TEST_CASE("body: the shortest drive, a given duration, and the short way round")
 }
 
 TEST_CASE("body: a skill takes its time; a second command meanwhile is refused") {
-  Bench bench({{{"pick", 2.0}}, {}, 100, {}});
-  bench.command("pick");
-  bench.command("go_to", "1 1 1");
-  CHECK(bench.said() == Lines{"failed go_to busy"});
-  bench.command("sing");
-  CHECK(bench.said().empty());
-  bench.wait(2);
-  CHECK(bench.said() == Lines{"done pick"});
-  CHECK(bench.ask("position") == "position 0.000 0.000 0.000 -> ui");
+  Fixture fixture({{{"pick", 2.0}}, {}, 100, {}});
+  fixture.command("pick");
+  fixture.command("go_to", "1 1 1");
+  CHECK(fixture.said() == Lines{"failed go_to busy"});
+  fixture.command("sing");
+  CHECK(fixture.said().empty());
+  fixture.wait(2);
+  CHECK(fixture.said() == Lines{"done pick"});
+  CHECK(fixture.ask("position") == "position 0.000 0.000 0.000 -> ui");
 }
 
 TEST_CASE("body: stop abandons the skill where it is, until release") {
-  Bench bench;
-  bench.command("go_to", "4 0 0");
-  bench.wait(1);
-  bench.body.stop(bench.now);
-  CHECK(bench.said() == Lines{"failed go_to stopped"});
-  bench.body.stop(bench.now);
-  CHECK(bench.said().empty());
-  bench.wait(10);
-  CHECK(bench.ask("position") == "position 1.000 0.000 0.000 -> ui");
-  bench.command("go_to", "4 0 0");
-  CHECK(bench.said() == Lines{"failed go_to stopped"});
-  bench.body.release();
-  bench.command("go_to", "2 0 0");
-  bench.wait(1);
-  CHECK(bench.said() == Lines{"done go_to"});
+  Fixture fixture;
+  fixture.command("go_to", "4 0 0");
+  fixture.wait(1);
+  fixture.body.stop(fixture.now);
+  CHECK(fixture.said() == Lines{"failed go_to stopped"});
+  fixture.body.stop(fixture.now);
+  CHECK(fixture.said().empty());
+  fixture.wait(10);
+  CHECK(fixture.ask("position") == "position 1.000 0.000 0.000 -> ui");
+  fixture.command("go_to", "4 0 0");
+  CHECK(fixture.said() == Lines{"failed go_to stopped"});
+  fixture.body.release();
+  fixture.command("go_to", "2 0 0");
+  fixture.wait(1);
+  CHECK(fixture.said() == Lines{"done go_to"});
 }
 
 TEST_CASE("body: bad data and injected failures") {
-  Bench bench({{{"pick", 1.0}, {"drop", 1.0}}, {}, 100, {{"pick", {2}}, {"drop", {}}}});
-  for (const char* data : {"", "1 2", "1 2 x", "1 2 3 4", "inf 0 0", "1  2 3"}) bench.command("go_to", data);
-  CHECK(bench.said() == Lines(6, "failed go_to bad data"));
-  bench.command("pick");
-  bench.wait(1);
-  bench.command("pick");
-  bench.command("drop");
-  bench.command("pick");
-  bench.wait(1);
-  bench.command("drop");
-  CHECK(bench.said() == Lines{"done pick", "failed pick injected failure", "failed drop injected failure", "done pick",
-                              "failed drop injected failure"});
+  Fixture fixture({{{"pick", 1.0}, {"drop", 1.0}}, {}, 100, {{"pick", {2}}, {"drop", {}}}});
+  for (const char* data : {"", "1 2", "1 2 x", "1 2 3 4", "inf 0 0", "1  2 3"}) fixture.command("go_to", data);
+  CHECK(fixture.said() == Lines(6, "failed go_to bad data"));
+  fixture.command("pick");
+  fixture.wait(1);
+  fixture.command("pick");
+  fixture.command("drop");
+  fixture.command("pick");
+  fixture.wait(1);
+  fixture.command("drop");
+  CHECK(fixture.said() == Lines{"done pick", "failed pick injected failure", "failed drop injected failure",
+                                "done pick", "failed drop injected failure"});
 }
 
 TEST_CASE("body: the battery drains with work only") {
-  Bench bench({{{"lift", 90.0}}, {}, 87, {}});
-  bench.wait(1000);
-  CHECK(bench.ask("battery") == "battery 87 -> ui");
-  bench.command("lift");
-  bench.wait(60);
-  CHECK(bench.ask("battery") == "battery 86 -> ui");
-  bench.wait(1000);
-  bench.said();
-  CHECK(bench.ask("battery") == "battery 85.5 -> ui");
-  CHECK(bench.ask("weather") == "weather unknown -> ui");
+  Fixture fixture({{{"lift", 90.0}}, {}, 87, {}});
+  fixture.wait(1000);
+  CHECK(fixture.ask("battery") == "battery 87 -> ui");
+  fixture.command("lift");
+  fixture.wait(60);
+  CHECK(fixture.ask("battery") == "battery 86 -> ui");
+  fixture.wait(1000);
+  fixture.said();
+  CHECK(fixture.ask("battery") == "battery 85.5 -> ui");
+  CHECK(fixture.ask("weather") == "weather unknown -> ui");
 }
 
 TEST_CASE("reports: numbers for the numeric encoding") {
@@ -125,8 +125,8 @@ TEST_CASE("reports: numbers for the numeric encoding") {
   vocabulary.numeric = true;
   vocabulary.codes.add("subtype:pick=7");
   CHECK(message_of(Done{"pick"}, vocabulary)->data == "7");
-  CHECK(message_of(Failed{"pick", Reason::Stopped}, vocabulary)->data == "7 2");
-  CHECK(message_of(Failed{"lift", Reason::Injected}, vocabulary)->data == "0 3");
+  CHECK(message_of(Failed{"pick", Reason::stopped}, vocabulary)->data == "7 2");
+  CHECK(message_of(Failed{"lift", Reason::injected}, vocabulary)->data == "0 3");
   CHECK(parse_fault("pick CRITICAL it broke", vocabulary)->data == "7 3");
   CHECK(fault_over("pick", vocabulary).data == "7 0");
 }

@@ -50,9 +50,9 @@ std::string prefix_of(std::size_t size) {
 }  // namespace
 
 std::optional<Framing> parse_framing(std::string_view name) {
-  if (name == "newline") return Framing::Newline;
-  if (name == "length") return Framing::Length;
-  if (name == "delay") return Framing::Delay;
+  if (name == "newline") return Framing::newline;
+  if (name == "length") return Framing::length;
+  if (name == "delay") return Framing::delay;
   return std::nullopt;
 }
 
@@ -65,8 +65,8 @@ void FieldReader::add(std::string_view bytes, double now) {
 
 std::optional<Field> FieldReader::next(double now) {
   if (overflowed_) return std::nullopt;
-  auto field = rules_.framing == Framing::Newline  ? next_line()
-               : rules_.framing == Framing::Length ? next_counted()
+  auto field = rules_.framing == Framing::newline  ? next_line()
+               : rules_.framing == Framing::length ? next_counted()
                                                    : next_burst(now);
   if (!field) compact();
   return field;
@@ -104,7 +104,7 @@ std::optional<Field> FieldReader::next_burst(double now) {
 }
 
 std::optional<double> FieldReader::next_deadline() const {
-  if (rules_.framing != Framing::Delay || buffer_.size() == used_) return std::nullopt;
+  if (rules_.framing != Framing::delay || buffer_.size() == used_) return std::nullopt;
   return last_byte_ + rules_.delay_s * kBorderShare;
 }
 
@@ -127,8 +127,8 @@ void FieldReader::clear() {
 }
 
 std::string frame_field(std::string_view field, const FrameRules& rules) {
-  if (rules.framing == Framing::Delay) return std::string(field);
-  if (rules.framing == Framing::Length) return prefix_of(field.size()) + std::string(field);
+  if (rules.framing == Framing::delay) return std::string(field);
+  if (rules.framing == Framing::length) return prefix_of(field.size()) + std::string(field);
   std::string line;
   for (const char c : field) line += escape_of(c);
   return line + '\n';
@@ -139,7 +139,7 @@ std::vector<std::string> frame_data(std::string_view data, const FrameRules& rul
   std::size_t begin = 0;
   std::size_t framed = 0;
   for (std::size_t i = 0; i < data.size(); ++i) {
-    const std::size_t cost = rules.framing == Framing::Newline ? escape_of(data[i]).size() : 1;
+    const std::size_t cost = rules.framing == Framing::newline ? escape_of(data[i]).size() : 1;
     if (rules.chunk_bytes != 0 && i > begin && framed + cost > rules.chunk_bytes) {
       chunks.push_back(frame_field(data.substr(begin, i - begin), rules));
       begin = i;

@@ -8,13 +8,13 @@
 
 namespace trb::virtual_robots::lines {
 
-enum class Framing { Newline, Length, Delay };
+enum class Framing { newline, length, delay };
 
 std::optional<Framing> parse_framing(std::string_view name);
 
 /** How a stream of bytes is split into fields. */
 struct FrameRules {
-  Framing framing = Framing::Newline;
+  Framing framing = Framing::newline;
   double delay_s = 0.01;
   std::size_t chunk_bytes = 0;
 };

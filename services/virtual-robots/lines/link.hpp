@@ -10,7 +10,7 @@ namespace trb::virtual_robots::lines {
 /** The dialled connection to the node: connects, writes, reads, and dials again with back-off. */
 class Link {
  public:
-  enum class State { Waiting, Connecting, Up };
+  enum class State { waiting, connecting, up };
 
   Link(Endpoint node, std::string source) : node_(std::move(node)), source_(std::move(source)) {}
 
@@ -40,7 +40,7 @@ class Link {
   Endpoint node_;
   std::string source_;
   Fd socket_;
-  State state_ = State::Waiting;
+  State state_ = State::waiting;
   double back_off_ = 0;
   double retry_at_ = 0;
   std::string output_;

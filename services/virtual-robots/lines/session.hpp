@@ -79,7 +79,7 @@ class Session {
   void queue_field(std::string_view field) { queue(frame_field(field, settings_.frame)); }
   void queue(std::string framed);
   void emit(SessionEvent event) { events_.push_back(std::move(event)); }
-  bool delayed() const { return settings_.frame.framing == Framing::Delay; }
+  bool delayed() const { return settings_.frame.framing == Framing::delay; }
 
   SessionSettings settings_;
   FieldReader reader_;

@@ -65,7 +65,7 @@ TEST_CASE("session: chunks are collected until the size is reached, byte by byte
 
 TEST_CASE("session: the length framing carries the same messages") {
   SessionSettings settings;
-  settings.frame.framing = Framing::Length;
+  settings.frame.framing = Framing::length;
   Session session(settings);
   std::string bytes;
   for (const char* field : {"command", "say", "ui", "3", "a\nb"}) bytes += frame_field(field, settings.frame);
@@ -76,7 +76,7 @@ TEST_CASE("session: the length framing carries the same messages") {
 
 TEST_CASE("session: the delay framing spaces what it sends and cannot see an empty chunk") {
   SessionSettings settings;
-  settings.frame = {Framing::Delay, 0.010, 0};
+  settings.frame = {Framing::delay, 0.010, 0};
   settings.acknowledge = false;
   settings.own_name = "ridgeback";
   Session session(settings);
@@ -96,7 +96,7 @@ TEST_CASE("session: the delay framing spaces what it sends and cannot see an emp
 
 TEST_CASE("session: with the delay framing fields that come without a pause melt together") {
   SessionSettings settings;
-  settings.frame = {Framing::Delay, 0.010, 0};
+  settings.frame = {Framing::delay, 0.010, 0};
   Session session(settings);
   session.receive("command", 0);
   session.receive("go_to", 0.001);

@@ -37,7 +37,7 @@ void VirtualLines::run(const Fd& end) {
 }
 
 pollfd VirtualLines::poll_entry() const {
-  if (link_.state() == Link::State::Connecting) return {link_.fd(), POLLOUT, 0};
+  if (link_.state() == Link::State::connecting) return {link_.fd(), POLLOUT, 0};
   const int reading = may_read() ? POLLIN : 0;
   const int writing = link_.has_output() ? POLLOUT : 0;
   // A slow reader must not poll for a hang-up before it may read, or poll would return at once again and again.
@@ -46,7 +46,7 @@ pollfd VirtualLines::poll_entry() const {
 }
 
 void VirtualLines::serve_link(short found) {
-  if (link_.state() == Link::State::Connecting) {
+  if (link_.state() == Link::State::connecting) {
     if (!link_.finish_dial(wall_seconds())) return;
     session_.restart();
     print_line("connected");
@@ -83,7 +83,7 @@ void VirtualLines::take_console_line(const std::string& line) {
   }
   if (order == "clear") return clear_faults();
   if (order == "drop") {
-    if (link_.state() == Link::State::Up) disconnect("dropped");
+    if (link_.state() == Link::State::up) disconnect("dropped");
     return;
   }
   if (order == "say") message = parse_say(words);
@@ -110,7 +110,7 @@ void VirtualLines::clear_faults() {
 }
 
 void VirtualLines::say(const Message& message) {
-  if (link_.state() == Link::State::Up) return session_.send(message);
+  if (link_.state() == Link::State::up) return session_.send(message);
   held_.push_back(message);
   if (held_.size() <= kMostHeld) return;
   print_line("lost " + escape_line(held_.front().subtype) + " " + escape_line(held_.front().data));
@@ -123,7 +123,7 @@ void VirtualLines::step() {
   body_.advance(clock_.now());
   take_body_events();
   take_session_events();
-  if (link_.state() == Link::State::Up) write_link();
+  if (link_.state() == Link::State::up) write_link();
 }
 
 void VirtualLines::take_session_events() {
@@ -151,8 +151,8 @@ void VirtualLines::write_link() {
 
 double VirtualLines::next_deadline() const {
   double deadline = clock_.deadline(body_.next_deadline());
-  if (link_.state() == Link::State::Waiting) return std::min(deadline, link_.retry_at());
-  if (link_.state() == Link::State::Connecting) return deadline;
+  if (link_.state() == Link::State::waiting) return std::min(deadline, link_.retry_at());
+  if (link_.state() == Link::State::connecting) return deadline;
   if (const auto session = session_.next_deadline(); session && !link_.has_output()) {
     deadline = std::min(deadline, *session);
   }

@@ -17,15 +17,15 @@ Answer error(unsigned status, const std::string& code, const std::string& text) 
 
 const char* text_of(State state) {
   switch (state) {
-    case State::Ready:
+    case State::ready:
       return "Ready";
-    case State::Pause:
+    case State::pause:
       return "Pause";
-    case State::Executing:
+    case State::executing:
       return "Executing";
-    case State::EmergencyStop:
+    case State::emergency_stop:
       return "EmergencyStop";
-    case State::Error:
+    case State::error:
       break;
   }
   return "Error";

@@ -21,13 +21,13 @@ std::string guid_of(std::size_t number) {
 
 const char* name_of(QueueState state) {
   switch (state) {
-    case QueueState::Pending:
+    case QueueState::pending:
       return "Pending";
-    case QueueState::Executing:
+    case QueueState::executing:
       return "Executing";
-    case QueueState::Done:
+    case QueueState::done:
       return "Done";
-    case QueueState::Aborted:
+    case QueueState::aborted:
       break;
   }
   return "Aborted";
@@ -39,11 +39,11 @@ Robot::Robot(RobotSettings settings) : settings_(std::move(settings)), battery_(
 }
 
 State Robot::state() const {
-  if (emergency_) return State::EmergencyStop;
+  if (emergency_) return State::emergency_stop;
   if (std::any_of(errors_.begin(), errors_.end(), [](const RobotError& error) { return error.stops; }))
-    return State::Error;
-  if (paused_) return State::Pause;
-  return waiting_.empty() ? State::Ready : State::Executing;
+    return State::error;
+  if (paused_) return State::pause;
+  return waiting_.empty() ? State::ready : State::executing;
 }
 
 const QueueEntry* Robot::current() const {
@@ -67,11 +67,11 @@ void Robot::advance(double now) {
   double left = std::max(0.0, now - last_);
   last_ = now;
   battery_ = std::max(0.0, battery_ - left * kPercentASecond);
-  while (state() == State::Executing) {
+  while (state() == State::executing) {
     QueueEntry& entry = entries_.at(waiting_.front());
     const Mission& mission = *mission_of(entry);
-    if (entry.state == QueueState::Pending) {
-      entry.state = QueueState::Executing;
+    if (entry.state == QueueState::pending) {
+      entry.state = QueueState::executing;
       events_.push_back("mission " + std::to_string(entry.id) + " " + mission.name);
     }
     const double way = to_go();
@@ -84,12 +84,12 @@ void Robot::advance(double now) {
     }
     left -= way / settings_.speed_m_s;
     at_ = mission.to;
-    end(QueueState::Done, "Mission completed");
+    end(QueueState::done, "Mission completed");
   }
 }
 
 std::optional<double> Robot::next_deadline() const {
-  if (state() != State::Executing) return std::nullopt;
+  if (state() != State::executing) return std::nullopt;
   return last_ + std::min(kStep, std::max(to_go() / settings_.speed_m_s, 0.001));
 }
 
@@ -99,7 +99,7 @@ const QueueEntry* Robot::queue(const std::string& mission) {
   forget_old();
   const std::int64_t id = ++last_id_;
   waiting_.push_back(id);
-  return &(entries_[id] = {id, mission, QueueState::Pending, ""});
+  return &(entries_[id] = {id, mission, QueueState::pending, ""});
 }
 
 void Robot::forget_old() {
@@ -117,13 +117,13 @@ void Robot::end(QueueState how, const std::string& message) {
 }
 
 void Robot::abort_all() {
-  while (!waiting_.empty()) end(QueueState::Aborted, "Mission aborted");
+  while (!waiting_.empty()) end(QueueState::aborted, "Mission aborted");
 }
 
 bool Robot::abort(std::int64_t id) {
   const auto at = std::find(waiting_.begin(), waiting_.end(), id);
   if (at == waiting_.end()) return false;
-  entries_.at(id).state = QueueState::Aborted;
+  entries_.at(id).state = QueueState::aborted;
   entries_.at(id).message = "Mission aborted";
   waiting_.erase(at);
   events_.push_back("mission " + std::to_string(id) + " Aborted");
@@ -134,7 +134,7 @@ void Robot::fail(RobotError error) {
   const bool stops = error.stops;
   events_.push_back("error " + std::to_string(error.code) + " " + error.description);
   errors_.push_back(std::move(error));
-  if (stops && !waiting_.empty()) end(QueueState::Aborted, errors_.back().description);
+  if (stops && !waiting_.empty()) end(QueueState::aborted, errors_.back().description);
 }
 
 void Robot::clear_errors() {

@@ -17,15 +17,15 @@ struct Position {
 };
 
 /** The values of state_id; a real robot has more. */
-enum class State { Ready = 3, Pause = 4, Executing = 5, EmergencyStop = 10, Error = 12 };
+enum class State { ready = 3, pause = 4, executing = 5, emergency_stop = 10, error = 12 };
 
-enum class QueueState { Pending, Executing, Done, Aborted };
+enum class QueueState { pending, executing, done, aborted };
 const char* name_of(QueueState state);
 
 struct QueueEntry {
   std::int64_t id = 0;
   std::string mission;  ///< its guid
-  QueueState state = QueueState::Pending;
+  QueueState state = QueueState::pending;
   std::string message;
 };
 
@@ -77,7 +77,7 @@ class Robot {
 
   Position position() const { return at_; }
   double battery() const { return battery_; }
-  double speed() const { return state() == State::Executing ? settings_.speed_m_s : 0; }
+  double speed() const { return state() == State::executing ? settings_.speed_m_s : 0; }
   double to_go() const;
   const std::vector<RobotError>& errors() const { return errors_; }
   const QueueEntry* current() const;

@@ -80,13 +80,11 @@ void VirtualMir::take_line(const std::string& line) {
   std::string_view words = line;
   const std::string_view order = take_word(words);
   const auto fault = order == "fault" ? parse_fault_order(words) : std::nullopt;
-  if (fault && fault->severity == "FATAL") {
+  if (line == "estop" || (fault && fault->severity == "FATAL")) {
     robot_.emergency_stop();
   } else if (fault) {
     robot_.fail({fault->severity == "CRITICAL" ? 10104 : 10107, fault->text.empty() ? "Motor fault" : fault->text,
                  fault->severity == "CRITICAL"});
-  } else if (line == "estop") {
-    robot_.emergency_stop();
   } else if (line == "clear") {
     robot_.end_emergency();
     robot_.clear_errors();

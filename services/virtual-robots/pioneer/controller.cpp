@@ -109,7 +109,7 @@ std::string Controller::on_command(const Command& command) {
       close();
       break;
     case kEnable:
-      motors_ = value != 0 && fault_ != Fault::StopButton;
+      motors_ = value != 0 && fault_ != Fault::stop_button;
       if (!motors_) drive_.block();
       break;
     case kSetO:
@@ -141,7 +141,7 @@ void Controller::on_limit(const Command& command) {
 
 bool Controller::on_motion(const Command& command) {
   const int value = command.value.value_or(0);
-  const bool can_move = motors_ && fault_ == Fault::None;
+  const bool can_move = motors_ && fault_ == Fault::none;
   switch (command.number) {
     case kMove:
       if (can_move) drive_.move(value);
@@ -202,8 +202,8 @@ void Controller::set_fault(Fault fault, const std::string& text) {
   constexpr const char* kNames[] = {"none", "stall", "motors_off", "stop_button"};
   fault_ = fault;
   tell("fault " + std::string(kNames[static_cast<int>(fault)]) + (text.empty() ? "" : " " + escape_line(text)));
-  if (fault == Fault::None) return;
-  if (fault != Fault::Stall) motors_ = false;
+  if (fault == Fault::none) return;
+  if (fault != Fault::stall) motors_ = false;
   drive_.block();
 }
 
@@ -212,14 +212,14 @@ double Controller::voltage() const {
 }
 
 int Controller::stall_bits() const {
-  if (fault_ == Fault::None) return 0;
-  return fault_ == Fault::StopButton ? kWheelsStalled : kWheelsStalled | kFrontBumper;
+  if (fault_ == Fault::none) return 0;
+  return fault_ == Fault::stop_button ? kWheelsStalled : kWheelsStalled | kFrontBumper;
 }
 
 int Controller::flag_bits() const {
   int flags = motors_ ? 1 : 0;
   if (sonar_) flags |= 1 << 1 | 1 << 2;
-  if (fault_ == Fault::StopButton) flags |= 1 << 5 | 1 << 6;
+  if (fault_ == Fault::stop_button) flags |= 1 << 5 | 1 << 6;
   return flags;
 }
 

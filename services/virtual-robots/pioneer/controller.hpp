@@ -12,7 +12,7 @@
 namespace trb::virtual_robots::pioneer {
 
 /** The faults of the robot; each ends its motion. */
-enum class Fault : std::uint8_t { None, Stall, MotorsOff, StopButton };
+enum class Fault : std::uint8_t { none, stall, motors_off, stop_button };
 
 struct Start {
   std::string name = "Pioneer";
@@ -71,7 +71,7 @@ class Controller {
   bool motors_ = false;
   bool sonar_ = true;
   int digital_out_ = 0;
-  Fault fault_ = Fault::None;
+  Fault fault_ = Fault::none;
   double charge_;
   double heard_ = 0;  ///< when the last command came
   bool watchdog_ = false;

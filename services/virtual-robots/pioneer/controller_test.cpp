@@ -21,8 +21,8 @@ std::string command(int number, int value) {
 }
 
 /** A robot, its client, and the clock of both. */
-struct Bench {
-  explicit Bench(const Start& start = {}) : robot(start) {}
+struct Fixture {
+  explicit Fixture(const Start& start = {}) : robot(start) {}
 
   std::string send(const std::string& packet) { return robot.take(packet, now); }
   void connect() {
@@ -33,9 +33,11 @@ struct Bench {
   }
   /** The client sends signs of life meanwhile. */
   void wait(double seconds) {
-    for (double left = seconds; left > 1e-9; left -= 0.1) {
+    double left = seconds;
+    while (left > 1e-9) {
       send(command(0));
       pass(std::min(left, 0.1));
+      left -= 0.1;
     }
   }
   /** VEL: so many millimetres a second, for that long. */
@@ -73,158 +75,158 @@ struct Bench {
 };
 
 /** Its client is connected. */
-struct Connected : Bench {
+struct Connected : Fixture {
   Connected() { connect(); }
 };
 
 }  // namespace
 
 TEST_CASE("pioneer: three SYNCs are echoed, the last one with the robot's name, class and subclass") {
-  Bench bench;
-  CHECK(bench.send(command(0)) == command(0));
-  CHECK(bench.send(command(1)) == command(1));
-  CHECK(bench.send(command(2)) == PacketWriter(2).text("Pioneer").text("Pioneer").text("p3dx-sh").packet());
-  CHECK(bench.robot.sip().empty());
-  bench.send(command(1, 1));
-  CHECK(bench.type() == 0x32);
+  Fixture fixture;
+  CHECK(fixture.send(command(0)) == command(0));
+  CHECK(fixture.send(command(1)) == command(1));
+  CHECK(fixture.send(command(2)) == PacketWriter(2).text("Pioneer").text("Pioneer").text("p3dx-sh").packet());
+  CHECK(fixture.robot.sip().empty());
+  fixture.send(command(1, 1));
+  CHECK(fixture.type() == 0x32);
 }
 
 TEST_CASE("pioneer: a SYNC out of sequence begins again") {
-  Bench bench;
-  CHECK(bench.send(command(1)) == command(255));
-  CHECK(bench.send(command(0)) == command(0));
-  CHECK(bench.send(command(0)) == command(0));
-  CHECK(bench.send(command(1)) == command(1));
+  Fixture fixture;
+  CHECK(fixture.send(command(1)) == command(255));
+  CHECK(fixture.send(command(0)) == command(0));
+  CHECK(fixture.send(command(0)) == command(0));
+  CHECK(fixture.send(command(1)) == command(1));
 }
 
 TEST_CASE("pioneer: a MOVE speeds up, drives and stands where it was told to") {
-  Connected bench;
-  bench.send(command(8, 1000));
-  bench.wait(1);
-  CHECK(bench.type() == 0x33);
-  CHECK(bench.left() == doctest::Approx(300).epsilon(0.02));
-  CHECK(bench.x() == doctest::Approx(150).epsilon(0.02));
-  bench.wait(4);
-  CHECK(bench.type() == 0x32);
-  CHECK(std::abs(bench.x() - 1000) <= 2);
-  CHECK(bench.stands_at(1, 0, 0));
+  Connected fixture;
+  fixture.send(command(8, 1000));
+  fixture.wait(1);
+  CHECK(fixture.type() == 0x33);
+  CHECK(fixture.left() == doctest::Approx(300).epsilon(0.02));
+  CHECK(fixture.x() == doctest::Approx(150).epsilon(0.02));
+  fixture.wait(4);
+  CHECK(fixture.type() == 0x32);
+  CHECK(std::abs(fixture.x() - 1000) <= 2);
+  CHECK(fixture.stands_at(1, 0, 0));
 }
 
 TEST_CASE("pioneer: HEAD turns the shorter way, DHEAD on from there") {
-  Connected bench;
-  bench.send(command(12, -90));
-  bench.wait(0.5);
-  CHECK(bench.left() > 0);
-  CHECK(bench.right() == -bench.left());
-  bench.wait(4);
-  CHECK(bench.degrees() == -90);
-  bench.send(command(13, 45));
-  bench.wait(4);
-  CHECK(bench.degrees() == -45);
-  CHECK(bench.y() == 0);
+  Connected fixture;
+  fixture.send(command(12, -90));
+  fixture.wait(0.5);
+  CHECK(fixture.left() > 0);
+  CHECK(fixture.right() == -fixture.left());
+  fixture.wait(4);
+  CHECK(fixture.degrees() == -90);
+  fixture.send(command(13, 45));
+  fixture.wait(4);
+  CHECK(fixture.degrees() == -45);
+  CHECK(fixture.y() == 0);
 }
 
 TEST_CASE("pioneer: STOP brakes within its limit, E_STOP harder") {
-  Connected bench;
-  bench.drive(300, 2);
-  bench.send(command(29));
-  bench.wait(0.5);
-  CHECK(bench.left() == doctest::Approx(150).epsilon(0.05));
-  bench.send(command(55));
-  bench.wait(0.2);
-  CHECK(bench.left() == 0);
+  Connected fixture;
+  fixture.drive(300, 2);
+  fixture.send(command(29));
+  fixture.wait(0.5);
+  CHECK(fixture.left() == doctest::Approx(150).epsilon(0.05));
+  fixture.send(command(55));
+  fixture.wait(0.2);
+  CHECK(fixture.left() == 0);
 }
 
 TEST_CASE("pioneer: SETO is the new origin, and the hall stays where it is") {
   Start start;
   start.place = {1, 3, M_PI / 2};
-  Bench bench(start);
-  bench.connect();
-  bench.send(command(8, 500));
-  bench.wait(5);
-  CHECK(bench.stands_at(1, 3.5, M_PI / 2));
-  bench.send(command(7));
-  CHECK(bench.x() == 0);
-  bench.send(command(8, 500));
-  bench.wait(5);
-  CHECK(bench.stands_at(1, 4, M_PI / 2));
+  Fixture fixture(start);
+  fixture.connect();
+  fixture.send(command(8, 500));
+  fixture.wait(5);
+  CHECK(fixture.stands_at(1, 3.5, M_PI / 2));
+  fixture.send(command(7));
+  CHECK(fixture.x() == 0);
+  fixture.send(command(8, 500));
+  fixture.wait(5);
+  CHECK(fixture.stands_at(1, 4, M_PI / 2));
 }
 
 TEST_CASE("pioneer: its counters have 15 bits: a millimetre behind its origin is 32767, and 33 m are 232 mm") {
-  Connected bench;
-  bench.send(command(8, -1));
-  bench.wait(2);
-  CHECK(bench.x() == 0x7fff);
-  bench.send(command(7));
-  bench.send(command(6, 1500));
+  Connected fixture;
+  fixture.send(command(8, -1));
+  fixture.wait(2);
+  CHECK(fixture.x() == 0x7fff);
+  fixture.send(command(7));
+  fixture.send(command(6, 1500));
   for (int i = 0; i < 7; ++i) {
-    bench.send(command(8, 4900));
-    bench.wait(40);
+    fixture.send(command(8, 4900));
+    fixture.wait(40);
   }
-  CHECK(std::abs(bench.x() - (7 * 4900 - 32768)) <= 3);
+  CHECK(std::abs(fixture.x() - (7 * 4900 - 32768)) <= 3);
 }
 
 TEST_CASE("pioneer: without a packet for 2 s it halts, and goes on with the next one") {
-  Connected bench;
-  bench.drive(200, 1);
-  for (int i = 0; i < 30; ++i) bench.pass(0.1);
-  CHECK(bench.left() == 0);
-  CHECK(bench.lines().back().starts_with("at "));
-  bench.send(command(0));
-  CHECK(bench.lines() == Lines{"watchdog resumed"});
-  bench.wait(1);
-  CHECK(bench.left() == 200);
+  Connected fixture;
+  fixture.drive(200, 1);
+  for (int i = 0; i < 30; ++i) fixture.pass(0.1);
+  CHECK(fixture.left() == 0);
+  CHECK(fixture.lines().back().starts_with("at "));
+  fixture.send(command(0));
+  CHECK(fixture.lines() == Lines{"watchdog resumed"});
+  fixture.wait(1);
+  CHECK(fixture.left() == 200);
 }
 
 TEST_CASE("pioneer: with its motors off it does not move") {
-  Connected bench;
-  bench.send(command(4, 0));
-  CHECK((bench.flags() & 1) == 0);
-  bench.drive(200, 1);
-  CHECK(bench.left() == 0);
-  bench.send(command(4, 1));
-  bench.wait(1);
-  CHECK(bench.left() == 0);
+  Connected fixture;
+  fixture.send(command(4, 0));
+  CHECK((fixture.flags() & 1) == 0);
+  fixture.drive(200, 1);
+  CHECK(fixture.left() == 0);
+  fixture.send(command(4, 1));
+  fixture.wait(1);
+  CHECK(fixture.left() == 0);
 }
 
 TEST_CASE("pioneer: each fault ends the motion as the robot's own would") {
-  Connected bench;
-  bench.drive(200, 1);
-  bench.robot.set_fault(Fault::Stall, "a box");
-  CHECK(bench.left() == 0);
-  CHECK(bench.stall() == 0x0103);
-  CHECK((bench.flags() & 1) == 1);
-  bench.robot.set_fault(Fault::StopButton, "");
-  CHECK((bench.flags() & 0x21) == 0x20);
-  bench.send(command(4, 1));
-  CHECK((bench.flags() & 1) == 0);
-  bench.robot.set_fault(Fault::None, "");
-  bench.send(command(4, 1));
-  CHECK((bench.flags() & 0x21) == 1);
-  CHECK(bench.stall() == 0);
+  Connected fixture;
+  fixture.drive(200, 1);
+  fixture.robot.set_fault(Fault::stall, "a box");
+  CHECK(fixture.left() == 0);
+  CHECK(fixture.stall() == 0x0103);
+  CHECK((fixture.flags() & 1) == 1);
+  fixture.robot.set_fault(Fault::stop_button, "");
+  CHECK((fixture.flags() & 0x21) == 0x20);
+  fixture.send(command(4, 1));
+  CHECK((fixture.flags() & 1) == 0);
+  fixture.robot.set_fault(Fault::none, "");
+  fixture.send(command(4, 1));
+  CHECK((fixture.flags() & 0x21) == 1);
+  CHECK(fixture.stall() == 0);
 }
 
 TEST_CASE("pioneer: CLOSE switches the motors off and waits for the next SYNC0") {
-  Connected bench;
-  bench.drive(200, 1);
-  bench.send(command(2));
-  CHECK(bench.robot.sip().empty());
-  CHECK(bench.send(command(0)) == command(0));
-  bench.connect();
-  CHECK(bench.left() == 0);
+  Connected fixture;
+  fixture.drive(200, 1);
+  fixture.send(command(2));
+  CHECK(fixture.robot.sip().empty());
+  CHECK(fixture.send(command(0)) == command(0));
+  fixture.connect();
+  CHECK(fixture.left() == 0);
 }
 
 TEST_CASE("pioneer: the battery drains, faster on the way") {
-  Connected bench;
-  const auto tenths = [&] { return static_cast<unsigned char>(bench.robot.sip().at(14)); };
+  Connected fixture;
+  const auto tenths = [&] { return static_cast<unsigned char>(fixture.robot.sip().at(14)); };
   CHECK(tenths() == 128);
-  for (int i = 0; i < 360; ++i) bench.pass(10);
+  for (int i = 0; i < 360; ++i) fixture.pass(10);
   CHECK(tenths() == 125);
 }
 
 TEST_CASE("pioneer: it tells its settings when it is asked for them") {
-  Connected bench;
-  const std::string answer = bench.send(command(18));
+  Connected fixture;
+  const std::string answer = fixture.send(command(18));
   CHECK(answer.substr(3, 24) == std::string("\x20Pioneer\0p3dx-sh\0VIRTUAL\0", 25).substr(0, 24));
   CHECK(answer.size() == static_cast<unsigned char>(answer[2]) + 3U);
 }
@@ -299,18 +301,18 @@ Told told(const std::string& packet) {
 }  // namespace
 
 TEST_CASE("pioneer: its CONFIGpac has encoders, stall and gains where the manual has them, as commands changed them") {
-  Connected bench;
-  const Told at_first = told(bench.send(command(18)));
+  Connected fixture;
+  const Told at_first = told(fixture.send(command(18)));
   CHECK(at_first.whole);
   CHECK(at_first.ticks_mm == 128);
   CHECK(at_first.rev_count == 16570);
   CHECK(at_first.stall_val == 200);
   CHECK(at_first.turn == std::vector<int>{100, 100, 40, 20, 0});
   CHECK(at_first.drive == std::vector<int>{300, 300, 40, 30, 0});
-  for (int number = 82; number <= 87; ++number) bench.send(command(number, number));
-  bench.send(command(88, 17000));
-  bench.send(command(93, 130));
-  const Told changed = told(bench.send(command(18)));
+  for (int number = 82; number <= 87; ++number) fixture.send(command(number, number));
+  fixture.send(command(88, 17000));
+  fixture.send(command(93, 130));
+  const Told changed = told(fixture.send(command(18)));
   CHECK(changed.turn == std::vector<int>{100, 100, 82, 83, 84});
   CHECK(changed.drive == std::vector<int>{300, 300, 85, 86, 87});
   CHECK(changed.rev_count == 17000);

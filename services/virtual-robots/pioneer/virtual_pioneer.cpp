@@ -67,7 +67,7 @@ void VirtualPioneer::read_client() {
   std::string bytes;
   const Transfer transfer = read_some(client_, bytes, kReadSize);
   const std::string answers = controller_.take(bytes, last_);
-  if (transfer.kind == Transfer::Kind::Closed) return drop("closed");
+  if (transfer.kind == Transfer::Kind::closed) return drop("closed");
   write(answers);
 }
 
@@ -75,7 +75,7 @@ void VirtualPioneer::write(std::string_view bytes) {
   if (!client_) return;
   output_ += bytes;
   const Transfer transfer = write_some(client_, output_);
-  if (transfer.kind == Transfer::Kind::Closed) return drop("closed");
+  if (transfer.kind == Transfer::Kind::closed) return drop("closed");
   output_.erase(0, transfer.bytes);
   if (output_.size() > kLargestOutput) drop("does_not_read");
 }
@@ -92,7 +92,7 @@ void VirtualPioneer::take_line(const std::string& line) {
   if (word == "fault") return fault(rest);
   if (line == "where")
     return print_line(where_line({controller_.place().x, controller_.place().y, controller_.place().heading}));
-  if (line == "clear") return controller_.set_fault(Fault::None, "");
+  if (line == "clear") return controller_.set_fault(Fault::none, "");
   const auto percent = word == "battery" ? parse_number(rest) : std::nullopt;
   if (!percent) return print_line("unknown_line");
   controller_.set_charge(std::clamp(*percent, 0.0, 100.0));
@@ -103,8 +103,8 @@ void VirtualPioneer::fault(std::string_view words) {
   const auto order = parse_fault_order(words);
   if (!order) return print_line("unknown_line");
   if (order->severity == "WARNING") return controller_.set_charge(kLowCharge);
-  if (order->severity == "URGENT") return controller_.set_fault(Fault::Stall, order->text);
-  controller_.set_fault(order->severity == "FATAL" ? Fault::StopButton : Fault::MotorsOff, order->text);
+  if (order->severity == "URGENT") return controller_.set_fault(Fault::stall, order->text);
+  controller_.set_fault(order->severity == "FATAL" ? Fault::stop_button : Fault::motors_off, order->text);
 }
 
 }  // namespace trb::virtual_robots::pioneer

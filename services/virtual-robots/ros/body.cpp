@@ -56,20 +56,20 @@ void Body::load_out(double now) {
 
 void Body::refuse_task(double now) {
   cancel(now);
-  task_ = Task::Failed;
+  task_ = Task::failed;
 }
 
 void Body::begin_task(std::vector<Leg> legs, double now) {
   advance(now);
   if (!can_do(legs)) {
-    task_ = Task::Failed;
+    task_ = Task::failed;
     return;
   }
   halt();
   legs_.assign(legs.begin(), legs.end());
   leg_left_ = legs_.front().seconds;
   is_task_ = true;
-  task_ = Task::Working;
+  task_ = Task::working;
 }
 
 /** A broken base does not keep its arm from working. */
@@ -101,7 +101,7 @@ void Body::clear() {
 }
 
 void Body::halt() {
-  if (is_task_) task_ = Task::Failed;
+  if (is_task_) task_ = Task::failed;
   is_task_ = false;
   legs_.clear();
   velocity_ = {};
@@ -157,7 +157,7 @@ void Body::finish_leg(const Leg& leg) {
     return;
   }
   if (is_task_) {
-    task_ = Task::Idle;
+    task_ = Task::idle;
   } else if (!next_goal_fault_.empty()) {
     fault_ = std::exchange(next_goal_fault_, {});
   }

@@ -10,7 +10,7 @@
 
 namespace trb::virtual_robots::ros {
 
-enum class Task { Idle = 0, Working = 1, Failed = 2 };
+enum class Task { idle = 0, working = 1, failed = 2 };
 
 /**
  * A mobile base with an arm, without ROS. It is driven by velocities, each valid for a short time, or to goals; the
@@ -69,7 +69,7 @@ class Body {
   double leg_left_ = 0;
   bool is_task_ = false;
   double arm_time_ = 0;
-  Task task_ = Task::Idle;
+  Task task_ = Task::idle;
   std::string fault_;
   std::string arm_fault_;
   std::string next_goal_fault_;

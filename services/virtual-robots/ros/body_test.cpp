@@ -28,26 +28,26 @@ TEST_CASE("a goal is reached at a metre a second, and another one takes its plac
   CHECK(body.pose().yaw == doctest::Approx(M_PI / 2));
   body.advance(60);
   CHECK(body.pose().yaw == doctest::Approx(M_PI));
-  CHECK(body.task() == Task::Idle);
+  CHECK(body.task() == Task::idle);
 }
 
 TEST_CASE("a task drives, grabs, drives and puts down; a cancelled one has failed and stays failed until the next") {
   Body body({}, 100);
   body.fetch({2, 0, 0}, {2, 3, 0}, 0);
-  CHECK(body.task() == Task::Working);
+  CHECK(body.task() == Task::working);
   body.advance(6.9);
-  CHECK(body.task() == Task::Working);
+  CHECK(body.task() == Task::working);
   body.advance(7.1);
-  CHECK(body.task() == Task::Idle);
+  CHECK(body.task() == Task::idle);
   CHECK(body.pose().y == doctest::Approx(3));
   body.load_out(8);
   body.cancel(9);
-  CHECK(body.task() == Task::Failed);
+  CHECK(body.task() == Task::failed);
   body.advance(100);
-  CHECK(body.task() == Task::Failed);
+  CHECK(body.task() == Task::failed);
   body.load_out(101);
   body.advance(103.5);
-  CHECK(body.task() == Task::Idle);
+  CHECK(body.task() == Task::idle);
 }
 
 TEST_CASE("a fault ends what it does, and it drives nowhere until it is cleared; standing costs no charge") {
@@ -61,12 +61,12 @@ TEST_CASE("a fault ends what it does, and it drives nowhere until it is cleared;
   body.fetch({0, 0, 0}, {1, 0, 0}, 8);
   body.advance(20);
   CHECK(body.pose().x == doctest::Approx(6));
-  CHECK(body.task() == Task::Failed);
+  CHECK(body.task() == Task::failed);
   CHECK(body.fault_text() == "wheel blocked");
   body.clear();
   body.arm_fault("gripper lost the box", 20);
   body.load_out(20);
-  CHECK(body.task() == Task::Failed);
+  CHECK(body.task() == Task::failed);
   body.go_to({0, 0, 0}, 20);
   body.advance(30);
   CHECK(body.pose().x == doctest::Approx(0));
@@ -77,9 +77,9 @@ TEST_CASE("a base that is broken keeps the arm on it from nothing") {
   body.fault("wheel blocked", 1);
   body.load_out(2);
   body.advance(3);
-  CHECK(body.task() == Task::Working);
+  CHECK(body.task() == Task::working);
   body.advance(5);
-  CHECK(body.task() == Task::Idle);
+  CHECK(body.task() == Task::idle);
   CHECK(body.fault_text() == "wheel blocked");
 }
 

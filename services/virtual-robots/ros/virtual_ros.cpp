@@ -286,7 +286,7 @@ class VirtualRos {
   ControlPort control_;
   std::string warning_;
   std::string told_base_fault_;
-  Task told_task_ = Task::Idle;
+  Task told_task_ = Task::idle;
   double next_state_ = 0;
   double next_battery_ = 0;
   bool quit_ = false;

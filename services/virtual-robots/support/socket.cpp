@@ -48,9 +48,9 @@ Fd new_socket(int kind = SOCK_STREAM) {
 }
 
 Transfer outcome_of(ssize_t result) {
-  if (result > 0) return {Transfer::Kind::Done, static_cast<std::size_t>(result)};
+  if (result > 0) return {Transfer::Kind::done, static_cast<std::size_t>(result)};
   const bool later = result < 0 && (errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR);
-  return {later ? Transfer::Kind::Later : Transfer::Kind::Closed, 0};
+  return {later ? Transfer::Kind::later : Transfer::Kind::closed, 0};
 }
 
 }  // namespace
@@ -139,7 +139,7 @@ Transfer read_some(const Fd& socket, std::string& into, std::size_t most) {
 }
 
 Transfer write_some(const Fd& socket, std::string_view bytes) {
-  if (bytes.empty()) return {Transfer::Kind::Done, 0};
+  if (bytes.empty()) return {Transfer::Kind::done, 0};
   return outcome_of(::send(socket.get(), bytes.data(), bytes.size(), MSG_NOSIGNAL));
 }
 

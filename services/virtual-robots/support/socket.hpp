@@ -53,8 +53,8 @@ int connect_result(const Fd& socket);
 
 /** Outcome of one read or write. */
 struct Transfer {
-  enum class Kind { Done, Later, Closed };
-  Kind kind = Kind::Later;
+  enum class Kind { done, later, closed };
+  Kind kind = Kind::later;
   std::size_t bytes = 0;
 };
 

@@ -12,7 +12,7 @@ pollfd TcpClient::polled() const {
 void TcpClient::flush() {
   if (output.empty()) return;
   const Transfer transfer = write_some(socket, output);
-  if (transfer.kind == Transfer::Kind::Closed) gone = true;
+  if (transfer.kind == Transfer::Kind::closed) gone = true;
   output.erase(0, transfer.bytes);
 }
 

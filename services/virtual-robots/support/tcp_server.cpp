@@ -10,7 +10,7 @@ TcpServer::TcpServer(Fd listener, std::size_t most_clients, Extra extra)
 
 void TcpServer::add_to_poll(std::vector<pollfd>& polled) {
   poll_begin_ = polled.size();
-  const bool full = extra_ == Extra::Waits && clients_.size() >= most_clients_;
+  const bool full = extra_ == Extra::waits && clients_.size() >= most_clients_;
   polled.push_back({full ? -1 : listener_.get(), POLLIN, 0});
   for (const Client& client : clients_) polled.push_back(client.polled());
 }
@@ -29,7 +29,7 @@ void TcpServer::serve(const std::vector<pollfd>& polled, const std::function<voi
 }
 
 void TcpServer::accept_all() {
-  while (extra_ == Extra::Dropped || clients_.size() < most_clients_) {
+  while (extra_ == Extra::dropped || clients_.size() < most_clients_) {
     Fd socket = accept_client(listener_);
     if (!socket) return;
     Client client;
@@ -44,7 +44,7 @@ void TcpServer::accept_all() {
 }
 
 void TcpServer::read_from(Client& client) {
-  if (read_some(client.socket, client.input, 16384).kind == Transfer::Kind::Closed) client.gone = true;
+  if (read_some(client.socket, client.input, 16384).kind == Transfer::Kind::closed) client.gone = true;
 }
 
 void TcpServer::send(Client& client, std::string_view bytes) {

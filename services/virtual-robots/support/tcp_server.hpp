@@ -25,11 +25,11 @@ class TcpServer {
   };
 
   /** What happens to a client too many: it is dropped at once, or is not accepted until another one leaves. */
-  enum class Extra { Dropped, Waits };
+  enum class Extra { dropped, waits };
 
   /** Port 0: a free one. Throws std::system_error. */
-  TcpServer(const Endpoint& where, std::size_t most_clients, Extra extra = Extra::Dropped);
-  TcpServer(Fd listener, std::size_t most_clients, Extra extra = Extra::Dropped);
+  TcpServer(const Endpoint& where, std::size_t most_clients, Extra extra = Extra::dropped);
+  TcpServer(Fd listener, std::size_t most_clients, Extra extra = Extra::dropped);
 
   std::uint16_t port() const { return port_of(listener_); }
   std::size_t size() const { return clients_.size(); }

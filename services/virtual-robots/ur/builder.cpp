@@ -13,7 +13,7 @@ const Builder::Variable* Builder::find(const std::string& name) const {
 
 Builder::Variable& Builder::assign(const std::string& name, Where where, const Shape& shape) {
   const bool known_global = !locals_.contains(name) && globals_.contains(name);
-  const bool local = function_ && where != Where::Global && (where == Where::Local || !known_global);
+  const bool local = function_ && where != Where::global && (where == Where::local || !known_global);
   auto& names = local ? locals_ : globals_;
   const auto found = names.find(name);
   if (found != names.end()) {

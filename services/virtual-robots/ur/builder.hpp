@@ -17,7 +17,7 @@ class Builder {
     std::uint32_t index = 0;
     Shape shape;
   };
-  enum class Where { Anywhere, Global, Local };
+  enum class Where { anywhere, global, local };
 
   explicit Builder(Program& program) : program_(program) {}
 
@@ -31,7 +31,7 @@ class Builder {
   }
   void emit_constant(Value value, const ScriptLine& line, int column) {
     program_.constants.push_back(std::move(value));
-    emit(Op::Constant, line, column, static_cast<std::uint32_t>(program_.constants.size() - 1));
+    emit(Op::constant, line, column, static_cast<std::uint32_t>(program_.constants.size() - 1));
   }
   /** A jump goes to the next instruction. */
   void land(std::uint32_t jump) { program_.code[jump].a = here(); }

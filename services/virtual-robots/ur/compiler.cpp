@@ -21,11 +21,11 @@ class ScriptCompiler {
   /** The names of all functions are known before the first line is compiled. */
   void announce(const ScriptLine& line) {
     Cursor cursor(line);
-    if (!cursor.take_word("def") || cursor.peek().kind != Token::Kind::Name) return;
+    if (!cursor.take_word("def") || cursor.peek().kind != Token::Kind::name) return;
     builder_.program().functions.push_back({cursor.take().text, 0, 0, 0});
     std::uint32_t parameters = 0;
     cursor.take();
-    for (; !cursor.at_end(); cursor.take()) parameters += cursor.peek().kind == Token::Kind::Name ? 1 : 0;
+    for (; !cursor.at_end(); cursor.take()) parameters += cursor.peek().kind == Token::Kind::name ? 1 : 0;
     builder_.program().functions.back().parameters = parameters;
   }
 
@@ -41,12 +41,12 @@ class ScriptCompiler {
 
   void finish(const ScriptLine& last) {
     if (!blocks_.empty()) fail_syntax(last, 1);
-    builder_.emit(Op::End, last, 1);
+    builder_.emit(Op::end, last, 1);
   }
 
  private:
   struct Block {
-    enum class Kind { While, If, Else, Function };
+    enum class Kind { while_, if_, else_, function };
     Kind kind;
     std::uint32_t start = 0;  ///< of a loop
     std::optional<std::uint32_t> false_jump;
@@ -57,15 +57,15 @@ class ScriptCompiler {
     const int column = cursor.peek().column;
     if (cursor.take_word("while")) {
       const std::uint32_t start = builder_.here();
-      blocks_.push_back({Block::Kind::While, start, condition(cursor), {}});
+      blocks_.push_back({Block::Kind::while_, start, condition(cursor), {}});
     } else if (cursor.take_word("if")) {
-      blocks_.push_back({Block::Kind::If, 0, condition(cursor), {}});
+      blocks_.push_back({Block::Kind::if_, 0, condition(cursor), {}});
     } else if (cursor.take_word("elif")) {
       other_branch(cursor, column);
       blocks_.back().false_jump = condition(cursor);
     } else if (cursor.take_word("else")) {
       other_branch(cursor, column);
-      blocks_.back().kind = Block::Kind::Else;
+      blocks_.back().kind = Block::Kind::else_;
       cursor.expect_symbol(":");
     } else if (cursor.take_word("def")) {
       begin_function(cursor, column);
@@ -81,15 +81,15 @@ class ScriptCompiler {
   std::uint32_t condition(Cursor& cursor) {
     const int column = cursor.peek().column;
     const Shape shape = compile_expression(cursor, builder_);
-    if (!fits(Parameter::Kind::Boolean, shape)) fail_syntax(cursor.line(), column);
+    if (!fits(Parameter::Kind::boolean, shape)) fail_syntax(cursor.line(), column);
     cursor.expect_symbol(":");
-    return builder_.emit(Op::JumpUnless, cursor.line(), column);
+    return builder_.emit(Op::jump_unless, cursor.line(), column);
   }
 
   void other_branch(const Cursor& cursor, int column) {
-    if (blocks_.empty() || blocks_.back().kind != Block::Kind::If) fail_syntax(cursor.line(), column);
+    if (blocks_.empty() || blocks_.back().kind != Block::Kind::if_) fail_syntax(cursor.line(), column);
     Block& block = blocks_.back();
-    block.ends.push_back(builder_.emit(Op::Jump, cursor.line(), column));
+    block.ends.push_back(builder_.emit(Op::jump, cursor.line(), column));
     builder_.land(*block.false_jump);
     block.false_jump.reset();
   }
@@ -106,8 +106,8 @@ class ScriptCompiler {
       cursor.expect_symbol(")");
     }
     cursor.expect_symbol(":");
-    Block block{Block::Kind::Function, 0, {}, {}};
-    block.ends.push_back(builder_.emit(Op::Jump, cursor.line(), column));
+    Block block{Block::Kind::function, 0, {}, {}};
+    block.ends.push_back(builder_.emit(Op::jump, cursor.line(), column));
     const auto function = builder_.own_function(name);
     // Outside of a program, or a second one of this name.
     if (!function || builder_.program().functions[*function].entry != 0) fail_syntax(cursor.line(), column);
@@ -119,10 +119,10 @@ class ScriptCompiler {
     if (blocks_.empty()) fail_syntax(cursor.line(), column);
     const Block block = std::move(blocks_.back());
     blocks_.pop_back();
-    if (block.kind == Block::Kind::While) builder_.emit(Op::Jump, cursor.line(), column, block.start);
-    if (block.kind == Block::Kind::Function) {
+    if (block.kind == Block::Kind::while_) builder_.emit(Op::jump, cursor.line(), column, block.start);
+    if (block.kind == Block::Kind::function) {
       builder_.emit_constant(std::monostate(), cursor.line(), column);
-      builder_.emit(Op::Return, cursor.line(), column);
+      builder_.emit(Op::return_, cursor.line(), column);
       builder_.leave();
     }
     if (block.false_jump) builder_.land(*block.false_jump);
@@ -133,18 +133,18 @@ class ScriptCompiler {
   bool jump_line(Cursor& cursor) {
     const int column = cursor.peek().column;
     if (cursor.take_word("break")) {
-      loop(cursor, column).ends.push_back(builder_.emit(Op::Jump, cursor.line(), column));
+      loop(cursor, column).ends.push_back(builder_.emit(Op::jump, cursor.line(), column));
     } else if (cursor.take_word("continue")) {
-      builder_.emit(Op::Jump, cursor.line(), column, loop(cursor, column).start);
+      builder_.emit(Op::jump, cursor.line(), column, loop(cursor, column).start);
     } else if (cursor.take_word("return")) {
       if (cursor.at_end()) {
         builder_.emit_constant(std::monostate(), cursor.line(), column);
       } else {
         compile_expression(cursor, builder_);
       }
-      builder_.emit(Op::Return, cursor.line(), column);
+      builder_.emit(Op::return_, cursor.line(), column);
     } else if (cursor.take_word("halt")) {
-      builder_.emit(Op::End, cursor.line(), column);
+      builder_.emit(Op::end, cursor.line(), column);
     } else if (!cursor.take_word("pass")) {
       return false;
     }
@@ -153,8 +153,8 @@ class ScriptCompiler {
   }
 
   Block& loop(const Cursor& cursor, int column) {
-    for (auto block = blocks_.rbegin(); block != blocks_.rend() && block->kind != Block::Kind::Function; ++block) {
-      if (block->kind == Block::Kind::While) return *block;
+    for (auto block = blocks_.rbegin(); block != blocks_.rend() && block->kind != Block::Kind::function; ++block) {
+      if (block->kind == Block::Kind::while_) return *block;
     }
     fail_syntax(cursor.line(), column);
   }
@@ -163,17 +163,17 @@ class ScriptCompiler {
   void plain_line(Cursor& cursor) {
     const Cursor::Place start = cursor.place();
     Token name = cursor.expect_name();
-    auto where = Builder::Where::Anywhere;
-    const bool scoped = (name.text == "global" || name.text == "local") && cursor.peek().kind == Token::Kind::Name;
+    auto where = Builder::Where::anywhere;
+    const bool scoped = (name.text == "global" || name.text == "local") && cursor.peek().kind == Token::Kind::name;
     if (scoped) {
-      where = name.text == "global" ? Builder::Where::Global : Builder::Where::Local;
+      where = name.text == "global" ? Builder::Where::global : Builder::Where::local;
       name = cursor.take();
     }
     if (cursor.take_symbol("=")) {
       const Shape shape = compile_expression(cursor, builder_);
       cursor.expect_end();
       const Builder::Variable& variable = builder_.assign(name.text, where, shape);
-      builder_.emit(variable.local ? Op::StoreLocal : Op::Store, cursor.line(), name.column, variable.index);
+      builder_.emit(variable.local ? Op::store_local : Op::store, cursor.line(), name.column, variable.index);
       return;
     }
     if (!scoped && cursor.at_symbol("[")) return element_line(cursor, name);
@@ -181,7 +181,7 @@ class ScriptCompiler {
     cursor.back_to(start);
     compile_expression(cursor, builder_);
     cursor.expect_end();
-    builder_.emit(Op::Drop, cursor.line(), name.column);
+    builder_.emit(Op::drop, cursor.line(), name.column);
   }
 
   /** `NAME[index] = value` */
@@ -189,15 +189,15 @@ class ScriptCompiler {
     const Builder::Variable* found = builder_.find(name.text);
     if (found == nullptr) fail_with(cursor.line(), name.column, "compile_error_name_not_found:" + name.text + ":");
     const Builder::Variable variable = *found;
-    builder_.emit(variable.local ? Op::LoadLocal : Op::Load, cursor.line(), name.column, variable.index);
+    builder_.emit(variable.local ? Op::load_local : Op::load, cursor.line(), name.column, variable.index);
     cursor.expect_symbol("[");
     compile_expression(cursor, builder_);
     cursor.expect_symbol("]");
     cursor.expect_symbol("=");
     compile_expression(cursor, builder_);
     cursor.expect_end();
-    builder_.emit(Op::SetElement, cursor.line(), name.column);
-    builder_.emit(variable.local ? Op::StoreLocal : Op::Store, cursor.line(), name.column, variable.index);
+    builder_.emit(Op::set_element, cursor.line(), name.column);
+    builder_.emit(variable.local ? Op::store_local : Op::store, cursor.line(), name.column, variable.index);
   }
 
   Builder builder_;

@@ -54,26 +54,26 @@ bool Controller::take_command(std::string_view line, double now) {
 
 bool Controller::power_on(double now) {
   advance(now);
-  if (safety_ == SafetyMode::EmergencyStop) return false;
-  if (mode_ == RobotMode::PowerOff) mode_ = RobotMode::Idle;
+  if (safety_ == SafetyMode::emergency_stop) return false;
+  if (mode_ == RobotMode::power_off) mode_ = RobotMode::idle;
   return true;
 }
 
 void Controller::power_off(double now) {
   advance(now);
   stop_program(now);
-  mode_ = RobotMode::PowerOff;
+  mode_ = RobotMode::power_off;
 }
 
 bool Controller::release_brakes(double now) {
   if (!power_on(now)) return false;
-  mode_ = RobotMode::Running;
+  mode_ = RobotMode::running;
   return true;
 }
 
 bool Controller::unlock(double now) {
-  if (safety_ != SafetyMode::ProtectiveStop || now - stopped_at_ < kUnlockAfter) return false;
-  set_safety(SafetyMode::Normal, now);
+  if (safety_ != SafetyMode::protective_stop || now - stopped_at_ < kUnlockAfter) return false;
+  set_safety(SafetyMode::normal, now);
   return true;
 }
 
@@ -99,8 +99,8 @@ bool Controller::resume(double now) {
 
 bool Controller::refuse_when_not_running() {
   if (in_operation()) return false;
-  const int reason = safety_ == SafetyMode::Normal ? static_cast<int>(mode_) : 100 + static_cast<int>(safety_);
-  emit(ErrorRaised{kNotRunningCode, reason, ErrorLevel::Violation, "robot_not_running"});
+  const int reason = safety_ == SafetyMode::normal ? static_cast<int>(mode_) : 100 + static_cast<int>(safety_);
+  emit(ErrorRaised{kNotRunningCode, reason, ErrorLevel::violation, "robot_not_running"});
   emit(ScriptRefused{{1, 1, "runtime_error_robot_not_running:"}});
   return true;
 }
@@ -110,9 +110,9 @@ void Controller::set_safety(SafetyMode mode, double now) {
   if (mode == safety_) return;
   safety_ = mode;
   emit(SafetyChanged{mode});
-  if (mode == SafetyMode::ProtectiveStop) stopped_at_ = now;
-  if (mode != SafetyMode::Normal) stop_everything(now);
-  if (mode == SafetyMode::EmergencyStop) mode_ = RobotMode::PowerOff;
+  if (mode == SafetyMode::protective_stop) stopped_at_ = now;
+  if (mode != SafetyMode::normal) stop_everything(now);
+  if (mode == SafetyMode::emergency_stop) mode_ = RobotMode::power_off;
 }
 
 void Controller::set_speed_fraction(double fraction, double now) {
@@ -199,7 +199,7 @@ void Controller::run_step(const Step& step) {
 
 /** A program stops itself. */
 void Controller::stop_protectively() {
-  safety_ = SafetyMode::ProtectiveStop;
+  safety_ = SafetyMode::protective_stop;
   stopped_at_ = clock_.when(step_end_);
   emit(SafetyChanged{safety_});
   end_program(step_end_);
@@ -208,9 +208,9 @@ void Controller::stop_protectively() {
 
 void Controller::write_register(const RegisterStep& step) {
   const auto index = static_cast<std::size_t>(step.index);
-  if (step.kind == RegisterStep::Kind::Integer) outputs_.integers[index] = static_cast<std::int32_t>(step.value);
-  if (step.kind == RegisterStep::Kind::Float) outputs_.doubles[index] = step.value;
-  if (step.kind == RegisterStep::Kind::Boolean) outputs_.set_bit(step.index, step.value != 0);
+  if (step.kind == RegisterStep::Kind::integer) outputs_.integers[index] = static_cast<std::int32_t>(step.value);
+  if (step.kind == RegisterStep::Kind::float_) outputs_.doubles[index] = step.value;
+  if (step.kind == RegisterStep::Kind::boolean) outputs_.set_bit(step.index, step.value != 0);
 }
 
 void Controller::run_move(const MoveStep& step) {
@@ -221,7 +221,7 @@ void Controller::run_move(const MoveStep& step) {
     return;
   }
   if (step.function == "movel") {
-    emit(ErrorRaised{kNoWayCode, 0, ErrorLevel::Violation, "Position in singularity"});
+    emit(ErrorRaised{kNoWayCode, 0, ErrorLevel::violation, "Position in singularity"});
   } else {
     emit(ScriptRefused{{step.line, step.column,
                         "The robot cannot reach the requested pose. Script function " + step.function +

@@ -17,7 +17,7 @@ namespace trb::virtual_robots::ur {
  */
 class Controller {
  public:
-  explicit Controller(RobotMode mode = RobotMode::Running) : mode_(mode) {}
+  explicit Controller(RobotMode mode = RobotMode::running) : mode_(mode) {}
 
   /** A whole program or one line, as split by the intake. */
   void take(std::string_view script, double now);
@@ -84,12 +84,12 @@ class Controller {
   /** In the program's time. */
   void end_program(double program_time);
   void stop_program(double now);
-  bool in_operation() const { return mode_ == RobotMode::Running && safety_ == SafetyMode::Normal; }
+  bool in_operation() const { return mode_ == RobotMode::running && safety_ == SafetyMode::normal; }
   void stop_everything(double now);
   void emit(Event event) { events_.push_back(std::move(event)); }
 
   RobotMode mode_;
-  SafetyMode safety_ = SafetyMode::Normal;
+  SafetyMode safety_ = SafetyMode::normal;
   Arm arm_;
   std::optional<Machine> program_;
   double step_end_ = 0;

@@ -15,11 +15,11 @@ class Cursor {
   explicit Cursor(const ScriptLine& line) : line_(line), tokens_(tokenize(line)) {}
 
   const Token& peek() const { return tokens_[at_]; }
-  bool at_word(std::string_view word) const { return peek().kind == Token::Kind::Name && peek().text == word; }
-  bool at_symbol(std::string_view symbol) const { return peek().kind == Token::Kind::Symbol && peek().text == symbol; }
+  bool at_word(std::string_view word) const { return peek().kind == Token::Kind::name && peek().text == word; }
+  bool at_symbol(std::string_view symbol) const { return peek().kind == Token::Kind::symbol && peek().text == symbol; }
   Place place() const { return at_; }
   void back_to(Place place) { at_ = place; }
-  bool at_end() const { return peek().kind == Token::Kind::End; }
+  bool at_end() const { return peek().kind == Token::Kind::end; }
 
   Token take() {
     Token token = peek();
@@ -40,7 +40,7 @@ class Cursor {
     if (!take_symbol(symbol)) fail();
   }
   Token expect_name() {
-    if (peek().kind != Token::Kind::Name) fail();
+    if (peek().kind != Token::Kind::name) fail();
     return take();
   }
   void expect_end() const {

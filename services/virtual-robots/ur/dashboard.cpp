@@ -34,7 +34,7 @@ void Dashboard::serve(const std::vector<pollfd>& polled, Controller& controller,
 }
 
 void Dashboard::read_from(Client& client, Controller& controller, double now) {
-  if (read_some(client.socket, client.input, 4096).kind == Transfer::Kind::Closed) client.gone = true;
+  if (read_some(client.socket, client.input, 4096).kind == Transfer::Kind::closed) client.gone = true;
   for (std::size_t end; !client.leaves && (end = client.input.find('\n')) != std::string::npos;) {
     const std::string line(trim(std::string_view(client.input).substr(0, end)));
     client.input.erase(0, end + 1);
@@ -48,7 +48,7 @@ void Dashboard::flush(Client& client) {
   const Transfer transfer = write_some(client.socket, client.output);
   client.output.erase(0, transfer.bytes);
   const bool said_all = client.leaves && client.output.empty();
-  if (transfer.kind == Transfer::Kind::Closed || said_all) client.gone = true;
+  if (transfer.kind == Transfer::Kind::closed || said_all) client.gone = true;
 }
 
 }  // namespace trb::virtual_robots::ur

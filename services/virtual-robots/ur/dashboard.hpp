@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "services/virtual-robots/support/socket.hpp"
-#include "services/virtual-robots/ur/dashboard_words.hpp"
+#include "services/virtual-robots/ur/dashboard_answers.hpp"
 
 namespace trb::virtual_robots::ur {
 
@@ -18,7 +18,7 @@ class Dashboard {
   static constexpr std::size_t kLongestLine = 1024;
   static constexpr std::size_t kLargestOutput = 64 * 1024;
 
-  Dashboard(Fd listener, DashboardWords words) : listener_(std::move(listener)), words_(std::move(words)) {}
+  Dashboard(Fd listener, DashboardAnswers words) : listener_(std::move(listener)), words_(std::move(words)) {}
 
   std::uint16_t port() const { return port_of(listener_); }
   void add_to_poll(std::vector<pollfd>& polled);
@@ -39,7 +39,7 @@ class Dashboard {
   void flush(Client& client);
 
   Fd listener_;
-  DashboardWords words_;
+  DashboardAnswers words_;
   std::vector<Client> clients_;
   std::size_t poll_begin_ = 0;
 };

@@ -35,8 +35,8 @@ struct ToPacket {
 };
 
 std::string safety_name(SafetyMode mode) {
-  if (mode == SafetyMode::Normal) return "normal";
-  return mode == SafetyMode::ProtectiveStop ? "protective_stop" : "estop";
+  if (mode == SafetyMode::normal) return "normal";
+  return mode == SafetyMode::protective_stop ? "protective_stop" : "estop";
 }
 
 struct ToLine {

@@ -35,11 +35,11 @@ struct ScriptRefused {
 struct ErrorRaised {
   int code = 0;
   int argument = 0;
-  ErrorLevel level = ErrorLevel::Violation;
+  ErrorLevel level = ErrorLevel::violation;
   std::string text;
 };
 struct SafetyChanged {
-  SafetyMode mode = SafetyMode::Normal;
+  SafetyMode mode = SafetyMode::normal;
 };
 struct Stopped {};
 

@@ -15,13 +15,13 @@ struct Operator {
   Shape::Kind gives;
 };
 constexpr Operator kOperators[] = {
-    {"or", Op::Or, 1, Shape::Kind::Boolean},           {"xor", Op::Xor, 1, Shape::Kind::Boolean},
-    {"and", Op::And, 2, Shape::Kind::Boolean},         {"==", Op::Equal, 3, Shape::Kind::Boolean},
-    {"!=", Op::Unequal, 3, Shape::Kind::Boolean},      {"<", Op::Less, 3, Shape::Kind::Boolean},
-    {"<=", Op::LessEqual, 3, Shape::Kind::Boolean},    {">", Op::Greater, 3, Shape::Kind::Boolean},
-    {">=", Op::GreaterEqual, 3, Shape::Kind::Boolean}, {"+", Op::Add, 4, Shape::Kind::Number},
-    {"-", Op::Subtract, 4, Shape::Kind::Number},       {"*", Op::Multiply, 5, Shape::Kind::Number},
-    {"/", Op::Divide, 5, Shape::Kind::Number},         {"%", Op::Modulo, 5, Shape::Kind::Number},
+    {"or", Op::or_, 1, Shape::Kind::boolean},           {"xor", Op::xor_, 1, Shape::Kind::boolean},
+    {"and", Op::and_, 2, Shape::Kind::boolean},         {"==", Op::equal, 3, Shape::Kind::boolean},
+    {"!=", Op::unequal, 3, Shape::Kind::boolean},       {"<", Op::less, 3, Shape::Kind::boolean},
+    {"<=", Op::less_equal, 3, Shape::Kind::boolean},    {">", Op::greater, 3, Shape::Kind::boolean},
+    {">=", Op::greater_equal, 3, Shape::Kind::boolean}, {"+", Op::add, 4, Shape::Kind::number},
+    {"-", Op::subtract, 4, Shape::Kind::number},        {"*", Op::multiply, 5, Shape::Kind::number},
+    {"/", Op::divide, 5, Shape::Kind::number},          {"%", Op::modulo, 5, Shape::Kind::number},
 };
 
 /** What a call gives for one parameter, before its place is known. */
@@ -51,7 +51,7 @@ class ExpressionCompiler {
  private:
   const Operator* next_operator(int binds) const {
     const Token& token = cursor_.peek();
-    if (token.kind != Token::Kind::Symbol && token.kind != Token::Kind::Name) return nullptr;
+    if (token.kind != Token::Kind::symbol && token.kind != Token::Kind::name) return nullptr;
     for (const Operator& each : kOperators) {
       if (each.symbol == token.text && each.binds >= binds) return &each;
     }
@@ -62,8 +62,8 @@ class ExpressionCompiler {
     const int column = cursor_.peek().column;
     if (cursor_.take_word("not")) {
       binary(3);
-      emit(Op::Not, column);
-      return {Shape::Kind::Boolean, {}, {}};
+      emit(Op::not_, column);
+      return {Shape::Kind::boolean, {}, {}};
     }
     const bool minus = cursor_.take_symbol("-");
     if (!minus) cursor_.take_symbol("+");
@@ -76,8 +76,8 @@ class ExpressionCompiler {
       shape.number = -*shape.number;
       return shape;
     }
-    emit(Op::Negate, column);
-    return {Shape::Kind::Number, {}, {}};
+    emit(Op::negate, column);
+    return {Shape::Kind::number, {}, {}};
   }
 
   /** A value and what is taken from it: `list[0]`. */
@@ -87,8 +87,8 @@ class ExpressionCompiler {
       const int column = cursor_.take().column;
       binary(1);
       cursor_.expect_symbol("]");
-      emit(Op::Element, column);
-      shape = {Shape::Kind::Number, {}, {}};
+      emit(Op::element, column);
+      shape = {Shape::Kind::number, {}, {}};
     }
     return shape;
   }
@@ -96,13 +96,13 @@ class ExpressionCompiler {
   Shape primary() {
     const Token& token = cursor_.peek();
     switch (token.kind) {
-      case Token::Kind::Name:
+      case Token::Kind::name:
         return named();
-      case Token::Kind::Text: {
+      case Token::Kind::text: {
         const std::string quoted = token.text;
         return constant(quoted.substr(1, quoted.size() - 2));
       }
-      case Token::Kind::Number: {
+      case Token::Kind::number: {
         const auto number = parse_number(token.text);
         if (!number) cursor_.fail();
         return constant(*number);
@@ -133,13 +133,13 @@ class ExpressionCompiler {
       do {
         if (cursor_.at_symbol("[")) cursor_.fail();  // no lists of lists
         const int at = cursor_.peek().column;
-        if (!fits(Parameter::Kind::Number, binary(1))) fail_syntax(cursor_.line(), at);
+        if (!fits(Parameter::Kind::number, binary(1))) fail_syntax(cursor_.line(), at);
         ++count;
       } while (cursor_.take_symbol(","));
       cursor_.expect_symbol("]");
     }
-    emit(Op::List, column, static_cast<std::uint32_t>(count));
-    return {Shape::Kind::List, count, {}};
+    emit(Op::list, column, static_cast<std::uint32_t>(count));
+    return {Shape::Kind::list, count, {}};
   }
 
   Shape named() {
@@ -147,12 +147,12 @@ class ExpressionCompiler {
     if (name.text == "p" && cursor_.at_symbol("[")) return pose(cursor_.peek().column);
     if (name.text == "True" || name.text == "False") {
       builder_.emit_constant(name.text == "True", cursor_.line(), name.column);
-      return {Shape::Kind::Boolean, {}, {}};
+      return {Shape::Kind::boolean, {}, {}};
     }
     if (cursor_.at_symbol("(")) return call(name);
     const Builder::Variable* variable = builder_.find(name.text);
     if (variable == nullptr) fail_at(name, "name_not_found");
-    emit(variable->local ? Op::LoadLocal : Op::Load, name.column, variable->index);
+    emit(variable->local ? Op::load_local : Op::load, name.column, variable->index);
     Shape shape = variable->shape;
     shape.number.reset();  // it may have changed
     return shape;
@@ -160,8 +160,8 @@ class ExpressionCompiler {
 
   Shape pose(int column) {
     if (list().count != kPoseSize) fail_with(cursor_.line(), column, "compile_error_wrong_pose_length:p:");
-    builder_.program().code.back().op = Op::Pose;
-    return {Shape::Kind::Pose, {}, {}};
+    builder_.program().code.back().op = Op::pose;
+    return {Shape::Kind::pose, {}, {}};
   }
 
   std::vector<Argument> arguments() {
@@ -171,7 +171,7 @@ class ExpressionCompiler {
     do {
       Argument argument{"", {}, cursor_.peek().column};
       const Cursor::Place place = cursor_.place();
-      if (cursor_.peek().kind == Token::Kind::Name) argument.key = cursor_.take().text;
+      if (cursor_.peek().kind == Token::Kind::name) argument.key = cursor_.take().text;
       if (!argument.key.empty() && !cursor_.take_symbol("=")) {
         argument.key.clear();  // only the `=` behind it marks a key
         cursor_.back_to(place);
@@ -199,7 +199,7 @@ class ExpressionCompiler {
         fail_at(name, "missing_argument", function->parameters[i].name);
     }
     builder_.program().calls.push_back(std::move(site));
-    emit(Op::Call, name.column, static_cast<std::uint32_t>(builder_.program().calls.size() - 1));
+    emit(Op::call, name.column, static_cast<std::uint32_t>(builder_.program().calls.size() - 1));
     return {function->gives, {}, {}};
   }
 
@@ -226,7 +226,7 @@ class ExpressionCompiler {
     for (const Argument& argument : given) {
       if (!argument.key.empty()) fail_call(name, "unknown_argument", argument.key, argument.column);
     }
-    emit(Op::CallOwn, name.column, index, wanted);
+    emit(Op::call_own, name.column, index, wanted);
     return {};
   }
 

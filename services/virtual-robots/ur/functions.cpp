@@ -94,63 +94,63 @@ Step register_step(RegisterStep::Kind kind, int count, const Bound& bound, doubl
 
 Step make_integer(const std::string&, const Bound& bound) {
   const double value = std::clamp(number_or(bound, 1, 0), -2147483648.0, 2147483647.0);
-  return register_step(RegisterStep::Kind::Integer, Registers::kNumbers, bound, value);
+  return register_step(RegisterStep::Kind::integer, Registers::kNumbers, bound, value);
 }
 
 Step make_float(const std::string&, const Bound& bound) {
-  return register_step(RegisterStep::Kind::Float, Registers::kNumbers, bound, number_or(bound, 1, 0));
+  return register_step(RegisterStep::Kind::float_, Registers::kNumbers, bound, number_or(bound, 1, 0));
 }
 
 Step make_boolean(const std::string&, const Bound& bound) {
-  return register_step(RegisterStep::Kind::Boolean, Registers::kBits, bound, std::get<bool>(*bound[1]) ? 1 : 0);
+  return register_step(RegisterStep::Kind::boolean, Registers::kBits, bound, std::get<bool>(*bound[1]) ? 1 : 0);
 }
 
 Function doing(std::string_view name, std::vector<Parameter> parameters, Step (*make)(const std::string&, const Bound&),
                bool takes_time = false) {
-  return {name, std::move(parameters), make, nullptr, Shape::Kind::None, takes_time};
+  return {name, std::move(parameters), make, nullptr, Shape::Kind::none, takes_time};
 }
 
 }  // namespace
 
 const std::vector<Function>& doing_functions() {
   static const std::vector<Parameter> kMove = {
-      {"q", Kind::Target, true}, {"a", Kind::Number}, {"v", Kind::Number}, {"t", Kind::Number}, {"r", Kind::Number}};
+      {"q", Kind::target, true}, {"a", Kind::number}, {"v", Kind::number}, {"t", Kind::number}, {"r", Kind::number}};
   static const std::vector<Parameter> kLine = {
-      {"pose", Kind::Target, true}, {"a", Kind::Number}, {"v", Kind::Number}, {"t", Kind::Number}, {"r", Kind::Number}};
-  static const std::vector<Parameter> kOut = {{"n", Kind::Number, true}, {"b", Kind::Boolean, true}};
-  static const std::vector<Parameter> kPopup = {{"s", Kind::Any, true},
-                                                {"title", Kind::Text},
-                                                {"warning", Kind::Boolean},
-                                                {"error", Kind::Boolean},
-                                                {"blocking", Kind::Boolean}};
-  static const std::vector<Parameter> kRegister = {{"n", Kind::Number, true}, {"value", Kind::Number, true}};
+      {"pose", Kind::target, true}, {"a", Kind::number}, {"v", Kind::number}, {"t", Kind::number}, {"r", Kind::number}};
+  static const std::vector<Parameter> kOut = {{"n", Kind::number, true}, {"b", Kind::boolean, true}};
+  static const std::vector<Parameter> kPopup = {{"s", Kind::any, true},
+                                                {"title", Kind::text},
+                                                {"warning", Kind::boolean},
+                                                {"error", Kind::boolean},
+                                                {"blocking", Kind::boolean}};
+  static const std::vector<Parameter> kRegister = {{"n", Kind::number, true}, {"value", Kind::number, true}};
   static const std::vector<Function> kFunctions = {
       doing("movej", kMove, make_move, true),
       doing("movel", kLine, make_move, true),
-      doing("sleep", {{"t", Kind::Number, true}}, make_sleep, true),
+      doing("sleep", {{"t", Kind::number, true}}, make_sleep, true),
       doing("sync", {}, make_sync, true),
       doing("set_digital_out", kOut, make_digital_out),
       doing("set_standard_digital_out", kOut, make_digital_out),
       doing("set_configurable_digital_out", kOut, make_pin<8, 8>),
       doing("set_tool_digital_out", kOut, make_pin<16, 2>),
-      doing("textmsg", {{"s1", Kind::Any, true}, {"s2", Kind::Any}}, make_text),
+      doing("textmsg", {{"s1", Kind::any, true}, {"s2", Kind::any}}, make_text),
       doing("popup", kPopup, make_popup),
-      doing("set_tcp", {{"pose", Kind::Pose, true}, {"tcp_name", Kind::Text}}, make_tool),
-      doing("set_payload", {{"m", Kind::Number, true}, {"cog", Kind::Any}}, make_setting),
-      doing("set_payload_mass", {{"m", Kind::Number, true}}, make_setting),
-      doing("set_target_payload", {{"m", Kind::Number, true}, {"cog", Kind::Any}, {"inertia", Kind::Any}},
+      doing("set_tcp", {{"pose", Kind::pose, true}, {"tcp_name", Kind::text}}, make_tool),
+      doing("set_payload", {{"m", Kind::number, true}, {"cog", Kind::any}}, make_setting),
+      doing("set_payload_mass", {{"m", Kind::number, true}}, make_setting),
+      doing("set_target_payload", {{"m", Kind::number, true}, {"cog", Kind::any}, {"inertia", Kind::any}},
             make_setting),
-      doing("set_gravity", {{"d", Kind::List, true}}, make_setting),
-      doing("set_tool_voltage", {{"voltage", Kind::Number, true}}, make_setting),
-      doing("speedj", {{"qd", Kind::Six, true}, {"a", Kind::Positive}, {"t", Kind::Number}}, make_speed, true),
-      doing("speedl", {{"xd", Kind::Six, true}, {"a", Kind::Positive}, {"t", Kind::Number}, {"aRot", Kind::Text}},
+      doing("set_gravity", {{"d", Kind::list, true}}, make_setting),
+      doing("set_tool_voltage", {{"voltage", Kind::number, true}}, make_setting),
+      doing("speedj", {{"qd", Kind::six, true}, {"a", Kind::positive}, {"t", Kind::number}}, make_speed, true),
+      doing("speedl", {{"xd", Kind::six, true}, {"a", Kind::positive}, {"t", Kind::number}, {"aRot", Kind::text}},
             make_speed, true),
-      doing("stopj", {{"a", Kind::Positive}}, make_halt),
-      doing("stopl", {{"a", Kind::Positive}}, make_halt),
+      doing("stopj", {{"a", Kind::positive}}, make_halt),
+      doing("stopl", {{"a", Kind::positive}}, make_halt),
       doing("protective_stop", {}, make_protective_stop),
       doing("write_output_integer_register", kRegister, make_integer),
       doing("write_output_float_register", kRegister, make_float),
-      doing("write_output_boolean_register", {{"n", Kind::Number, true}, {"value", Kind::Boolean, true}}, make_boolean),
+      doing("write_output_boolean_register", {{"n", Kind::number, true}, {"value", Kind::boolean, true}}, make_boolean),
   };
   return kFunctions;
 }
@@ -174,40 +174,40 @@ std::string show(const Value& value) {
 }
 
 Shape shape_of(const Value& value) {
-  if (const auto* number = std::get_if<double>(&value)) return {Shape::Kind::Number, {}, *number};
-  if (std::holds_alternative<bool>(value)) return {Shape::Kind::Boolean, {}, {}};
-  if (std::holds_alternative<std::string>(value)) return {Shape::Kind::Text, {}, {}};
-  if (const auto* list = std::get_if<std::vector<double>>(&value)) return {Shape::Kind::List, list->size(), {}};
-  return {std::holds_alternative<Pose>(value) ? Shape::Kind::Pose : Shape::Kind::None, {}, {}};
+  if (const auto* number = std::get_if<double>(&value)) return {Shape::Kind::number, {}, *number};
+  if (std::holds_alternative<bool>(value)) return {Shape::Kind::boolean, {}, {}};
+  if (std::holds_alternative<std::string>(value)) return {Shape::Kind::text, {}, {}};
+  if (const auto* list = std::get_if<std::vector<double>>(&value)) return {Shape::Kind::list, list->size(), {}};
+  return {std::holds_alternative<Pose>(value) ? Shape::Kind::pose : Shape::Kind::none, {}, {}};
 }
 
 bool fits(Kind kind, const Shape& shape) {
-  if (shape.kind == Shape::Kind::Any) return true;
+  if (shape.kind == Shape::Kind::any) return true;
   switch (kind) {
-    case Kind::Number:
-      return shape.kind == Shape::Kind::Number;
-    case Kind::Positive:
-      return shape.kind == Shape::Kind::Number && (!shape.number || *shape.number > 0);
-    case Kind::Six:
-    case Kind::List:
-      return shape.kind == Shape::Kind::List;
-    case Kind::Boolean:
-      return shape.kind == Shape::Kind::Boolean;
-    case Kind::Text:
-      return shape.kind == Shape::Kind::Text;
-    case Kind::Target:
-      return shape.kind == Shape::Kind::List || shape.kind == Shape::Kind::Pose;
-    case Kind::Pose:
-      return shape.kind == Shape::Kind::Pose;
-    case Kind::Any:
-      return shape.kind != Shape::Kind::None;
+    case Kind::number:
+      return shape.kind == Shape::Kind::number;
+    case Kind::positive:
+      return shape.kind == Shape::Kind::number && (!shape.number || *shape.number > 0);
+    case Kind::six:
+    case Kind::list:
+      return shape.kind == Shape::Kind::list;
+    case Kind::boolean:
+      return shape.kind == Shape::Kind::boolean;
+    case Kind::text:
+      return shape.kind == Shape::Kind::text;
+    case Kind::target:
+      return shape.kind == Shape::Kind::list || shape.kind == Shape::Kind::pose;
+    case Kind::pose:
+      return shape.kind == Shape::Kind::pose;
+    case Kind::any:
+      return shape.kind != Shape::Kind::none;
   }
   return false;
 }
 
 bool counts(Kind kind, const Shape& shape) {
-  const bool six = kind == Kind::Target || kind == Kind::Six;
-  return !six || shape.kind != Shape::Kind::List || !shape.count || *shape.count == kJointCount;
+  const bool six = kind == Kind::target || kind == Kind::six;
+  return !six || shape.kind != Shape::Kind::list || !shape.count || *shape.count == kJointCount;
 }
 
 }  // namespace trb::virtual_robots::ur

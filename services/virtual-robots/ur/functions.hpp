@@ -28,7 +28,7 @@ inline constexpr double kStepTime = 0.002;
 
 /** A parameter takes values of its kind; `Six` is a list of six numbers, `Target` six joints or a pose. */
 struct Parameter {
-  enum class Kind { Number, Positive, Boolean, Text, Target, Six, Pose, List, Any };
+  enum class Kind { number, positive, boolean, text, target, six, pose, list, any };
   std::string_view name;
   Kind kind;
   bool required = false;
@@ -43,7 +43,7 @@ struct Function {
   std::vector<Parameter> parameters;
   Step (*make)(const std::string& function, const Bound& bound) = nullptr;
   Value (*tell)(const World& world, const Bound& bound) = nullptr;
-  Shape::Kind gives = Shape::Kind::None;
+  Shape::Kind gives = Shape::Kind::none;
   bool takes_time = false;
 };
 

@@ -87,7 +87,7 @@ Value point_distance(const World&, const Bound& bound) {
 }
 
 Function reckoning(std::string_view name, std::vector<Parameter> parameters, Value (*tell)(const World&, const Bound&),
-                   Shape::Kind gives = Shape::Kind::Number) {
+                   Shape::Kind gives = Shape::Kind::number) {
   return {name, std::move(parameters), nullptr, tell, gives, false};
 }
 
@@ -95,9 +95,9 @@ Function reckoning(std::string_view name, std::vector<Parameter> parameters, Val
 
 const std::vector<Function>& reckoning_functions() {
   using Gives = Shape::Kind;
-  static const std::vector<Parameter> kOne = {{"f", Takes::Number, true}};
-  static const std::vector<Parameter> kTwo = {{"x", Takes::Number, true}, {"y", Takes::Number, true}};
-  static const std::vector<Parameter> kPoses = {{"p_from", Takes::Pose, true}, {"p_to", Takes::Pose, true}};
+  static const std::vector<Parameter> kOne = {{"f", Takes::number, true}};
+  static const std::vector<Parameter> kTwo = {{"x", Takes::number, true}, {"y", Takes::number, true}};
+  static const std::vector<Parameter> kPoses = {{"p_from", Takes::pose, true}, {"p_to", Takes::pose, true}};
   static const std::vector<Function> kFunctions = {
       reckoning("sqrt", kOne, by<std::sqrt>),
       reckoning("sin", kOne, by<std::sin>),
@@ -112,16 +112,16 @@ const std::vector<Function>& reckoning_functions() {
       reckoning("r2d", kOne, by<to_degrees>),
       reckoning("atan2", kTwo, arc_tangent),
       reckoning("pow", kTwo, power),
-      reckoning("norm", {{"a", Takes::Any, true}}, norm),
-      reckoning("length", {{"v", Takes::List, true}}, length),
-      reckoning("get_list_length", {{"v", Takes::List, true}}, length),
-      reckoning("to_str", {{"val", Takes::Any, true}}, text, Gives::Text),
-      reckoning("str_cat", {{"op1", Takes::Any, true}, {"op2", Takes::Any, true}}, joined_text, Gives::Text),
-      reckoning("pose_trans", kPoses, pose_trans, Gives::Pose),
-      reckoning("pose_inv", {{"p_from", Takes::Pose, true}}, pose_inv, Gives::Pose),
+      reckoning("norm", {{"a", Takes::any, true}}, norm),
+      reckoning("length", {{"v", Takes::list, true}}, length),
+      reckoning("get_list_length", {{"v", Takes::list, true}}, length),
+      reckoning("to_str", {{"val", Takes::any, true}}, text, Gives::text),
+      reckoning("str_cat", {{"op1", Takes::any, true}, {"op2", Takes::any, true}}, joined_text, Gives::text),
+      reckoning("pose_trans", kPoses, pose_trans, Gives::pose),
+      reckoning("pose_inv", {{"p_from", Takes::pose, true}}, pose_inv, Gives::pose),
       reckoning("interpolate_pose",
-                {{"p_from", Takes::Pose, true}, {"p_to", Takes::Pose, true}, {"alpha", Takes::Number, true}},
-                interpolated, Gives::Pose),
+                {{"p_from", Takes::pose, true}, {"p_to", Takes::pose, true}, {"alpha", Takes::number, true}},
+                interpolated, Gives::pose),
       reckoning("point_dist", kPoses, point_distance),
   };
   return kFunctions;

@@ -25,13 +25,13 @@ bool same(const Value& a, const Value& b) {
 }
 
 double result_of(Op op, double left, double right) {
-  if ((op == Op::Divide || op == Op::Modulo) && right == 0) fail("division_by_zero");
+  if ((op == Op::divide || op == Op::modulo) && right == 0) fail("division_by_zero");
   double result = 0;
-  if (op == Op::Add) result = left + right;
-  if (op == Op::Subtract) result = left - right;
-  if (op == Op::Multiply) result = left * right;
-  if (op == Op::Divide) result = left / right;
-  if (op == Op::Modulo) result = std::fmod(left, right);
+  if (op == Op::add) result = left + right;
+  if (op == Op::subtract) result = left - right;
+  if (op == Op::multiply) result = left * right;
+  if (op == Op::divide) result = left / right;
+  if (op == Op::modulo) result = std::fmod(left, right);
   if (!std::isfinite(result)) fail("not_a_number");
   return result;
 }
@@ -59,34 +59,34 @@ Machine::Next Machine::next(const World& world, double time) {
 
 std::optional<Step> Machine::carry_out(const Instruction& instruction, const World& world) {
   switch (instruction.op) {
-    case Op::Call:
+    case Op::call:
       return call(instruction, world);
-    case Op::CallOwn:
+    case Op::call_own:
       call_own(instruction);
       break;
-    case Op::Return:
+    case Op::return_:
       give_back();
       break;
-    case Op::End:
+    case Op::end:
       finished_ = true;
       break;
-    case Op::Jump:
+    case Op::jump:
       at_ = instruction.a;
       break;
-    case Op::JumpUnless:
+    case Op::jump_unless:
       if (!pop_boolean()) at_ = instruction.a;
       break;
-    case Op::List:
+    case Op::list:
       make_list(instruction.a);
       break;
-    case Op::Pose:
+    case Op::pose:
       make_list(instruction.a);
       make_pose();
       break;
-    case Op::Element:
+    case Op::element:
       take_element();
       break;
-    case Op::SetElement:
+    case Op::set_element:
       set_element();
       break;
     default:
@@ -98,40 +98,40 @@ std::optional<Step> Machine::carry_out(const Instruction& instruction, const Wor
 /** Constants, variables and what is done to one or two values. */
 void Machine::move_value(const Instruction& instruction) {
   switch (instruction.op) {
-    case Op::Constant:
+    case Op::constant:
       return push(program_.constants[instruction.a]);
-    case Op::Load:
+    case Op::load:
       if (std::holds_alternative<std::monostate>(globals_[instruction.a])) fail("variable_without_value");
       return push(globals_[instruction.a]);
-    case Op::Store:
+    case Op::store:
       globals_[instruction.a] = pop();
       return;
-    case Op::LoadLocal: {
+    case Op::load_local: {
       const Value value = values_[frames_.back().base + instruction.a];
       if (std::holds_alternative<std::monostate>(value)) fail("variable_without_value");
       return push(value);
     }
-    case Op::StoreLocal: {
+    case Op::store_local: {
       Value value = pop();
       values_[frames_.back().base + instruction.a] = std::move(value);
       return;
     }
-    case Op::Drop:
+    case Op::drop:
       pop();
       return;
-    case Op::Negate:
+    case Op::negate:
       return push(-pop_number());
-    case Op::Not:
+    case Op::not_:
       return push(!pop_boolean());
-    case Op::And:
-    case Op::Or:
-    case Op::Xor:
+    case Op::and_:
+    case Op::or_:
+    case Op::xor_:
       return join(instruction.op);
-    case Op::Add:
-    case Op::Subtract:
-    case Op::Multiply:
-    case Op::Divide:
-    case Op::Modulo:
+    case Op::add:
+    case Op::subtract:
+    case Op::multiply:
+    case Op::divide:
+    case Op::modulo:
       return reckon(instruction.op);
     default:
       return compare(instruction.op);
@@ -147,20 +147,20 @@ void Machine::reckon(Op op) {
 void Machine::join(Op op) {
   const bool right = pop_boolean();
   const bool left = pop_boolean();
-  push(op == Op::And ? left && right : op == Op::Or ? left || right : left != right);
+  push(op == Op::and_ ? left && right : op == Op::or_ ? left || right : left != right);
 }
 
 void Machine::compare(Op op) {
-  if (op == Op::Equal || op == Op::Unequal) {
+  if (op == Op::equal || op == Op::unequal) {
     const Value right = pop();
     const Value left = pop();
-    return push(same(left, right) == (op == Op::Equal));
+    return push(same(left, right) == (op == Op::equal));
   }
   const double right = pop_number();
   const double left = pop_number();
-  if (op == Op::Less) return push(left < right);
-  if (op == Op::LessEqual) return push(left <= right);
-  if (op == Op::Greater) return push(left > right);
+  if (op == Op::less) return push(left < right);
+  if (op == Op::less_equal) return push(left <= right);
+  if (op == Op::greater) return push(left > right);
   push(left >= right);
 }
 

@@ -129,7 +129,7 @@ TEST_CASE("script: a loop of speeds runs round by round, and a program stops its
   for (double now = 0; now < 3; now += 0.01) controller.advance(now);
   const RobotState state = controller.state(3);
   CHECK(state.joints.position[0] == doctest::Approx(0.5).epsilon(0.1));
-  CHECK(state.safety == SafetyMode::ProtectiveStop);
+  CHECK(state.safety == SafetyMode::protective_stop);
   CHECK_FALSE(state.program_running);
   CHECK(controller.output_registers().integers[1] == 42);
   CHECK_FALSE(controller.unlock(5));

@@ -22,7 +22,7 @@ std::vector<Option> options_of(ur::Settings& settings) {
       {"--programs", "DIR", "the folder from which the dashboard loads programs (URScript)",
        [&](auto text) { settings.programs = std::string(text); }},
       {"--start-off", "", "start powered off, not ready to run",
-       [&](auto) { settings.mode = ur::RobotMode::PowerOff; }},
+       [&](auto) { settings.mode = ur::RobotMode::power_off; }},
   };
 }
 

@@ -8,11 +8,11 @@
 
 namespace trb::virtual_robots::ur {
 
-enum class RobotMode : std::uint8_t { PowerOff = 3, Idle = 5, Running = 7 };
+enum class RobotMode : std::uint8_t { power_off = 3, idle = 5, running = 7 };
 
-enum class SafetyMode : std::uint8_t { Normal = 1, ProtectiveStop = 3, EmergencyStop = 7 };
+enum class SafetyMode : std::uint8_t { normal = 1, protective_stop = 3, emergency_stop = 7 };
 
-enum class ErrorLevel : std::uint8_t { Warning = 2, Violation = 3, Fault = 4 };
+enum class ErrorLevel : std::uint8_t { warning = 2, violation = 3, fault = 4 };
 
 /** Digital inputs and outputs: bits 0 to 7 standard, 8 to 15 configurable, 16 and 17 the tool's. */
 struct Io {
@@ -24,8 +24,8 @@ struct Io {
 
 /** The contents of a RobotState packet. */
 struct RobotState {
-  RobotMode mode = RobotMode::Running;
-  SafetyMode safety = SafetyMode::Normal;
+  RobotMode mode = RobotMode::running;
+  SafetyMode safety = SafetyMode::normal;
   bool program_running = false;
   bool program_paused = false;
   double speed_fraction = 1;

@@ -41,8 +41,8 @@ TEST_CASE("version packet: the golden bytes") {
 
 TEST_CASE("robot state packet: mode and joints, one behind the other") {
   RobotState state;
-  state.mode = RobotMode::Running;
-  state.safety = SafetyMode::ProtectiveStop;
+  state.mode = RobotMode::running;
+  state.safety = SafetyMode::protective_stop;
   state.program_running = true;
   state.joints.position = {1.0, 2.0, 0, 0, 0, 0};
   state.joints.speed = {0.5, 0, 0, 0, 0, 0};
@@ -69,8 +69,8 @@ TEST_CASE("robot state packet: mode and joints, one behind the other") {
 
 TEST_CASE("robot state packet: emergency stop, power off") {
   RobotState state;
-  state.mode = RobotMode::PowerOff;
-  state.safety = SafetyMode::EmergencyStop;
+  state.mode = RobotMode::power_off;
+  state.safety = SafetyMode::emergency_stop;
   const std::string bytes = robot_state_packet(state, 0);
   CHECK(hex(bytes.substr(18, 8)) == "0101000100000003");
   CHECK(static_cast<unsigned char>(bytes[57 + 40]) == 239);
@@ -119,9 +119,9 @@ TEST_CASE("exception packet: the golden bytes") {
 }
 
 TEST_CASE("error, safety and text packets: the golden bytes") {
-  CHECK(hex(error_packet(100, -1, ErrorLevel::Violation, "x", kTime)) ==
+  CHECK(hex(error_packet(100, -1, ErrorLevel::violation, "x", kTime)) ==
         "00000024140102030405060708fd0600000064ffffffff00000003000000000000000078");
-  CHECK(hex(safety_packet(SafetyMode::ProtectiveStop, kTime)) ==
+  CHECK(hex(safety_packet(SafetyMode::protective_stop, kTime)) ==
         "00000020140102030405060708fd0500000000000000000300000000"
         "00000000");
   CHECK(hex(text_packet("hi", kTime)) == "00000011140102030405060708fd006869");

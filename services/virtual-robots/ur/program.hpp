@@ -14,42 +14,42 @@ struct Function;
 
 /** What a stack machine carries out; `a` and `b` are what the comment says. */
 enum class Op : std::uint8_t {
-  Constant,    ///< a: which
-  Load,        ///< a: global variable
-  Store,       ///< a: global variable
-  LoadLocal,   ///< a: variable of the function
-  StoreLocal,  ///< a: variable of the function
-  Drop,        ///< the value on top
-  Negate,
-  Not,
-  Add,
-  Subtract,
-  Multiply,
-  Divide,
-  Modulo,
-  Equal,
-  Unequal,
-  Less,
-  LessEqual,
-  Greater,
-  GreaterEqual,
-  And,
-  Or,
-  Xor,
-  List,        ///< a: how many values
-  Pose,        ///< of six values
-  Element,     ///< list, index
-  SetElement,  ///< list, index, value: the list with that value
-  Jump,        ///< a: to where
-  JumpUnless,  ///< a: to where
-  Call,        ///< a: call of the controller's function
-  CallOwn,     ///< a: function of the program; b: how many values it is given
-  Return,      ///< with the value on top
-  End          ///< of the program
+  constant,     ///< a: which
+  load,         ///< a: global variable
+  store,        ///< a: global variable
+  load_local,   ///< a: variable of the function
+  store_local,  ///< a: variable of the function
+  drop,         ///< the value on top
+  negate,
+  not_,
+  add,
+  subtract,
+  multiply,
+  divide,
+  modulo,
+  equal,
+  unequal,
+  less,
+  less_equal,
+  greater,
+  greater_equal,
+  and_,
+  or_,
+  xor_,
+  list,         ///< a: how many values
+  pose,         ///< of six values
+  element,      ///< list, index
+  set_element,  ///< list, index, value: the list with that value
+  jump,         ///< a: to where
+  jump_unless,  ///< a: to where
+  call,         ///< a: call of the controller's function
+  call_own,     ///< a: function of the program; b: how many values it is given
+  return_,      ///< with the value on top
+  end           ///< of the program
 };
 
 struct Instruction {
-  Op op = Op::End;
+  Op op = Op::end;
   std::uint32_t a = 0;
   std::uint32_t b = 0;
   int line = 1;

@@ -21,39 +21,39 @@ double finite(double value, double otherwise) {
 }
 
 constexpr InputRow kInputs[] = {
-    {"speed_slider_mask", RtdeType::Uint32, [](Reader& in, int, W w) { w.slider_mask = in.u32(); }},
-    {"speed_slider_fraction", RtdeType::Double, [](Reader& in, int, W w) { w.slider = finite(in.f64(), w.slider); }},
-    {"standard_digital_output_mask", RtdeType::Uint8, [](Reader& in, int, W w) { w.standard_mask = in.u8(); }},
-    {"standard_digital_output", RtdeType::Uint8, [](Reader& in, int, W w) { w.standard = in.u8(); }},
-    {"configurable_digital_output_mask", RtdeType::Uint8, [](Reader& in, int, W w) { w.configurable_mask = in.u8(); }},
-    {"configurable_digital_output", RtdeType::Uint8, [](Reader& in, int, W w) { w.configurable = in.u8(); }},
-    {"tool_digital_output_mask", RtdeType::Uint8, [](Reader& in, int, W w) { w.tool_mask = in.u8(); }},
-    {"tool_digital_output", RtdeType::Uint8, [](Reader& in, int, W w) { w.tool = in.u8(); }},
-    {"standard_analog_output_mask", RtdeType::Uint8, [](Reader& in, int, W w) { w.analog_mask = in.u8(); }},
-    {"standard_analog_output_type", RtdeType::Uint8, [](Reader& in, int, W w) { w.analog_type = in.u8(); }},
-    {"external_force_torque", RtdeType::Vector6d,
-     [](Reader& in, int, W) { in.text(size_of(RtdeType::Vector6d)); }},  // nothing feels it here
-    {"standard_analog_output_0", RtdeType::Double,
+    {"speed_slider_mask", RtdeType::uint32, [](Reader& in, int, W w) { w.slider_mask = in.u32(); }},
+    {"speed_slider_fraction", RtdeType::double_, [](Reader& in, int, W w) { w.slider = finite(in.f64(), w.slider); }},
+    {"standard_digital_output_mask", RtdeType::uint8, [](Reader& in, int, W w) { w.standard_mask = in.u8(); }},
+    {"standard_digital_output", RtdeType::uint8, [](Reader& in, int, W w) { w.standard = in.u8(); }},
+    {"configurable_digital_output_mask", RtdeType::uint8, [](Reader& in, int, W w) { w.configurable_mask = in.u8(); }},
+    {"configurable_digital_output", RtdeType::uint8, [](Reader& in, int, W w) { w.configurable = in.u8(); }},
+    {"tool_digital_output_mask", RtdeType::uint8, [](Reader& in, int, W w) { w.tool_mask = in.u8(); }},
+    {"tool_digital_output", RtdeType::uint8, [](Reader& in, int, W w) { w.tool = in.u8(); }},
+    {"standard_analog_output_mask", RtdeType::uint8, [](Reader& in, int, W w) { w.analog_mask = in.u8(); }},
+    {"standard_analog_output_type", RtdeType::uint8, [](Reader& in, int, W w) { w.analog_type = in.u8(); }},
+    {"external_force_torque", RtdeType::vector6d,
+     [](Reader& in, int, W) { in.text(size_of(RtdeType::vector6d)); }},  // nothing feels it here
+    {"standard_analog_output_0", RtdeType::double_,
      [](Reader& in, int, W w) { w.analog[0] = finite(in.f64(), w.analog[0]); }},
-    {"standard_analog_output_1", RtdeType::Double,
+    {"standard_analog_output_1", RtdeType::double_,
      [](Reader& in, int, W w) { w.analog[1] = finite(in.f64(), w.analog[1]); }},
 };
 
 std::optional<RtdeInput> register_input(const RegisterName& name) {
   switch (name.kind) {
-    case RegisterName::Kind::Word:
-      return RtdeInput{RtdeType::Uint32, [](Reader& in, int i, W w) { w.registers.bits[std::size_t(i)] = in.u32(); },
+    case RegisterName::Kind::word:
+      return RtdeInput{RtdeType::uint32, [](Reader& in, int i, W w) { w.registers.bits[std::size_t(i)] = in.u32(); },
                        name.index};
-    case RegisterName::Kind::Bit:
-      return RtdeInput{RtdeType::Bool, [](Reader& in, int i, W w) { w.registers.set_bit(i, in.u8() != 0); },
+    case RegisterName::Kind::bit:
+      return RtdeInput{RtdeType::bool_, [](Reader& in, int i, W w) { w.registers.set_bit(i, in.u8() != 0); },
                        name.index};
-    case RegisterName::Kind::Integer:
+    case RegisterName::Kind::integer:
       return RtdeInput{
-          RtdeType::Int32,
+          RtdeType::int32,
           [](Reader& in, int i, W w) { w.registers.integers[std::size_t(i)] = static_cast<std::int32_t>(in.u32()); },
           name.index};
-    case RegisterName::Kind::Double:
-      return RtdeInput{RtdeType::Double,
+    case RegisterName::Kind::double_:
+      return RtdeInput{RtdeType::double_,
                        [](Reader& in, int i, W w) { w.registers.doubles[std::size_t(i)] = finite(in.f64(), 0); },
                        name.index};
   }
@@ -82,16 +82,16 @@ std::optional<RegisterName> register_name(std::string_view name, std::string_vie
   if (!name.starts_with(prefix)) return std::nullopt;
   name.remove_prefix(prefix.size());
   using Kind = RegisterName::Kind;
-  if (name == "bit_registers0_to_31") return RegisterName{Kind::Word, 0};
-  if (name == "bit_registers32_to_63") return RegisterName{Kind::Word, 1};
+  if (name == "bit_registers0_to_31") return RegisterName{Kind::word, 0};
+  if (name == "bit_registers32_to_63") return RegisterName{Kind::word, 1};
   if (const auto bit = number_behind(name, "bit_register_", kFirstSingleBit, Registers::kBits)) {
-    return RegisterName{Kind::Bit, *bit};
+    return RegisterName{Kind::bit, *bit};
   }
   if (const auto at = number_behind(name, "int_register_", 0, Registers::kNumbers)) {
-    return RegisterName{Kind::Integer, *at};
+    return RegisterName{Kind::integer, *at};
   }
   if (const auto at = number_behind(name, "double_register_", 0, Registers::kNumbers)) {
-    return RegisterName{Kind::Double, *at};
+    return RegisterName{Kind::double_, *at};
   }
   return std::nullopt;
 }

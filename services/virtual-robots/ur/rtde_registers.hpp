@@ -6,7 +6,7 @@ namespace trb::virtual_robots::ur {
 
 /** `bit_registers0_to_31`, `bit_register_64`, `int_register_0`, `double_register_0`, behind `input_` or `output_`. */
 struct RegisterName {
-  enum class Kind { Word, Bit, Integer, Double };
+  enum class Kind { word, bit, integer, double_ };
   Kind kind;
   int index;
 };

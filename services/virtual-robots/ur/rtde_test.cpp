@@ -13,7 +13,7 @@ std::string sent(char type, const std::string& body) {
 }
 
 /** A session and what its client says and hears. */
-struct RtdeBench {
+struct RtdeFixture {
   std::string say(char type, const std::string& body) {
     std::string input = sent(type, body);
     return session.take(input, written, time);
@@ -34,52 +34,53 @@ std::string types(const std::string& answer, std::size_t from) {
 }  // namespace
 
 TEST_CASE("rtde: versions 1 and 2 are spoken, others are refused, and the controller's is told") {
-  RtdeBench bench;
-  CHECK(bench.version(3) == std::string("\0\4V\0", 4));
-  CHECK(bench.version(2) == std::string("\0\4V\1", 4));
-  CHECK(bench.version(1) == std::string("\0\4V\1", 4));
-  CHECK(bench.say('v', "") == Bytes().u16(19).u8('v').u32(5).u32(12).u32(0).u32(0).str());
+  RtdeFixture fixture;
+  CHECK(fixture.version(3) == std::string("\0\4V\0", 4));
+  CHECK(fixture.version(2) == std::string("\0\4V\1", 4));
+  CHECK(fixture.version(1) == std::string("\0\4V\1", 4));
+  CHECK(fixture.say('v', "") == Bytes().u16(19).u8('v').u32(5).u32(12).u32(0).u32(0).str());
 }
 
 TEST_CASE("rtde: outputs have their types, and one that is not there makes the recipe invalid") {
-  RtdeBench bench;
-  bench.version(2);
-  const std::string good = bench.outputs(125, "timestamp,actual_q,robot_mode,runtime_state,actual_digital_output_bits");
+  RtdeFixture fixture;
+  fixture.version(2);
+  const std::string good =
+      fixture.outputs(125, "timestamp,actual_q,robot_mode,runtime_state,actual_digital_output_bits");
   CHECK(good[3] == 1);
   CHECK(types(good, 4) == "DOUBLE,VECTOR6D,INT32,UINT32,UINT64");
-  const std::string bad = bench.outputs(125, "timestamp,nonsense,actual_q");
+  const std::string bad = fixture.outputs(125, "timestamp,nonsense,actual_q");
   CHECK(bad[3] == 0);
   CHECK(types(bad, 4) == "DOUBLE,NOT_FOUND,VECTOR6D");
-  CHECK(bench.say('S', "") == std::string("\0\4S\0", 4));
-  CHECK(bench.outputs(125, "")[3] == 0);
-  CHECK(bench.outputs(125, std::string(RtdeSession::kLongestNames + 1, 'x'))[3] == 0);
-  bench.version(1);
-  CHECK(types(bench.say('O', "actual_q,x"), 3) == "VECTOR6D,NOT_FOUND");
+  CHECK(fixture.say('S', "") == std::string("\0\4S\0", 4));
+  CHECK(fixture.outputs(125, "")[3] == 0);
+  CHECK(fixture.outputs(125, std::string(RtdeSession::kLongestNames + 1, 'x'))[3] == 0);
+  fixture.version(1);
+  CHECK(types(fixture.say('O', "actual_q,x"), 3) == "VECTOR6D,NOT_FOUND");
 }
 
 TEST_CASE("rtde: data come at the rate that is asked for, and not while paused") {
-  RtdeBench bench;
-  bench.version(2);
-  bench.outputs(10, "timestamp,actual_q");
+  RtdeFixture fixture;
+  fixture.version(2);
+  fixture.outputs(10, "timestamp,actual_q");
   RtdePicture picture;
   picture.time = 2.5;
   picture.state.joints.position = {1, 2, 3, 4, 5, 6};
-  CHECK(bench.session.data(picture, 100).empty());
-  CHECK(bench.say('S', "") == std::string("\0\4S\1", 4));
-  CHECK(bench.session.data(picture, 100) ==
+  CHECK(fixture.session.data(picture, 100).empty());
+  CHECK(fixture.say('S', "") == std::string("\0\4S\1", 4));
+  CHECK(fixture.session.data(picture, 100) ==
         sent('U', Bytes().u8(1).f64(2.5).f64(1).f64(2).f64(3).f64(4).f64(5).f64(6).str()));
-  CHECK(bench.session.data(picture, 100.09).empty());
-  CHECK(bench.session.next_due() == doctest::Approx(100.1));
-  CHECK_FALSE(bench.session.data(picture, 100.1).empty());
-  CHECK_FALSE(bench.session.data(picture, 200).empty());
-  CHECK(bench.session.data(picture, 200.05).empty());  // what was missed is not sent afterwards
-  CHECK(bench.say('P', "") == std::string("\0\4P\1", 4));
-  CHECK_FALSE(bench.session.next_due());
-  bench.version(1);
-  bench.say('O', "timestamp");
-  bench.say('S', "");
-  CHECK(bench.session.data(picture, 300) == sent('U', Bytes().f64(2.5).str()));
-  CHECK(bench.session.next_due() == doctest::Approx(300.002));
+  CHECK(fixture.session.data(picture, 100.09).empty());
+  CHECK(fixture.session.next_due() == doctest::Approx(100.1));
+  CHECK_FALSE(fixture.session.data(picture, 100.1).empty());
+  CHECK_FALSE(fixture.session.data(picture, 200).empty());
+  CHECK(fixture.session.data(picture, 200.05).empty());  // what was missed is not sent afterwards
+  CHECK(fixture.say('P', "") == std::string("\0\4P\1", 4));
+  CHECK_FALSE(fixture.session.next_due());
+  fixture.version(1);
+  fixture.say('O', "timestamp");
+  fixture.say('S', "");
+  CHECK(fixture.session.data(picture, 300) == sent('U', Bytes().f64(2.5).str()));
+  CHECK(fixture.session.next_due() == doctest::Approx(300.002));
 }
 
 TEST_CASE("rtde: every output has as many bytes as its type says") {
@@ -123,55 +124,55 @@ TEST_CASE("rtde: every output has as many bytes as its type says") {
 }
 
 TEST_CASE("rtde: inputs are claimed by one client, and free again when it leaves") {
-  RtdeBench bench;
-  RtdeSession* other = new RtdeSession(8, bench.claims);
+  RtdeFixture fixture;
+  RtdeSession* other = new RtdeSession(8, fixture.claims);
   RtdeWritten ignored;
   std::string claim = sent('I', "speed_slider_mask,speed_slider_fraction");
   CHECK(types(other->take(claim, ignored, 0), 3) == std::string("\1UINT32,DOUBLE"));
-  CHECK(types(bench.say('I', "input_int_register_0,speed_slider_mask,none"), 3) ==
+  CHECK(types(fixture.say('I', "input_int_register_0,speed_slider_mask,none"), 3) ==
         std::string("\0INT32,IN_USE,NOT_FOUND", 23));
-  CHECK(bench.claims.owner_of("input_int_register_0") == 0);  // a recipe that is refused claims nothing
+  CHECK(fixture.claims.owner_of("input_int_register_0") == 0);  // a recipe that is refused claims nothing
   delete other;
-  CHECK(types(bench.say('I', "speed_slider_mask,speed_slider_fraction"), 3) == std::string("\1UINT32,DOUBLE"));
-  CHECK(types(bench.say('I', "input_int_register_0"), 3) == std::string("\2INT32"));
-  CHECK(types(bench.say('I', "input_int_register_0"), 3) == std::string("\0IN_USE", 7));
+  CHECK(types(fixture.say('I', "speed_slider_mask,speed_slider_fraction"), 3) == std::string("\1UINT32,DOUBLE"));
+  CHECK(types(fixture.say('I', "input_int_register_0"), 3) == std::string("\2INT32"));
+  CHECK(types(fixture.say('I', "input_int_register_0"), 3) == std::string("\0IN_USE", 7));
 }
 
 TEST_CASE("rtde: what is written reaches the controller, masked") {
-  RtdeBench bench;
-  bench.version(2);
-  bench.say('I', "speed_slider_mask,speed_slider_fraction,standard_digital_output_mask,standard_digital_output");
-  bench.say('I', "input_double_register_24");
+  RtdeFixture fixture;
+  fixture.version(2);
+  fixture.say('I', "speed_slider_mask,speed_slider_fraction,standard_digital_output_mask,standard_digital_output");
+  fixture.say('I', "input_double_register_24");
   Controller controller;
   controller.set_output(1, true);
-  CHECK(bench.say('U', Bytes().u8(1).u32(1).f64(0.4).u8(0b0110).u8(0b0101).str()).empty());
-  CHECK(bench.session.take_changes());
-  apply(bench.written, controller, 0);
+  CHECK(fixture.say('U', Bytes().u8(1).u32(1).f64(0.4).u8(0b0110).u8(0b0101).str()).empty());
+  CHECK(fixture.session.take_changes());
+  apply(fixture.written, controller, 0);
   CHECK(controller.state(0).speed_fraction == 0.4);
   CHECK(controller.state(0).io.outputs == 0b0100);
-  CHECK(bench.say('U', Bytes().u8(2).f64(1.5).str()).empty());
-  apply(bench.written, controller, 0);
+  CHECK(fixture.say('U', Bytes().u8(2).f64(1.5).str()).empty());
+  apply(fixture.written, controller, 0);
   CHECK(controller.input_registers().doubles[24] == 1.5);
-  CHECK(bench.say('U', Bytes().u8(1).u32(1).f64(std::nan("")).u8(0).u8(0).str()).empty());
-  apply(bench.written, controller, 0);
+  CHECK(fixture.say('U', Bytes().u8(1).u32(1).f64(std::nan("")).u8(0).u8(0).str()).empty());
+  apply(fixture.written, controller, 0);
   CHECK(controller.state(0).speed_fraction == 0.4);
 }
 
 TEST_CASE("rtde: what is not of its form is answered by a text, and a border that is lost ends it") {
-  RtdeBench bench;
-  bench.version(2);
-  bench.say('I', "input_int_register_0");
-  for (const std::string& answer : {bench.say('U', Bytes().u8(1).u8(0).str()), bench.say('U', Bytes().u8(9).str()),
-                                    bench.say('U', ""), bench.say('Q', ""), bench.say('M', "\x05hi")}) {
+  RtdeFixture fixture;
+  fixture.version(2);
+  fixture.say('I', "input_int_register_0");
+  for (const std::string& answer : {fixture.say('U', Bytes().u8(1).u8(0).str()), fixture.say('U', Bytes().u8(9).str()),
+                                    fixture.say('U', ""), fixture.say('Q', ""), fixture.say('M', "\x05hi")}) {
     CHECK(answer[2] == 'M');
   }
-  CHECK_FALSE(bench.session.take_changes());
-  CHECK(bench.say('M', Bytes().u8(2).text("hi").u8(1).text("c").u8(3).str()).empty());
-  CHECK(bench.session.take_texts() == std::vector<std::string>{"hi"});
+  CHECK_FALSE(fixture.session.take_changes());
+  CHECK(fixture.say('M', Bytes().u8(2).text("hi").u8(1).text("c").u8(3).str()).empty());
+  CHECK(fixture.session.take_texts() == std::vector<std::string>{"hi"});
   std::string half = sent('v', "").substr(0, 2);
-  CHECK(bench.session.take(half, bench.written, 0).empty());
+  CHECK(fixture.session.take(half, fixture.written, 0).empty());
   CHECK(half.size() == 2);
   std::string lost("\0\1v", 3);
-  bench.session.take(lost, bench.written, 0);
-  CHECK(bench.session.broken());
+  fixture.session.take(lost, fixture.written, 0);
+  CHECK(fixture.session.broken());
 }

@@ -10,7 +10,7 @@
 namespace trb::virtual_robots::ur {
 
 /** Names and types of the variables are those of the maker's RTDE guide. */
-enum class RtdeType { Vector6d, Vector3d, Vector6Int32, Vector6Uint32, Double, Uint64, Uint32, Int32, Bool, Uint8 };
+enum class RtdeType { vector6d, vector3d, vector6_int32, vector6_uint32, double_, uint64, uint32, int32, bool_, uint8 };
 std::string_view name_of(RtdeType type);
 /** In bytes. */
 std::size_t size_of(RtdeType type);

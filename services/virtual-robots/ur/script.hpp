@@ -66,8 +66,8 @@ struct SettingStep {
 
 /** write_output_...: a register that a client reads. */
 struct RegisterStep {
-  enum class Kind { Integer, Float, Boolean };
-  Kind kind = Kind::Integer;
+  enum class Kind { integer, float_, boolean };
+  Kind kind = Kind::integer;
   int index = 0;
   double value = 0;
 };

@@ -88,7 +88,7 @@ void Server::accept_from(const Port& port) {
 void Server::read_from(Client& client, std::vector<std::string>& scripts) {
   std::string bytes;
   const Transfer transfer = read_some(client.socket, bytes, 16384);
-  client.gone = transfer.kind == Transfer::Kind::Closed;
+  client.gone = transfer.kind == Transfer::Kind::closed;
   // Input on a read-only port is read, so that the client can close in order, and discarded.
   if (client.read_only) return;
   for (std::string& script : client.intake.take(bytes)) scripts.push_back(std::move(script));

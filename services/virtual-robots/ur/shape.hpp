@@ -8,8 +8,8 @@ namespace trb::virtual_robots::ur {
 
 /** What is known of a value before the program runs. */
 struct Shape {
-  enum class Kind { Any, None, Number, Boolean, Text, List, Pose };
-  Kind kind = Kind::Any;
+  enum class Kind { any, none, number, boolean, text, list, pose };
+  Kind kind = Kind::any;
   std::optional<std::size_t> count;  ///< of a list
   std::optional<double> number;      ///< a literal
 };

@@ -9,19 +9,19 @@ namespace {
 constexpr std::uint8_t kRobotState = 16;
 
 enum class Part : std::uint8_t {
-  RobotMode = 0,
-  Joints = 1,
-  Tool = 2,
-  Masterboard = 3,
-  Cartesian = 4,
-  Kinematics = 5,
-  Configuration = 6,
-  Force = 7,
-  Additional = 8,
-  Calibration = 9,
-  Safety = 10,
-  ToolCommunication = 11,
-  ToolMode = 12
+  robot_mode = 0,
+  joints = 1,
+  tool = 2,
+  masterboard = 3,
+  cartesian = 4,
+  kinematics = 5,
+  configuration = 6,
+  force = 7,
+  additional = 8,
+  calibration = 9,
+  safety = 10,
+  tool_communication = 11,
+  tool_mode = 12
 };
 
 Bytes part_of(Part part) {
@@ -29,11 +29,11 @@ Bytes part_of(Part part) {
 }
 
 std::string robot_mode_part(const RobotState& state, std::uint64_t time_us) {
-  const bool powered = state.mode != RobotMode::PowerOff;
-  Bytes part = part_of(Part::RobotMode);
+  const bool powered = state.mode != RobotMode::power_off;
+  Bytes part = part_of(Part::robot_mode);
   part.u64(time_us);
   part.u8(1).u8(1).u8(powered);
-  part.u8(state.safety == SafetyMode::EmergencyStop).u8(state.safety == SafetyMode::ProtectiveStop);
+  part.u8(state.safety == SafetyMode::emergency_stop).u8(state.safety == SafetyMode::protective_stop);
   part.u8(state.program_running).u8(state.program_paused);
   part.u8(static_cast<std::uint8_t>(state.mode)).u8(0);
   // The fraction of the target speed, the speed scaling and the limit of the fraction.
@@ -42,7 +42,7 @@ std::string robot_mode_part(const RobotState& state, std::uint64_t time_us) {
 }
 
 std::string joint_part(const RobotState& state) {
-  Bytes part = part_of(Part::Joints);
+  Bytes part = part_of(Part::joints);
   for (std::size_t i = 0; i < kJointCount; ++i) {
     part.f64(state.joints.position[i]).f64(state.joints.position[i]).f64(state.joints.speed[i]);
     // Current, voltage, motor temperature and board temperature: plausible, always the same.
@@ -53,14 +53,14 @@ std::string joint_part(const RobotState& state) {
 
 std::string tool_part(const RobotState& state) {
   constexpr std::uint8_t kToolPowerOff = 239, kToolRunning = 253;
-  Bytes part = part_of(Part::Tool);
+  Bytes part = part_of(Part::tool);
   part.u8(0).u8(0).f64(0).f64(0).f32(48.0F).u8(0).f32(0.0F).f32(30.0F);
-  part.u8(state.mode == RobotMode::PowerOff ? kToolPowerOff : kToolRunning);
+  part.u8(state.mode == RobotMode::power_off ? kToolPowerOff : kToolRunning);
   return part.with_length();
 }
 
 std::string masterboard_part(const RobotState& state) {
-  Bytes part = part_of(Part::Masterboard);
+  Bytes part = part_of(Part::masterboard);
   part.u32(static_cast<std::uint32_t>(state.io.inputs)).u32(static_cast<std::uint32_t>(state.io.outputs));
   part.u8(0).u8(0).f64(0).f64(0);
   part.u8(0).u8(0).f64(state.io.analog_outputs[0]).f64(state.io.analog_outputs[1]);
@@ -73,7 +73,7 @@ std::string masterboard_part(const RobotState& state) {
 }
 
 std::string cartesian_part(const RobotState& state) {
-  return part_of(Part::Cartesian).each_f64(tcp_of(state).values).each_f64(state.tool.values).with_length();
+  return part_of(Part::cartesian).each_f64(tcp_of(state).values).each_f64(state.tool.values).with_length();
 }
 
 template <typename Member>
@@ -83,7 +83,7 @@ void put_links(Bytes& part, Member member) {
 
 std::string kinematics_part() {
   constexpr std::uint32_t kCalibrated = 0, kChecksum = 0xffffffff;
-  Bytes part = part_of(Part::Kinematics);
+  Bytes part = part_of(Part::kinematics);
   for (std::size_t i = 0; i < kJointCount; ++i) part.u32(kChecksum);
   part.each_f64(Joints{});  // theta: no joint has an offset
   put_links(part, &Link::a);
@@ -94,7 +94,7 @@ std::string kinematics_part() {
 
 std::string configuration_part() {
   constexpr double kFast = 3.14159265358979323846, kWristFast = 2 * kFast, kAcceleration = 40;
-  Bytes part = part_of(Part::Configuration);
+  Bytes part = part_of(Part::configuration);
   for (std::size_t i = 0; i < kJointCount; ++i) part.f64(-kJointLimit).f64(kJointLimit);
   for (std::size_t i = 0; i < kJointCount; ++i) part.f64(i < 3 ? kFast : kWristFast).f64(kAcceleration);
   // The defaults of movej and movel: speed and acceleration of each.
@@ -111,12 +111,12 @@ std::string configuration_part() {
 
 std::string robot_parts(const RobotState& state) {
   constexpr std::size_t kSafetyBytes = 38;  // the maker's own: to be skipped
-  std::string out = part_of(Part::Force).each_f64(Joints{}).f64(0).with_length();
-  out += part_of(Part::Additional).u8(0).u8(0).u8(0).u8(0).with_length();
-  out += part_of(Part::Calibration).each_f64(Joints{}).with_length();
-  out += part_of(Part::Safety).zeros(kSafetyBytes).with_length();
-  out += part_of(Part::ToolCommunication).u8(0).i32(115200).i32(0).i32(1).f32(1.5F).f32(3.5F).with_length();
-  out += part_of(Part::ToolMode).u8(0).u8(state.io.tool_modes[0]).u8(state.io.tool_modes[1]).with_length();
+  std::string out = part_of(Part::force).each_f64(Joints{}).f64(0).with_length();
+  out += part_of(Part::additional).u8(0).u8(0).u8(0).u8(0).with_length();
+  out += part_of(Part::calibration).each_f64(Joints{}).with_length();
+  out += part_of(Part::safety).zeros(kSafetyBytes).with_length();
+  out += part_of(Part::tool_communication).u8(0).i32(115200).i32(0).i32(1).f32(1.5F).f32(3.5F).with_length();
+  out += part_of(Part::tool_mode).u8(0).u8(state.io.tool_modes[0]).u8(state.io.tool_modes[1]).with_length();
   return out;
 }
 
@@ -124,8 +124,8 @@ std::string robot_parts(const RobotState& state) {
 
 int joint_mode(RobotMode mode) {
   constexpr int kRunning = 253, kPowerOff = 239, kIdle = 255;
-  if (mode == RobotMode::Running) return kRunning;
-  return mode == RobotMode::Idle ? kIdle : kPowerOff;
+  if (mode == RobotMode::running) return kRunning;
+  return mode == RobotMode::idle ? kIdle : kPowerOff;
 }
 
 Pose tcp_of(const RobotState& state) {

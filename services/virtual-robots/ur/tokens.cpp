@@ -47,16 +47,16 @@ Token next_token(std::string_view rest, std::size_t& length) {
   const bool number = is_digit(first) || (first == '.' && rest.size() > 1 && is_digit(rest[1]));
   Token token;
   if (is_letter(first)) {
-    token.kind = Token::Kind::Name;
+    token.kind = Token::Kind::name;
     length = name_length(rest);
   } else if (number) {
-    token.kind = Token::Kind::Number;
+    token.kind = Token::Kind::number;
     length = number_length(rest);
   } else if (first == '"') {
-    token.kind = Token::Kind::Text;
+    token.kind = Token::Kind::text;
     length = text_length(rest);
   } else {
-    token.kind = Token::Kind::Symbol;
+    token.kind = Token::Kind::symbol;
     length = symbol_length(rest);
   }
   token.text = std::string(rest.substr(0, length));
@@ -79,7 +79,7 @@ std::vector<Token> tokenize(const ScriptLine& line) {
     }
     at += length;
   }
-  tokens.push_back({Token::Kind::End, "", static_cast<int>(at) + 1});
+  tokens.push_back({Token::Kind::end, "", static_cast<int>(at) + 1});
   return tokens;
 }
 

@@ -8,8 +8,8 @@
 namespace trb::virtual_robots::ur {
 
 struct Token {
-  enum class Kind { Name, Number, Text, Symbol, End };
-  Kind kind = Kind::End;
+  enum class Kind { name, number, text, symbol, end };
+  Kind kind = Kind::end;
   std::string text;
   int column = 0;
 };

@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kStatePeriod = 0.1;
 
-DashboardWords::Programs programs_in(const std::string& folder) {
+DashboardAnswers::Programs programs_in(const std::string& folder) {
   if (folder.empty()) return {};
   return [folder](std::string_view name) -> std::optional<std::string> {
     std::ifstream file(folder + "/" + std::string(name), std::ios::binary);
@@ -29,7 +29,7 @@ VirtualUr::VirtualUr(const Settings& settings)
     : clock_(settings.speed),
       controller_(settings.mode),
       server_(settings.address, settings.port_base),
-      dashboard_(server_.take_dashboard(), DashboardWords(programs_in(settings.programs))),
+      dashboard_(server_.take_dashboard(), DashboardAnswers(programs_in(settings.programs))),
       rtde_(server_.take_rtde()),
       console_(settings.control) {}
 
@@ -74,11 +74,11 @@ void VirtualUr::take_console_line(const std::string& line) {
     print_line(where_line(
         {joints[0], joints[1], joints[2], joints[3], joints[4], joints[5], flange[0], flange[1], flange[2]}));
   } else if (line == "protective_stop") {
-    controller_.set_safety(SafetyMode::ProtectiveStop, clock_.now());
+    controller_.set_safety(SafetyMode::protective_stop, clock_.now());
   } else if (line == "estop") {
-    controller_.set_safety(SafetyMode::EmergencyStop, clock_.now());
+    controller_.set_safety(SafetyMode::emergency_stop, clock_.now());
   } else if (line == "clear") {
-    controller_.set_safety(SafetyMode::Normal, clock_.now());
+    controller_.set_safety(SafetyMode::normal, clock_.now());
   } else if (order == "input") {
     take_input(words);
   } else if (line == "brake_release") {
@@ -101,10 +101,10 @@ void VirtualUr::take_input(std::string_view words) {
 void VirtualUr::take_fault(const FaultOrder& order) {
   const bool warning = order.severity == "WARNING";
   const bool fatal = order.severity == "FATAL";
-  const ErrorLevel level = warning ? ErrorLevel::Warning : fatal ? ErrorLevel::Fault : ErrorLevel::Violation;
+  const ErrorLevel level = warning ? ErrorLevel::warning : fatal ? ErrorLevel::fault : ErrorLevel::violation;
   controller_.raise_error(level, order.text.empty() ? "fault of " + order.capability : order.text, clock_.now());
   if (warning) return;
-  controller_.set_safety(fatal ? SafetyMode::EmergencyStop : SafetyMode::ProtectiveStop, clock_.now());
+  controller_.set_safety(fatal ? SafetyMode::emergency_stop : SafetyMode::protective_stop, clock_.now());
 }
 
 void VirtualUr::tell_events() {

@@ -19,7 +19,7 @@ struct Settings {
   std::optional<std::uint16_t> port_base = 30000;
   double speed = 1.0;
   std::optional<Endpoint> control;
-  RobotMode mode = RobotMode::Running;
+  RobotMode mode = RobotMode::running;
   std::string programs;  ///< the folder of what the dashboard loads; empty: none
 };
 

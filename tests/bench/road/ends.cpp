@@ -40,6 +40,7 @@ class ClientEnd final : public End {
   bool receive(Frame& frame) override { return socket_.receive(frame); }
   void send(Frame&& frame) override {
     if (socket_.send(std::move(frame)) == SendResult::sent) return;
+    // NOLINTNEXTLINE(bugprone-use-after-move): a socket that is full has taken nothing
     insist(socket_, [&] { return socket_.send(std::move(frame)); });
   }
   zmq::pollitem_t item() override { return {socket_.handle(), 0, ZMQ_POLLIN, 0}; }
@@ -54,13 +55,14 @@ class ServerEnd final : public End {
   bool receive(Frame& frame) override {
     while (socket_.receive(routing_id_)) {
       if (!socket_.receive(frame)) return false;
-      if (frame.size() > 0) return true;
+      if (!frame.empty()) return true;
       client_ = view_of(routing_id_);
     }
     return false;
   }
   void send(Frame&& frame) override {
     if (socket_.send_to(client_, std::move(frame)) == SendResult::sent) return;
+    // NOLINTNEXTLINE(bugprone-use-after-move): a socket that is full has taken nothing
     insist(socket_, [&] { return socket_.send_to(client_, std::move(frame)); });
   }
   zmq::pollitem_t item() override { return {socket_.handle(), 0, ZMQ_POLLIN, 0}; }

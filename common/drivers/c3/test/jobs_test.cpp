@@ -9,12 +9,12 @@ using namespace trb::drivers;
 namespace {
 
 /// A program without fields: one word, a done flag, a result.
-struct JobsBench : C3Bench {
+struct JobsFixture : C3Fixture {
   C3Names names = *read_c3_names({{"trb_done", "READY"}, {"trb_result", "RESULT"}}, false);
   C3Turns turns{link, polls, {{{"HALT", "TRUE"}}, {}, false}};
   C3Jobs jobs{{names, link, polls, turns},
               {false, 0, std::chrono::seconds(2), 0},
-              {{"go", C3Words(*read_c3_assignments("GOAL = {0}"))}}};
+              {{"go", C3Command(*read_c3_assignments("GOAL = {0}"))}}};
 
   Status add(Token token, const char* skill = "") {
     return jobs.add({token, MessageType::command, "go", "operator", "[3]", skill}, now, out);
@@ -30,7 +30,7 @@ struct JobsBench : C3Bench {
 };
 
 /// One that takes messages field by field.
-struct FieldBench : C3Bench {
+struct FieldFixture : C3Fixture {
   C3Names names = *read_c3_names({}, true);
   C3Turns turns{link, polls, {}};
   C3Jobs jobs{{names, link, polls, turns}, {true, 80, std::chrono::seconds(2), 0}, {}};
@@ -44,64 +44,64 @@ struct FieldBench : C3Bench {
 }  // namespace
 
 TEST_CASE("words are written one after the other, then the program runs; its end is told once") {
-  JobsBench bench;
-  CHECK(bench.add(1, "reach"));
-  CHECK(bench.sent() == "READY=FALSE ");
-  bench.written();
-  CHECK(bench.sent() == "GOAL=3 ");
-  bench.written();
-  bench.jobs.on_done_flag(false, bench.now, bench.out);
-  bench.jobs.on_done_flag(false, bench.now, bench.out);
-  CHECK(bench.told<Started>().size() == 1);
-  CHECK(bench.jobs.runs(1));
-  bench.finish("0");
-  CHECK(bench.told<Ended>().at(0).well);
-  CHECK_FALSE(bench.jobs.runs(1));
+  JobsFixture fixture;
+  CHECK(fixture.add(1, "reach"));
+  CHECK(fixture.sent() == "READY=FALSE ");
+  fixture.written();
+  CHECK(fixture.sent() == "GOAL=3 ");
+  fixture.written();
+  fixture.jobs.on_done_flag(false, fixture.now, fixture.out);
+  fixture.jobs.on_done_flag(false, fixture.now, fixture.out);
+  CHECK(fixture.told<Started>().size() == 1);
+  CHECK(fixture.jobs.runs(1));
+  fixture.finish("0");
+  CHECK(fixture.told<Ended>().at(0).well);
+  CHECK_FALSE(fixture.jobs.runs(1));
 }
 
 TEST_CASE("a second message waits for the first, none is taken while a skill runs") {
-  JobsBench bench;
-  CHECK(bench.add(1));
-  CHECK(bench.add(2));
-  CHECK(bench.sent() == "READY=FALSE ");
-  bench.written();
-  bench.written();
-  bench.finish("7");
-  CHECK(bench.told<Refused>().at(0).token == 1);
-  CHECK(bench.sent() == "READY=FALSE ");
-  CHECK(bench.add(3, "reach"));
-  CHECK(bench.add(4).error().code == Errc::busy);
+  JobsFixture fixture;
+  CHECK(fixture.add(1));
+  CHECK(fixture.add(2));
+  CHECK(fixture.sent() == "READY=FALSE ");
+  fixture.written();
+  fixture.written();
+  fixture.finish("7");
+  CHECK(fixture.told<Refused>().at(0).token == 1);
+  CHECK(fixture.sent() == "READY=FALSE ");
+  CHECK(fixture.add(3, "reach"));
+  CHECK(fixture.add(4).error().code == Errc::busy);
 }
 
 TEST_CASE("a write that the robot refuses ends the message, and its answer names the variable") {
-  JobsBench bench;
-  CHECK(bench.add(1));
-  CHECK(bench.add(2));
-  bench.jobs.on_written(bench.answer("", false), bench.now, bench.out);
-  const auto refused = bench.told<Refused>();
+  JobsFixture fixture;
+  CHECK(fixture.add(1));
+  CHECK(fixture.add(2));
+  fixture.jobs.on_written(fixture.answer("", false), fixture.now, fixture.out);
+  const auto refused = fixture.told<Refused>();
   REQUIRE(refused.size() == 1);
   CHECK(refused[0].error.what.find("READY") != std::string::npos);
-  CHECK(bench.jobs.runs(2));
+  CHECK(fixture.jobs.runs(2));
 }
 
 TEST_CASE("while a stop is open nothing begins") {
-  JobsBench bench;
-  bench.turns.stop(bench.now, bench.out);
-  CHECK(bench.sent() == "HALT=TRUE ");
-  CHECK(bench.add(1));
-  CHECK(bench.sent().empty());
-  bench.turns.on_written(bench.answer(""), bench.now, bench.out);
-  bench.jobs.begin_next(bench.now, bench.out);
-  CHECK(bench.sent() == "READY=FALSE ");
+  JobsFixture fixture;
+  fixture.turns.stop(fixture.now, fixture.out);
+  CHECK(fixture.sent() == "HALT=TRUE ");
+  CHECK(fixture.add(1));
+  CHECK(fixture.sent().empty());
+  fixture.turns.on_written(fixture.answer(""), fixture.now, fixture.out);
+  fixture.jobs.begin_next(fixture.now, fixture.out);
+  CHECK(fixture.sent() == "READY=FALSE ");
 }
 
 TEST_CASE("what is halted while it runs is to be stopped; what is not yet taken is withdrawn") {
-  JobsBench moving;
+  JobsFixture moving;
   CHECK(moving.add(1));
   moving.written();
   moving.written();
   CHECK(moving.jobs.halt(1, moving.now, moving.out));
-  FieldBench offered;
+  FieldFixture offered;
   offered.offer(1);
   offered.sent();
   CHECK_FALSE(offered.jobs.halt(1, offered.now, offered.out));
@@ -109,51 +109,52 @@ TEST_CASE("what is halted while it runs is to be stopped; what is not yet taken 
 }
 
 TEST_CASE("a chunk waits until the program has taken the one before") {
-  FieldBench bench;
-  CHECK(bench.jobs.add({1, MessageType::command, "wave", "operator", std::string(100, 'x'), ""}, bench.now, bench.out));
-  while (!bench.jobs.waits_for_chunk()) bench.jobs.on_written(bench.answer(""), bench.now, bench.out);
-  bench.jobs.on_chunk_flag(true, bench.now, bench.out);
-  CHECK(bench.sent().empty());
-  bench.jobs.on_chunk_flag(false, bench.now, bench.out);
-  CHECK(bench.sent() == "TRB_DATA[]=\"" + std::string(20, 'x') + "\" ");
+  FieldFixture fixture;
+  CHECK(fixture.jobs.add({1, MessageType::command, "wave", "operator", std::string(100, 'x'), ""}, fixture.now,
+                         fixture.out));
+  while (!fixture.jobs.waits_for_chunk()) fixture.jobs.on_written(fixture.answer(""), fixture.now, fixture.out);
+  fixture.jobs.on_chunk_flag(true, fixture.now, fixture.out);
+  CHECK(fixture.sent().empty());
+  fixture.jobs.on_chunk_flag(false, fixture.now, fixture.out);
+  CHECK(fixture.sent() == "TRB_DATA[]=\"" + std::string(20, 'x') + "\" ");
 }
 
 TEST_CASE("a program that does not take a message in time: the message is refused and withdrawn") {
-  FieldBench bench;
-  bench.offer(1);
-  bench.sent();
-  bench.jobs.check_patience(bench.now, bench.out);
-  CHECK(bench.told<Refused>().empty());
-  bench.now.mono = bench.now.mono + std::chrono::seconds(2);
-  bench.jobs.check_patience(bench.now, bench.out);
-  CHECK(bench.told<Refused>().at(0).error.code == Errc::robot_error);
-  CHECK(bench.sent() == "TRB_COMMAND=FALSE ");
+  FieldFixture fixture;
+  fixture.offer(1);
+  fixture.sent();
+  fixture.jobs.check_patience(fixture.now, fixture.out);
+  CHECK(fixture.told<Refused>().empty());
+  fixture.now.mono = fixture.now.mono + std::chrono::seconds(2);
+  fixture.jobs.check_patience(fixture.now, fixture.out);
+  CHECK(fixture.told<Refused>().at(0).error.code == Errc::robot_error);
+  CHECK(fixture.sent() == "TRB_COMMAND=FALSE ");
 }
 
 TEST_CASE("all are dropped: what waits is refused, what was answered is not; what is offered is to be cleared") {
-  FieldBench bench;
-  bench.offer(1);
-  bench.jobs.on_command_flag(false, bench.now, bench.out);
-  bench.jobs.on_done_flag(false, bench.now, bench.out);
-  CHECK(bench.told<Started>().size() == 1);
-  CHECK(bench.jobs.add({2, MessageType::command, "wave", "operator", "", ""}, bench.now, bench.out));
-  CHECK_FALSE(bench.jobs.drop(fail(Errc::fenced, "stopped"), bench.out));
-  const auto refused = bench.told<Refused>();
+  FieldFixture fixture;
+  fixture.offer(1);
+  fixture.jobs.on_command_flag(false, fixture.now, fixture.out);
+  fixture.jobs.on_done_flag(false, fixture.now, fixture.out);
+  CHECK(fixture.told<Started>().size() == 1);
+  CHECK(fixture.jobs.add({2, MessageType::command, "wave", "operator", "", ""}, fixture.now, fixture.out));
+  CHECK_FALSE(fixture.jobs.drop(fail(Errc::fenced, "stopped"), fixture.out));
+  const auto refused = fixture.told<Refused>();
   REQUIRE(refused.size() == 1);
   CHECK(refused[0].token == 2);
-  bench.offer(3);
-  CHECK(bench.jobs.drop(fail(Errc::fenced, "stopped"), bench.out));
+  fixture.offer(3);
+  CHECK(fixture.jobs.drop(fail(Errc::fenced, "stopped"), fixture.out));
 }
 
 TEST_CASE("the robot has stopped its program: the skill under way has failed, with the reason") {
-  JobsBench bench;
-  CHECK(bench.add(1, "reach"));
-  bench.written();
-  bench.written();
-  const C3Jobs::Broken broken = bench.jobs.fail_all(fail(Errc::robot_error, "why"), bench.out);
+  JobsFixture fixture;
+  CHECK(fixture.add(1, "reach"));
+  fixture.written();
+  fixture.written();
+  const C3Jobs::Broken broken = fixture.jobs.fail_all(fail(Errc::robot_error, "why"), fixture.out);
   CHECK(broken.moved);
   CHECK_FALSE(broken.offered);
-  const auto ended = bench.told<Ended>();
+  const auto ended = fixture.told<Ended>();
   REQUIRE(ended.size() == 1);
   CHECK_FALSE(ended[0].well);
   CHECK(ended[0].text == "why");

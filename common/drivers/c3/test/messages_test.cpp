@@ -8,7 +8,7 @@ using namespace trb::drivers;
 
 namespace {
 
-struct MessagesBench : C3Bench {
+struct MessagesFixture : C3Fixture {
   C3Messages messages{*read_c3_names({}, true), "kuka"};
 
   void chunk(const std::string& subtype, const std::string& target, int size, const std::string& data) {
@@ -25,33 +25,33 @@ struct MessagesBench : C3Bench {
 }  // namespace
 
 TEST_CASE("chunks make one message of the size that was told; without a target it is the node's own") {
-  MessagesBench bench;
-  bench.chunk("greeting", "ur3", 8, "half");
-  CHECK(bench.told<Said>().empty());
-  bench.chunk("greeting", "ur3", 8, "half");
-  const auto said = bench.told<Said>();
+  MessagesFixture fixture;
+  fixture.chunk("greeting", "ur3", 8, "half");
+  CHECK(fixture.told<Said>().empty());
+  fixture.chunk("greeting", "ur3", 8, "half");
+  const auto said = fixture.told<Said>();
   REQUIRE(said.size() == 1);
   CHECK(said[0].target == "ur3");
   CHECK(said[0].data == "halfhalf");
-  bench.chunk("greeting", "", 2, "me");
-  CHECK(bench.told<Said>().at(0).target == "kuka");
+  fixture.chunk("greeting", "", 2, "me");
+  CHECK(fixture.told<Said>().at(0).target == "kuka");
 }
 
 TEST_CASE("too much data, no word, no id, or a word of the middleware's: refused and counted") {
-  MessagesBench bench;
-  bench.chunk("greeting", "ur3", 1, "long");
-  bench.chunk("two words", "ur3", 0, "");
-  bench.chunk("greeting", "no id!", 0, "");
-  bench.chunk("stop", "ur3", 0, "");
-  CHECK(bench.told<Said>().empty());
-  CHECK(bench.outbox.counts == std::vector<std::string>{"refused.bad_message", "refused.bad_message",
-                                                        "refused.bad_message", "refused.typed_subtype"});
+  MessagesFixture fixture;
+  fixture.chunk("greeting", "ur3", 1, "long");
+  fixture.chunk("two words", "ur3", 0, "");
+  fixture.chunk("greeting", "no id!", 0, "");
+  fixture.chunk("stop", "ur3", 0, "");
+  CHECK(fixture.told<Said>().empty());
+  CHECK(fixture.outbox.counts == std::vector<std::string>{"refused.bad_message", "refused.bad_message",
+                                                          "refused.bad_message", "refused.typed_subtype"});
 }
 
 TEST_CASE("a new connection forgets the chunks of the old one") {
-  MessagesBench bench;
-  bench.chunk("greeting", "ur3", 8, "half");
-  bench.messages.restart();
-  bench.chunk("greeting", "ur3", 4, "full");
-  CHECK(bench.told<Said>().at(0).data == "full");
+  MessagesFixture fixture;
+  fixture.chunk("greeting", "ur3", 8, "half");
+  fixture.messages.restart();
+  fixture.chunk("greeting", "ur3", 4, "full");
+  CHECK(fixture.told<Said>().at(0).data == "full");
 }

@@ -10,7 +10,7 @@
 
 namespace trb::drivers {
 
-struct C3Bench {
+struct C3Fixture {
   Now now;
   Outbox outbox;
   RobotOutbox robot;

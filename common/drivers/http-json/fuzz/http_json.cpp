@@ -82,7 +82,7 @@ void run(BytesView input) {
       require(pieces[i].body.size() <= HttpReader::kMaxBody, "a body is bounded");
     }
   }
-  const auto words = read_http_words(std::string(input));
+  const auto words = read_http_calls(std::string(input));
   require(words.ok() || !words.error().what.empty(), "a refused line says why");
   const auto question = read_http_question(std::string(input));
   require(question.ok() || !question.error().what.empty(), "a refused value says why");

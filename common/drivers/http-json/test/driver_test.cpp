@@ -32,8 +32,8 @@ Settings mir() {
 
 constexpr const char* kStatus = R"({"battery_percentage": 81.5, "position": {"x": 1.5, "y": -2}})";
 
-struct MirBench : Fixture {
-  explicit MirBench(Settings settings = mir()) : Fixture(std::move(settings)) {}
+struct MirFixture : Fixture {
+  explicit MirFixture(Settings settings = mir()) : Fixture(std::move(settings)) {}
 
   /// "PUT /status {"state_id": 4}": the request since the last look; never more than one is unanswered.
   std::string asked() {
@@ -90,14 +90,14 @@ struct MirBench : Fixture {
 };
 
 /// It has answered.
-struct OnlineMir : MirBench {
+struct OnlineMir : MirFixture {
   OnlineMir() { connect(); }
 };
 
 }  // namespace
 
 TEST_CASE("http: values of one path are asked for together, twice a second, and answered as numbers and JSON") {
-  MirBench fixture;
+  MirFixture fixture;
   fixture.up(Channel::command);
   CHECK(fixture.robot() == "OFFLINE");
   CHECK(fixture.asked() == "GET /status");
@@ -248,7 +248,7 @@ TEST_CASE("http: each halt has three connections of its own: what one before has
 }
 
 TEST_CASE("http: a robot that ends each connection is there all the same, and its answers may have no length") {
-  MirBench fixture;
+  MirFixture fixture;
   fixture.up(Channel::command);
   for (int i = 0; i < 5; ++i) {
     CHECK(fixture.asked() == "GET /status");

@@ -8,7 +8,7 @@ using namespace trb;
 using namespace trb::drivers;
 
 TEST_CASE("a line of a command is a method, a path, a body and what its answer tells") {
-  const auto words = read_http_words("POST /queue {\"mission_id\": {0}} -> mission /id\n\nDELETE /a/<mission>?x=1");
+  const auto words = read_http_calls("POST /queue {\"mission_id\": {0}} -> mission /id\n\nDELETE /a/<mission>?x=1");
   REQUIRE(words.ok());
   REQUIRE(words->size() == 2);
   CHECK((*words)[0].method == "POST");
@@ -20,7 +20,7 @@ TEST_CASE("a line of a command is a method, a path, a body and what its answer t
   CHECK_FALSE((*words)[1].body.has_value());
   CHECK(*(*words)[1].path.fill({{"mission", "a/b c"}}) == "/a/a%2Fb%20c?x=1");
   CHECK((*words)[1].path.fill({}).error().code == Errc::missing);
-  CHECK((*read_http_words(R"(PUT /note {"text": "a -> b"})"))[0].remembers.empty());
+  CHECK((*read_http_calls(R"(PUT /note {"text": "a -> b"})"))[0].remembers.empty());
 }
 
 TEST_CASE("what is no line of a command is refused with what is wrong") {
@@ -35,7 +35,7 @@ TEST_CASE("what is no line of a command is refused with what is wrong") {
                                           {"POST /x {} -> a b c", "names nothing to keep"}}) {
     const std::string given = line;
     CAPTURE(given);
-    const auto words = read_http_words(line);
+    const auto words = read_http_calls(line);
     REQUIRE_FALSE(words.ok());
     CHECK(words.error().what.find(what) != std::string::npos);
     CHECK_FALSE(words.error().hint.empty());

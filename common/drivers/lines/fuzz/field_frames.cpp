@@ -1,5 +1,5 @@
 // What a robot sends on the field channel: framing, words, and the interpreter mode behind them.
-#define DOCTEST_CONFIG_DISABLE  // the bench is for doctest; here require() tells
+#define DOCTEST_CONFIG_DISABLE  // the fixture is for doctest; here require() tells
 #include "common/drivers/lines/frame.hpp"
 #include "common/drivers/lines/receiver.hpp"
 #include "services/mode-adapter/test/fixture.hpp"
@@ -43,7 +43,7 @@ void check_framing(BytesView input) {
 
 void check_receiver(BytesView input, Encoding encoding) {
   const FieldChannel settings = channel(Framing::newline, encoding);
-  const FieldWords words(settings, "pioneer");
+  const FieldText words(settings, "pioneer");
   FieldReceiver receiver(words);
   for (const Bytes& field : fields_of(input, settings, input.size() + 1)) {
     const auto message = receiver.take(field, false);

@@ -6,9 +6,9 @@ using namespace trb::adapter;
 
 namespace {
 
-class FieldBench : public Fixture {
+class FieldFixture : public Fixture {
  public:
-  explicit FieldBench(Settings settings = pioneer()) : Fixture(std::move(settings)) { up(Channel::field); }
+  explicit FieldFixture(Settings settings = pioneer()) : Fixture(std::move(settings)) { up(Channel::field); }
 };
 
 Settings with_channel(const FieldChannel& channel) {
@@ -29,7 +29,7 @@ Settings numeric() {
 }  // namespace
 
 TEST_CASE("a command goes field by field, each after the robot's ok, and is answered when the last one is taken") {
-  FieldBench fixture;
+  FieldFixture fixture;
   const auto id = fixture.command("move", "1 2");
   CHECK(fixture.written() == "command\n");
   fixture.say("ok\n");
@@ -50,7 +50,7 @@ TEST_CASE("a command goes field by field, each after the robot's ok, and is answ
 TEST_CASE("without acknowledgements all five fields leave at once") {
   FieldChannel channel;
   channel.acknowledge = false;
-  FieldBench fixture(with_channel(channel));
+  FieldFixture fixture(with_channel(channel));
   const auto id = fixture.command("say", "a\\b\nc");
   CHECK(fixture.written() == "command\nsay\noperator\n5\na\\\\b\\nc\n");
   CHECK(fixture.answer(id) == "ack handed_over");
@@ -60,7 +60,7 @@ TEST_CASE("with the delay framing fields leave one pause apart, and the reader f
   FieldChannel channel;
   channel.framing = Framing::delay;
   channel.delay_s = 0.01;
-  FieldBench fixture(with_channel(channel));
+  FieldFixture fixture(with_channel(channel));
   const auto id = fixture.command("say", "hello");
   CHECK(fixture.written() == "command");
   fixture.wait(0.009);
@@ -81,7 +81,7 @@ TEST_CASE("with the delay framing fields leave one pause apart, and the reader f
 TEST_CASE("with the delay framing empty data has no field of its own") {
   FieldChannel channel;
   channel.framing = Framing::delay;
-  FieldBench fixture(with_channel(channel));
+  FieldFixture fixture(with_channel(channel));
   const auto id = fixture.command("home", "");
   fixture.wait(1);
   CHECK(fixture.written() == "commandhomeoperator0");
@@ -92,7 +92,7 @@ TEST_CASE("length framing escapes nothing and counts in four bytes") {
   FieldChannel channel;
   channel.framing = Framing::length;
   channel.acknowledge = false;
-  FieldBench fixture(with_channel(channel));
+  FieldFixture fixture(with_channel(channel));
   fixture.command("say", "a\nb");
   using namespace std::string_literals;
   CHECK(fixture.written() == "\0\0\0\7command\0\0\0\3say\0\0\0\x08operator\0\0\0\1"s + "3\0\0\0\3a\nb"s);
@@ -104,7 +104,7 @@ TEST_CASE("length framing escapes nothing and counts in four bytes") {
 TEST_CASE("long data leaves in chunks, an escape is never cut, each chunk is acknowledged") {
   FieldChannel channel;
   channel.chunk_bytes = 4;
-  FieldBench fixture(with_channel(channel));
+  FieldFixture fixture(with_channel(channel));
   const auto id = fixture.command("say", "abc\ndef");
   CHECK(fixture.take_fields(4) == "command\nsay\noperator\n7\n");
   CHECK(fixture.written() == "abc\n");
@@ -119,7 +119,7 @@ TEST_CASE("long data leaves in chunks, an escape is never cut, each chunk is ack
 }
 
 TEST_CASE("a message of the robot's arrives byte by byte and goes to the node that it names") {
-  FieldBench fixture;
+  FieldFixture fixture;
   for (const char c : std::string("information\r\nheat\r\nur3\r\n4\r\n1\\\\2\\n\r\n")) fixture.say({&c, 1});
   const auto said = fixture.told<Opaque>();
   REQUIRE(said.size() == 1);
@@ -130,7 +130,7 @@ TEST_CASE("a message of the robot's arrives byte by byte and goes to the node th
 }
 
 TEST_CASE("a megabyte in many chunks is one message") {
-  FieldBench fixture;
+  FieldFixture fixture;
   fixture.say("command\nmap\nur3\n" + std::to_string(kMaxDataSize) + "\n");
   const std::string chunk(4096, 'm');
   for (std::size_t sent = 0; sent < kMaxDataSize; sent += chunk.size()) fixture.say(chunk + "\n");
@@ -143,7 +143,7 @@ TEST_CASE("a megabyte in many chunks is one message") {
 }
 
 TEST_CASE("the robot may say something of its own while the node waits for an ok") {
-  FieldBench fixture;
+  FieldFixture fixture;
   const auto id = fixture.command("move", "1");
   fixture.say("information\nheat\nur3\n1\n7\nok\n");
   CHECK(fixture.one<Opaque>() == Opaque{"heat", "7"});
@@ -159,7 +159,7 @@ TEST_CASE("what is no message of the grammar closes the connection, and says why
                                                         {"command\nmove\nur3\n-1\n", "bad_size"},
                                                         {"command\nmove\nur3\n99999999\n", "message_too_long"},
                                                         {"command\nmove\nur3\n2\nabc\n", "size_mismatch"}}) {
-    FieldBench fixture;
+    FieldFixture fixture;
     fixture.say(bytes);
     CHECK(fixture.closed().starts_with(reason));
     CHECK(fixture.counted("refused." + reason) == 1);
@@ -168,7 +168,7 @@ TEST_CASE("what is no message of the grammar closes the connection, and says why
 }
 
 TEST_CASE("a field without an end closes the connection before it fills the memory") {
-  FieldBench fixture;
+  FieldFixture fixture;
   const std::string piece(1U << 16U, 'x');
   std::string closed;
   for (int i = 0; i < 64 && closed.empty(); ++i) {
@@ -179,7 +179,7 @@ TEST_CASE("a field without an end closes the connection before it fills the memo
 }
 
 TEST_CASE("the middleware's own words and targets that are none are refused to the robot, the stream goes on") {
-  FieldBench fixture;
+  FieldFixture fixture;
   fixture.say("command\nstop\nur3\n0\n\ninformation\nheat\nUR 3\n1\n1\ncommand\nmo ve\nur3\n0\n\n");
   CHECK(fixture.out.sends.empty());
   CHECK(fixture.counted("refused.typed_subtype") == 1);
@@ -190,7 +190,7 @@ TEST_CASE("the middleware's own words and targets that are none are refused to t
 }
 
 TEST_CASE("a robot that does not acknowledge in time loses its connection, the message's sender is told") {
-  FieldBench fixture;
+  FieldFixture fixture;
   const auto id = fixture.command("move", "1");
   const auto second = fixture.command("move", "2");
   fixture.wait(1.9);
@@ -203,7 +203,7 @@ TEST_CASE("a robot that does not acknowledge in time loses its connection, the m
 }
 
 TEST_CASE("a robot that leaves in the middle of a field takes nothing along into its next connection") {
-  FieldBench fixture;
+  FieldFixture fixture;
   const auto id = fixture.command("move", "1 2 3");
   fixture.take_fields(2);
   fixture.say("information\nhea");
@@ -218,13 +218,13 @@ TEST_CASE("a robot that leaves in the middle of a field takes nothing along into
 }
 
 TEST_CASE("the queue is bounded: the message that finds it full is answered at once") {
-  FieldBench fixture;
+  FieldFixture fixture;
   for (int i = 0; i < 64; ++i) CHECK(fixture.answer(fixture.command("move", "1")).empty());
   CHECK(fixture.answer(fixture.command("move", "1")) == "nack queue_full");
 }
 
 TEST_CASE("a message that waits longer than its deadline is never handed over") {
-  FieldBench fixture;
+  FieldFixture fixture;
   fixture.command("move", "1");
   fixture.remaining_ms = 1000;
   const auto id = fixture.command("turn", "2");
@@ -245,7 +245,7 @@ TEST_CASE("with no robot on TCP_PORT a command is refused, information is droppe
 }
 
 TEST_CASE("a request is answered by the robot's information of that name to the requester") {
-  FieldBench fixture;
+  FieldFixture fixture;
   const auto id = fixture.send(MessageType::request, "position", "");
   CHECK(fixture.take_fields() == "request\nposition\noperator\n0\n\n");
   fixture.say("information\nposition\nur3\n1\n9\n");  // to another node: no answer
@@ -263,7 +263,7 @@ TEST_CASE("a request is answered by the robot's information of that name to the 
 }
 
 TEST_CASE("a request that the robot leaves unanswered times out; one that it cannot answer any more is refused") {
-  FieldBench fixture;
+  FieldFixture fixture;
   fixture.remaining_ms = 500;
   const auto id = fixture.send(MessageType::request, "position", "");
   fixture.take_fields();
@@ -277,7 +277,7 @@ TEST_CASE("a request that the robot leaves unanswered times out; one that it can
 }
 
 TEST_CASE("what the robot has asked itself comes back as information, a refusal as `nack`") {
-  FieldBench fixture;
+  FieldFixture fixture;
   fixture.say("request\ntime\nur3\n0\n\n");
   const auto asked = fixture.told<Opaque>();
   REQUIRE(asked.size() == 1);
@@ -291,7 +291,7 @@ TEST_CASE("what the robot has asked itself comes back as information, a refusal 
 }
 
 TEST_CASE("numbers instead of words") {
-  FieldBench fixture(numeric());
+  FieldFixture fixture(numeric());
   const auto id = fixture.command("move", "1.5 -2");
   std::string fields;
   for (int i = 0; i < 5; ++i) {
@@ -314,7 +314,7 @@ TEST_CASE("numbers instead of words") {
 }
 
 TEST_CASE("a fault of the robot's is told to every node") {
-  FieldBench good;
+  FieldFixture good;
   good.say("information\nfault\n\n26\nmobile CRITICAL left wheel\n");
   const auto said = good.told<RobotFault>();
   REQUIRE(said.size() == 1);
@@ -326,7 +326,7 @@ TEST_CASE("a fault of the robot's is told to every node") {
   good.say("information\nfault\n\n6\nmobile\n");
   CHECK(good.counted("refused.bad_fault") == 1);
 
-  FieldBench in_numbers(numeric());
+  FieldFixture in_numbers(numeric());
   in_numbers.say("3\n31\n0\n4\n30 2\n");
   CHECK(in_numbers.one<RobotFault>().severity == Severity::urgent);
   in_numbers.say("3\n31\n0\n4\n30 4\n");

@@ -57,7 +57,7 @@ TEST_CASE("no chunk of data reads as an order to stop or to release") {
   CHECK(chunk_end("!stop", 4, settings) == 5);
   CHECK(chunk_end("!stops", 0, settings) == 6);
   settings.encoding = Encoding::numeric;
-  const FieldWords words(settings, "abb");
+  const FieldText words(settings, "abb");
   CHECK(words.unlike_orders("-1") == "-1.0");
   CHECK(words.unlike_orders("-1 2") == "-1 2");
   settings.chunk_bytes = 2;

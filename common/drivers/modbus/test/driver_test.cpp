@@ -5,7 +5,7 @@ using namespace trb;
 using namespace trb::adapter;
 
 TEST_CASE("modbus: what requests and skills' ends need is asked for, neighbours in one call") {
-  PlcBench fixture;
+  PlcFixture fixture;
   fixture.up(Channel::command);
   std::string calls = fixture.asked();
   for (int i = 0; i < 2; ++i) {
@@ -22,7 +22,7 @@ TEST_CASE("modbus: what requests and skills' ends need is asked for, neighbours 
 }
 
 TEST_CASE("modbus: a connection alone is no robot: it counts once it has answered") {
-  PlcBench fixture;
+  PlcFixture fixture;
   fixture.up(Channel::command);
   CHECK(online(fixture) == "OFFLINE");
   CHECK(fixture.answer(fixture.command("set_speed", "0.25")) == "nack robot_offline");
@@ -101,7 +101,7 @@ TEST_CASE("modbus: an exception names the register, itself and the cure, and the
 }
 
 TEST_CASE("modbus: a request is answered with what the device last told") {
-  PlcBench fixture;
+  PlcFixture fixture;
   fixture.memory[{kHolding, 0}] = 250;
   fixture.memory[{kInput, 0}] = 1234;
   fixture.memory[{kInput, 1}] = 1;
@@ -115,7 +115,7 @@ TEST_CASE("modbus: a request is answered with what the device last told") {
 }
 
 TEST_CASE("modbus: a value that the device does not have is told once as a warning, and the others go on") {
-  PlcBench fixture;
+  PlcFixture fixture;
   fixture.up(Channel::command);
   const auto refuse_position = [&] {
     for (std::string call = fixture.asked(); !call.empty(); call = fixture.asked()) {
@@ -174,7 +174,7 @@ TEST_CASE("modbus: without a value to ask for, a device that has gone is noticed
   Settings settings = conveyor();
   settings.commands.requests.clear();
   settings.description.skills.clear();
-  PlcBench fixture(settings);
+  PlcFixture fixture(settings);
   fixture.up(Channel::command);
   CHECK(fixture.asked() == "read coil 0 x1");
   fixture.answer_call(1);
@@ -185,7 +185,7 @@ TEST_CASE("modbus: without a value to ask for, a device that has gone is noticed
 }
 
 TEST_CASE("modbus: answers of another size, or to nothing, do no harm") {
-  PlcBench fixture;
+  PlcFixture fixture;
   fixture.up(Channel::command);
   fixture.asked();
   fixture.answer_call(0, {});

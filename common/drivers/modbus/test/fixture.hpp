@@ -39,8 +39,8 @@ inline std::string text_of(const ModbusCall& call) {
 }
 
 /// A conveyor's device, whose registers the test sets.
-struct PlcBench : Fixture {
-  explicit PlcBench(Settings settings = conveyor()) : Fixture(std::move(settings)) {}
+struct PlcFixture : Fixture {
+  explicit PlcFixture(Settings settings = conveyor()) : Fixture(std::move(settings)) {}
 
   /// The calls since the last look; never more than one is unanswered.
   std::string asked() {
@@ -103,7 +103,7 @@ constexpr ModbusKind kInput = ModbusKind::input;
 constexpr ModbusKind kDiscrete = ModbusKind::discrete;
 
 /// It has answered.
-struct OnlinePlc : PlcBench {
+struct OnlinePlc : PlcFixture {
   OnlinePlc() { connect(); }
 };
 

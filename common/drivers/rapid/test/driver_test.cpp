@@ -21,9 +21,9 @@ Settings abb() {
 }
 
 /// Both connections are up, the service task has reported its state, and nothing is running.
-class RapidBench : public Fixture {
+class RapidFixture : public Fixture {
  public:
-  explicit RapidBench(Settings settings = abb()) : Fixture(std::move(settings)) {
+  explicit RapidFixture(Settings settings = abb()) : Fixture(std::move(settings)) {
     up(Channel::command);
     up(Channel::monitor);
     live(0.05);
@@ -100,7 +100,7 @@ TEST_CASE("parameters: numbers of six digits, and texts that end nothing") {
 }
 
 TEST_CASE("a move is started once it is not refused at once, and ends with its answer") {
-  RapidBench fixture;
+  RapidFixture fixture;
   const auto id = fixture.command("move", "[10, -20.5]");
   CHECK(fixture.sent() == "2 10 -20.5 #");
   CHECK(fixture.answer(id).empty());
@@ -112,7 +112,7 @@ TEST_CASE("a move is started once it is not refused at once, and ends with its a
 }
 
 TEST_CASE("what the robot refuses is told with its text") {
-  RapidBench fixture;
+  RapidFixture fixture;
   const auto id = fixture.command("move", "[10, 200]");
   fixture.program("2 0 J2%20200%20is%20out%20of%20its%20range#");
   CHECK(fixture.nack_of(id).what == "the robot refuses it: J2 200 is out of its range");
@@ -120,7 +120,7 @@ TEST_CASE("what the robot refuses is told with its text") {
 }
 
 TEST_CASE("a text of more than 80 characters is refused, and one with a quote or a newline ends nothing") {
-  RapidBench fixture;
+  RapidFixture fixture;
   const auto id = fixture.command("show", '"' + std::string(76, 'x') + '"');
   CHECK(fixture.nack_of(id).code == "too_large");
   CHECK(fixture.nack_of(id).what == "the request has 81 characters, and a RAPID string holds 80");
@@ -129,7 +129,7 @@ TEST_CASE("a text of more than 80 characters is refused, and one with a quote or
 }
 
 TEST_CASE("a command of several requests: each waits for the answer of the one before") {
-  RapidBench fixture;
+  RapidFixture fixture;
   fixture.command("pick", "[1, 2]");
   CHECK(fixture.sent() == "2 1 2 #");
   fixture.program("2 1#");
@@ -139,7 +139,7 @@ TEST_CASE("a command of several requests: each waits for the answer of the one b
 }
 
 TEST_CASE("two commands at once: the second waits for the end of the first, or for its own deadline") {
-  RapidBench fixture;
+  RapidFixture fixture;
   fixture.command("move", "[1, 1]");
   fixture.remaining_ms = 1000;
   const auto second = fixture.command("move", "[2, 2]");
@@ -155,7 +155,7 @@ TEST_CASE("two commands at once: the second waits for the end of the first, or f
 }
 
 TEST_CASE("a skill ends with the answer of its move; meanwhile other commands are refused") {
-  RapidBench fixture;
+  RapidFixture fixture;
   fixture.deliver(MessageType::request, order("home", ""), "abb");
   fixture.flags = kFlagTakeControl;
   CHECK(fixture.answer(fixture.command("move", "[1, 1]")) == "nack busy");
@@ -165,7 +165,7 @@ TEST_CASE("a skill ends with the answer of its move; meanwhile other commands ar
 }
 
 TEST_CASE("a stop goes to the service task, whatever blocks the program") {
-  RapidBench fixture;
+  RapidFixture fixture;
   fixture.command("move", "[1, 1]");
   const auto waits = fixture.command("move", "[2, 2]");
   fixture.wait(0.25);
@@ -184,7 +184,7 @@ TEST_CASE("a stop goes to the service task, whatever blocks the program") {
 }
 
 TEST_CASE("a stop that is not confirmed is told so") {
-  RapidBench fixture;
+  RapidFixture fixture;
   fixture.confirms = false;
   const auto id = fixture.deliver(MessageType::command, Stop{"test"});
   fixture.live(2.1);
@@ -192,7 +192,7 @@ TEST_CASE("a stop that is not confirmed is told so") {
 }
 
 TEST_CASE("a skill that takes too long: its motion is ended, and its answer is late") {
-  RapidBench fixture;
+  RapidFixture fixture;
   fixture.deliver(MessageType::request, order("home", ""), "abb");
   fixture.live(10.1);
   CHECK(fixture.one<Outcome>().reason == "timed out after 10 s");
@@ -207,14 +207,14 @@ TEST_CASE("a skill that takes too long: its motion is ended, and its answer is l
 }
 
 TEST_CASE("a program that never answers the move that was ended is dialled again") {
-  RapidBench fixture;
+  RapidFixture fixture;
   fixture.deliver(MessageType::request, order("home", ""), "abb");
   fixture.live(15.3);
   CHECK(fixture.closed().find("did not answer") != std::string::npos);
 }
 
 TEST_CASE("a fault: the service task's text, its capability and severity, told once") {
-  RapidBench fixture;
+  RapidFixture fixture;
   fixture.deliver(MessageType::request, order("home", ""), "abb");
   fixture.state = "0 0 0 50204 grab%20URGENT%20arm%20%22hit%22";
   fixture.live(0.3);
@@ -232,7 +232,7 @@ TEST_CASE("a fault: the service task's text, its capability and severity, told o
 }
 
 TEST_CASE("a fault ends with the service task's error, and motors that went off with the motors") {
-  RapidBench fixture;
+  RapidFixture fixture;
   fixture.state = "0 0 0 0";
   fixture.live(0.3);
   REQUIRE(fixture.kept.size() == 1);
@@ -250,7 +250,7 @@ TEST_CASE("a fault ends with the service task's error, and motors that went off 
 }
 
 TEST_CASE("requests: the service task at any time, the program between moves") {
-  RapidBench fixture;
+  RapidFixture fixture;
   const auto position = fixture.send(MessageType::request, "position", "");
   const auto joints = fixture.send(MessageType::request, "joints", "");
   const auto motors = fixture.send(MessageType::request, "motors", "");
@@ -267,7 +267,7 @@ TEST_CASE("requests: the service task at any time, the program between moves") {
 }
 
 TEST_CASE("a service task that is silent for 2 s: the robot is gone, and what was under way is told so") {
-  RapidBench fixture;
+  RapidFixture fixture;
   fixture.deliver(MessageType::request, order("home", ""), "abb");
   fixture.live(0.5);
   fixture.wait(2.5);
@@ -282,7 +282,7 @@ TEST_CASE("the robot is there once both of its tasks are, whichever comes last, 
     for (const bool restarts : {false, true}) {
       CAPTURE(name_of(last));
       CAPTURE(restarts);
-      RapidBench fixture;
+      RapidFixture fixture;
       fixture.welcome();
       fixture.told<AdapterState>();
       fixture.down(last);
@@ -303,12 +303,12 @@ TEST_CASE("the robot is there once both of its tasks are, whichever comes last, 
 }
 
 TEST_CASE("an answer of another code: the two sides are out of step, and the connection is closed") {
-  RapidBench fixture;
+  RapidFixture fixture;
   const auto id = fixture.command("move", "[1, 1]");
   fixture.program("4 1 2 3#");
   CHECK(fixture.closed().find("answered 4 to request 2") != std::string::npos);
   CHECK(fixture.answer(id) == "nack robot_offline");
-  RapidBench calm;
+  RapidFixture calm;
   calm.program("2 1#");
   CHECK(calm.counted("refused.unasked_answer") == 1);
 }

@@ -22,8 +22,8 @@ Settings ridgeback() {
   return settings;
 }
 
-struct RosBench : Fixture {
-  explicit RosBench(Settings settings = ridgeback()) : Fixture(std::move(settings)) { welcome(); }
+struct RosFixture : Fixture {
+  explicit RosFixture(Settings settings = ridgeback()) : Fixture(std::move(settings)) { welcome(); }
 
   void bridge(bool is_up, std::uint64_t connection = 1, const std::string& detail = "") {
     deliver(MessageType::information, BridgeState{connection, is_up, detail}, "ridgeback");
@@ -42,7 +42,7 @@ struct RosBench : Fixture {
 }  // namespace
 
 TEST_CASE("a command is published on the topic that commands.json names, as its sender wrote it") {
-  RosBench fixture;
+  RosFixture fixture;
   fixture.bridge(true);
   fixture.asked();
   const auto id = fixture.command("move", "[0.5,0,0,0,0,0.3]");
@@ -58,7 +58,7 @@ TEST_CASE("a command is published on the topic that commands.json names, as its 
 }
 
 TEST_CASE("a template's items are JSON, whatever they hold") {
-  RosBench fixture;
+  RosFixture fixture;
   fixture.bridge(true);
   fixture.asked();
   fixture.command("go_to", R"([1.5, "\"}, \"x\": {"])");
@@ -71,7 +71,7 @@ TEST_CASE("a template's items are JSON, whatever they hold") {
 }
 
 TEST_CASE("a refusal of the bridge is the sender's answer") {
-  RosBench fixture;
+  RosFixture fixture;
   fixture.bridge(true);
   fixture.asked();
   const auto id = fixture.command("move", "[1]");
@@ -80,7 +80,7 @@ TEST_CASE("a refusal of the bridge is the sender's answer") {
 }
 
 TEST_CASE("a request is answered with the topic's next message") {
-  RosBench fixture;
+  RosFixture fixture;
   fixture.bridge(true);
   fixture.asked();
   const auto id = fixture.send(MessageType::request, "scan", "");
@@ -95,7 +95,7 @@ TEST_CASE("a request is answered with the topic's next message") {
 }
 
 TEST_CASE("a skill that ends at a position is seen to end by the watched topic") {
-  RosBench fixture;
+  RosFixture fixture;
   fixture.bridge(true);
   const auto watched = fixture.asked();
   REQUIRE(watched.size() == 1);
@@ -116,7 +116,7 @@ TEST_CASE("a skill that ends at a position is seen to end by the watched topic")
 }
 
 TEST_CASE("a value that the robot has not measured stays null for its reader, and ends no skill") {
-  RosBench fixture;
+  RosFixture fixture;
   fixture.bridge(true);
   const auto watched = fixture.asked();
   REQUIRE(watched.size() == 1);
@@ -141,7 +141,7 @@ TEST_CASE("a skill ends as its state says: well at one value, badly at another")
     Settings settings = ridgeback();
     settings.description.skills[0].end = {EndKind::state, "task", 0, 0.01, "", 0, 2};
     settings.commands.requests["task"] = "/task data";
-    RosBench fixture(std::move(settings));
+    RosFixture fixture(std::move(settings));
     fixture.bridge(true);
     const auto watched = fixture.asked();
     REQUIRE(watched.size() == 1);
@@ -169,7 +169,7 @@ TEST_CASE("a critical fault ends the skill that needs what is gone: it is halted
     rule.capability = capability;
     settings.description.faults = {rule};
     settings.commands.requests["error"] = "/error data";
-    RosBench fixture(std::move(settings));
+    RosFixture fixture(std::move(settings));
     fixture.bridge(true);
     const auto watched = fixture.asked();
     REQUIRE(watched.size() == 2);
@@ -201,7 +201,7 @@ TEST_CASE("a skill whose capability a fault has taken is not begun, until the ro
   rule.capability = "mobile";
   settings.description.faults = {rule};
   settings.commands.requests["error"] = "/error data";
-  RosBench fixture(std::move(settings));
+  RosFixture fixture(std::move(settings));
   fixture.bridge(true);
   const auto watched = fixture.asked();
   const auto error = std::ranges::find(watched, "/error", &BridgeCommand::name)->token;
@@ -226,7 +226,7 @@ TEST_CASE("a skill whose capability a fault has taken is not begun, until the ro
 }
 
 TEST_CASE("a request for a stream is answered, and then told again and again until its time is over") {
-  RosBench fixture;
+  RosFixture fixture;
   fixture.bridge(true);
   fixture.asked();
   const auto id = fixture.send(MessageType::request, "scan", R"({"stream_s": 2, "every_s": 0.5})");
@@ -252,7 +252,7 @@ TEST_CASE("a request for a stream is answered, and then told again and again unt
 }
 
 TEST_CASE("a stop goes to every topic that it names, overtakes what waits, and is answered once all have it") {
-  RosBench fixture;
+  RosFixture fixture;
   fixture.bridge(true);
   fixture.asked();
   const auto waiting = fixture.command("move", "[1]");
@@ -271,7 +271,7 @@ TEST_CASE("a stop goes to every topic that it names, overtakes what waits, and i
 }
 
 TEST_CASE("without ROS the robot is offline and says why; what was under way is not known") {
-  RosBench fixture;
+  RosFixture fixture;
   fixture.bridge(false, 1, "no ROS master at http://10.0.0.9:11311");
   const auto profiles = fixture.told<NodeProfile>();
   CHECK(get<NodeProfile>(profiles.back().body).detail == "no ROS master at http://10.0.0.9:11311");
@@ -289,7 +289,7 @@ TEST_CASE("without ROS the robot is offline and says why; what was under way is 
 }
 
 TEST_CASE("a bridge that has started anew, or says nothing for 4 s, has forgotten what was asked") {
-  RosBench fixture;
+  RosFixture fixture;
   fixture.bridge(true, 1);
   fixture.asked();
   auto id = fixture.command("move", "[1]");
@@ -303,7 +303,7 @@ TEST_CASE("a bridge that has started anew, or says nothing for 4 s, has forgotte
 }
 
 TEST_CASE("another node cannot play the bridge") {
-  RosBench fixture;
+  RosFixture fixture;
   fixture.deliver(MessageType::information, BridgeState{1, true, ""}, "ur3");
   CHECK(fixture.answer(fixture.command("move", "[1]")) == "nack robot_offline");
 }

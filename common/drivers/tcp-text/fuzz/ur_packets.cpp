@@ -1,5 +1,5 @@
 // What a Universal Robot's controller sends on its monitor connection: the packets, and the direct mode behind them.
-#define DOCTEST_CONFIG_DISABLE  // the bench is for doctest; here require() tells
+#define DOCTEST_CONFIG_DISABLE  // the fixture is for doctest; here require() tells
 #include <cmath>
 
 #include "common/drivers/tcp-text/ur_monitor.hpp"

@@ -15,11 +15,11 @@ constexpr const char* kHost = "hall.example:8443";
 constexpr const char* kOrigin = "https://hall.example:8443";
 constexpr const char* kAbort = "/api/v1/runs/run-7/abort";
 
-struct Door : Parts {
+struct Checked : Parts {
   RequestCheck check{{kOrigin, "https://127.0.0.1:8443"}, users, sessions, tokens};
   std::map<std::string, NewSession> ids;
 
-  Door() {
+  Checked() {
     for (const auto role : {UserRole::viewer, UserRole::operator_, UserRole::admin}) {
       const User& user = add(std::string(name_of(role)), role);
       ids[user.name] = sessions.open(user, now.utc);
@@ -40,66 +40,66 @@ struct Door : Parts {
 }  // namespace
 
 TEST_CASE("every row with nobody and with each role, by cookie and by token") {
-  Door door;
+  Checked checked;
   for (const Route& route : routes()) {
     const std::string path = filled(route.path);
     CAPTURE(path);
     const std::string_view method = name_of(route.method);
     const bool free = route.least == Least::anyone;
     const RequestHead nobody{method, path, kHost, {}, {}, kOrigin, {}};
-    CHECK(door.verdict(nobody) == (free ? RequestVerdict::allowed : RequestVerdict::not_signed_in));
+    CHECK(checked.verdict(nobody) == (free ? RequestVerdict::allowed : RequestVerdict::not_signed_in));
     for (const auto role : {UserRole::viewer, UserRole::operator_, UserRole::admin}) {
       const int level = static_cast<int>(role) + 1;
       const bool may = level >= static_cast<int>(route.least);
       const auto expected = may ? RequestVerdict::allowed : RequestVerdict::role_too_low;
-      CHECK(door.verdict(door.page(std::string(name_of(role)), method, path)) == expected);
+      CHECK(checked.verdict(checked.page(std::string(name_of(role)), method, path)) == expected);
     }
   }
 }
 
 TEST_CASE("a session that nobody has used for half an hour opens no route, and a token none after its end") {
   for (const Route& route : routes()) {
-    Door door;
-    const std::string secret = door.token(UserRole::admin, false);
+    Checked checked;
+    const std::string secret = checked.token(UserRole::admin, false);
     const std::string path = filled(route.path);
     CAPTURE(path);
     const bool free = route.least == Least::anyone;
-    const RequestHead by_page = door.page("admin", name_of(route.method), path);
+    const RequestHead by_page = checked.page("admin", name_of(route.method), path);
     const RequestHead by_token{name_of(route.method), path, kHost, {}, secret, {}, {}};
-    const UtcTime session_over = door.now.utc + std::chrono::minutes(30);
-    const UtcTime token_over = door.now.utc + std::chrono::hours(1);
-    CHECK(door.check.check(by_page, session_over).verdict ==
+    const UtcTime session_over = checked.now.utc + std::chrono::minutes(30);
+    const UtcTime token_over = checked.now.utc + std::chrono::hours(1);
+    CHECK(checked.check.check(by_page, session_over).verdict ==
           (free ? RequestVerdict::allowed : RequestVerdict::not_signed_in));
-    if (!free) CHECK(door.check.check(by_token, token_over).verdict == RequestVerdict::not_signed_in);
+    if (!free) CHECK(checked.check.check(by_token, token_over).verdict == RequestVerdict::not_signed_in);
   }
 }
 
 TEST_CASE("who has a password that somebody else made may take another one and stop robots, and nothing else") {
-  Door door;
-  REQUIRE(door.users.set_password("admin", "hash", true));
-  door.ids["admin"] = door.sessions.open(*door.users.find("admin"), door.now.utc);
-  const std::string secret = door.token(UserRole::admin, false);
+  Checked checked;
+  REQUIRE(checked.users.set_password("admin", "hash", true));
+  checked.ids["admin"] = checked.sessions.open(*checked.users.find("admin"), checked.now.utc);
+  const std::string secret = checked.token(UserRole::admin, false);
   const std::set<std::string_view> free{"/api/v1/session", "/api/v1/me", "/api/v1/me/password", "/api/v1/me/sessions"};
   for (const Route& route : routes()) {
     const std::string path = filled(route.path);
     CAPTURE(path);
     const bool may = route.least == Least::anyone || free.contains(route.path) || is_stop(route);
-    CHECK(door.verdict(door.page("admin", name_of(route.method), path)) ==
+    CHECK(checked.verdict(checked.page("admin", name_of(route.method), path)) ==
           (may ? RequestVerdict::allowed : RequestVerdict::password_must_change));
   }
-  CHECK(door.verdict({"GET", "/api/v1/users", kHost, {}, secret, {}, {}}) == RequestVerdict::allowed);
-  REQUIRE(door.users.set_password("admin", "own"));
-  door.ids["admin"] = door.sessions.open(*door.users.find("admin"), door.now.utc);
-  CHECK(door.verdict(door.page("admin", "GET", "/api/v1/users")) == RequestVerdict::allowed);
+  CHECK(checked.verdict({"GET", "/api/v1/users", kHost, {}, secret, {}, {}}) == RequestVerdict::allowed);
+  REQUIRE(checked.users.set_password("admin", "own"));
+  checked.ids["admin"] = checked.sessions.open(*checked.users.find("admin"), checked.now.utc);
+  CHECK(checked.verdict(checked.page("admin", "GET", "/api/v1/users")) == RequestVerdict::allowed);
 }
 
 TEST_CASE(
     "every row with each token: it may what its role may, but for what people alone do, and read-only changes "
     "nothing") {
-  Door door;
+  Checked checked;
   for (const bool read_only : {false, true}) {
     for (const auto role : {UserRole::viewer, UserRole::operator_, UserRole::admin}) {
-      const std::string secret = door.token(role, read_only);
+      const std::string secret = checked.token(role, read_only);
       for (const Route& route : routes()) {
         const std::string path = filled(route.path);
         CAPTURE(path);
@@ -108,144 +108,145 @@ TEST_CASE(
         if (read_only && route.effect == Effect::changes) expected = RequestVerdict::read_only_token;
         if (route.people_only) expected = RequestVerdict::people_only;
         if (static_cast<int>(role) + 1 < static_cast<int>(route.least)) expected = RequestVerdict::role_too_low;
-        CHECK(door.verdict({name_of(route.method), path, kHost, {}, secret, {}, {}}) == expected);
+        CHECK(checked.verdict({name_of(route.method), path, kHost, {}, secret, {}, {}}) == expected);
       }
     }
   }
 }
 
 TEST_CASE("who is allowed is told by name, role and session; a token by its own name") {
-  Door door;
-  const auto by_page = door.check.check(door.page("operator", "POST", kAbort), door.now.utc);
+  Checked checked;
+  const auto by_page = checked.check.check(checked.page("operator", "POST", kAbort), checked.now.utc);
   CHECK(by_page.who.name == "operator");
   CHECK(by_page.who.role == UserRole::operator_);
   CHECK(by_page.who.session.size() == 32);
   CHECK(by_page.parameters.at("run") == "run-7");
   CHECK(by_page.route->effect == Effect::changes);
   CHECK(status_of(by_page.verdict) == 200);
-  const std::string secret = door.token(UserRole::viewer, true);
-  const auto by_token = door.check.check({"GET", "/metrics", kHost, {}, secret, {}, {}}, door.now.utc);
+  const std::string secret = checked.token(UserRole::viewer, true);
+  const auto by_token = checked.check.check({"GET", "/metrics", kHost, {}, secret, {}, {}}, checked.now.utc);
   CHECK(by_token.who.name == "token:viewer-ro");
   CHECK(by_token.who.read_only);
 }
 
 TEST_CASE("every refusal has a status, a stable code and a hint") {
-  Door door;
+  Checked checked;
   const auto refusal = [&](const RequestHead& head) {
-    const auto decision = door.check.check(head, door.now.utc);
+    const auto decision = checked.check.check(head, checked.now.utc);
     CHECK_FALSE(decision.hint.empty());
     return std::pair{status_of(decision.verdict), std::string(name_of(decision.verdict))};
   };
   using Pair = std::pair<int, std::string>;
-  const std::string secret = door.token(UserRole::admin, false);
-  const std::string read_only = door.token(UserRole::admin, true);
-  const auto& own = door.ids.at("viewer");
-  CHECK(refusal(door.page("viewer", "GET", "/api/v1/../x")) == Pair{400, "bad_path"});
+  const std::string secret = checked.token(UserRole::admin, false);
+  const std::string read_only = checked.token(UserRole::admin, true);
+  const auto& own = checked.ids.at("viewer");
+  CHECK(refusal(checked.page("viewer", "GET", "/api/v1/../x")) == Pair{400, "bad_path"});
   CHECK(refusal({"GET", "/metrics", kHost, own.id, secret, {}, {}}) == Pair{400, "two_identities"});
   CHECK(refusal({"GET", "/metrics", kHost, {}, {}, {}, {}}) == Pair{401, "not_signed_in"});
   CHECK(refusal({"GET", "/metrics", "evil", own.id, {}, {}, {}}) == Pair{403, "wrong_host"});
   CHECK(refusal({"POST", kAbort, kHost, own.id, {}, "https://evil", own.csrf}) == Pair{403, "wrong_origin"});
   CHECK(refusal({"POST", kAbort, kHost, own.id, {}, kOrigin, {}}) == Pair{403, "wrong_csrf"});
-  CHECK(refusal(door.page("viewer", "POST", kAbort)) == Pair{403, "role_too_low"});
+  CHECK(refusal(checked.page("viewer", "POST", kAbort)) == Pair{403, "role_too_low"});
   CHECK(refusal({"POST", "/api/v1/tokens", kHost, {}, secret, {}, {}}) == Pair{403, "people_only"});
   CHECK(refusal({"POST", kAbort, kHost, {}, read_only, {}, {}}) == Pair{403, "read_only_token"});
-  CHECK(refusal(door.page("viewer", "GET", "/api/v1/nothing")) == Pair{404, "not_found"});
-  CHECK(refusal(door.page("viewer", "DELETE", "/api/v1/robots")) == Pair{405, "method_not_allowed"});
-  CHECK(door.check.check(door.page("viewer", "PUT", "/api/v1/robots"), door.now.utc).allow ==
+  CHECK(refusal(checked.page("viewer", "GET", "/api/v1/nothing")) == Pair{404, "not_found"});
+  CHECK(refusal(checked.page("viewer", "DELETE", "/api/v1/robots")) == Pair{405, "method_not_allowed"});
+  CHECK(checked.check.check(checked.page("viewer", "PUT", "/api/v1/robots"), checked.now.utc).allow ==
         std::vector<Method>{Method::get});
 }
 
 TEST_CASE("given a cookie that is wrong, over, or of a user who was changed, then 401") {
-  Door door;
-  const auto me = [&](std::string_view id) { return door.verdict({"GET", "/api/v1/me", kHost, id, {}, {}, {}}); };
-  const std::string id = door.ids.at("viewer").id;
+  Checked checked;
+  const auto me = [&](std::string_view id) { return checked.verdict({"GET", "/api/v1/me", kHost, id, {}, {}, {}}); };
+  const std::string id = checked.ids.at("viewer").id;
   CHECK(me(id) == RequestVerdict::allowed);
   for (const std::string& wrong : {std::string(), std::string(64, 'a'), std::string(1 << 20, 'a'), id + " "})
     CHECK(me(wrong) == RequestVerdict::not_signed_in);
-  REQUIRE(door.users.set_role("viewer", UserRole::operator_));
+  REQUIRE(checked.users.set_role("viewer", UserRole::operator_));
   CHECK(me(id) == RequestVerdict::not_signed_in);
-  door.pass(kSessionIdle);
-  CHECK(me(door.ids.at("admin").id) == RequestVerdict::not_signed_in);
+  checked.pass(kSessionIdle);
+  CHECK(me(checked.ids.at("admin").id) == RequestVerdict::not_signed_in);
 }
 
 TEST_CASE("given a token that is wrong, over or revoked, then 401, also for who has no cookie at all") {
-  Door door;
-  const std::string secret = door.token(UserRole::viewer, false);
+  Checked checked;
+  const std::string secret = checked.token(UserRole::viewer, false);
   const auto me = [&](std::string_view bearer) {
-    return door.verdict({"GET", "/api/v1/me", kHost, {}, bearer, {}, {}});
+    return checked.verdict({"GET", "/api/v1/me", kHost, {}, bearer, {}, {}});
   };
   CHECK(me(secret) == RequestVerdict::allowed);
   CHECK(me("trb_" + std::string(64, '0')) == RequestVerdict::not_signed_in);
-  CHECK(me(door.ids.at("admin").id) == RequestVerdict::not_signed_in);  // a session id is no token
-  door.pass(std::chrono::hours(1));
+  CHECK(me(checked.ids.at("admin").id) == RequestVerdict::not_signed_in);  // a session id is no token
+  checked.pass(std::chrono::hours(1));
   CHECK(me(secret) == RequestVerdict::not_signed_in);
 }
 
 TEST_CASE("given a page of another site sends a change with the user's cookie, then it is refused by its Origin") {
-  Door door;
-  RequestHead head = door.page("operator", "POST", kAbort);
+  Checked checked;
+  RequestHead head = checked.page("operator", "POST", kAbort);
   for (const char* origin : {"https://evil.example", "null", "", "http://hall.example:8443", "https://hall.example",
                              "https://hall.example:8443.evil", "https://127.0.0.1:8443", "hall.example:8443"}) {
     CAPTURE(origin);
     head.origin = origin;
-    CHECK(door.verdict(head) == RequestVerdict::wrong_origin);
+    CHECK(checked.verdict(head) == RequestVerdict::wrong_origin);
   }
   head.origin.reset();
-  CHECK(door.verdict(head) == RequestVerdict::wrong_origin);
+  CHECK(checked.verdict(head) == RequestVerdict::wrong_origin);
   head.origin = "HTTPS://Hall.Example:8443";
-  CHECK(door.verdict(head) == RequestVerdict::allowed);
+  CHECK(checked.verdict(head) == RequestVerdict::allowed);
 }
 
 TEST_CASE("sign-in and upgrade need the Origin too, and what is read does not") {
-  Door door;
-  CHECK(door.verdict({"POST", "/api/v1/session", kHost, {}, {}, "https://evil", {}}) == RequestVerdict::wrong_origin);
-  CHECK(door.verdict({"POST", "/api/v1/session", kHost, {}, {}, {}, {}}) == RequestVerdict::wrong_origin);
-  CHECK(door.verdict({"POST", "/api/v1/session", kHost, {}, "trb_x", {}, {}}) == RequestVerdict::wrong_origin);
-  RequestHead live = door.page("viewer", "GET", "/api/v1/live");
+  Checked checked;
+  CHECK(checked.verdict({"POST", "/api/v1/session", kHost, {}, {}, "https://evil", {}}) ==
+        RequestVerdict::wrong_origin);
+  CHECK(checked.verdict({"POST", "/api/v1/session", kHost, {}, {}, {}, {}}) == RequestVerdict::wrong_origin);
+  CHECK(checked.verdict({"POST", "/api/v1/session", kHost, {}, "trb_x", {}, {}}) == RequestVerdict::wrong_origin);
+  RequestHead live = checked.page("viewer", "GET", "/api/v1/live");
   live.csrf.reset();  // a browser's WebSocket cannot send the header
-  CHECK(door.verdict(live) == RequestVerdict::allowed);
+  CHECK(checked.verdict(live) == RequestVerdict::allowed);
   live.origin = "https://evil";
-  CHECK(door.verdict(live) == RequestVerdict::wrong_origin);
+  CHECK(checked.verdict(live) == RequestVerdict::wrong_origin);
   live.origin.reset();
-  CHECK(door.verdict(live) == RequestVerdict::wrong_origin);
-  RequestHead list = door.page("viewer", "GET", "/api/v1/robots");
+  CHECK(checked.verdict(live) == RequestVerdict::wrong_origin);
+  RequestHead list = checked.page("viewer", "GET", "/api/v1/robots");
   list.origin.reset();
   list.csrf.reset();
-  CHECK(door.verdict(list) == RequestVerdict::allowed);
+  CHECK(checked.verdict(list) == RequestVerdict::allowed);
 }
 
 TEST_CASE("given a token, then no Origin is needed; but a browser's of another site is refused") {
-  Door door;
-  const std::string secret = door.token(UserRole::operator_, false);
-  CHECK(door.verdict({"POST", kAbort, kHost, {}, secret, {}, {}}) == RequestVerdict::allowed);
-  CHECK(door.verdict({"POST", kAbort, kHost, {}, secret, "https://evil", {}}) == RequestVerdict::wrong_origin);
+  Checked checked;
+  const std::string secret = checked.token(UserRole::operator_, false);
+  CHECK(checked.verdict({"POST", kAbort, kHost, {}, secret, {}, {}}) == RequestVerdict::allowed);
+  CHECK(checked.verdict({"POST", kAbort, kHost, {}, secret, "https://evil", {}}) == RequestVerdict::wrong_origin);
 }
 
 TEST_CASE("given a name that was bent to this address, then it is not served by it; health is") {
-  Door door;
-  RequestHead head = door.page("operator", "POST", kAbort);
+  Checked checked;
+  RequestHead head = checked.page("operator", "POST", kAbort);
   head.host = "evil.example:8443";
   head.origin = "https://evil.example:8443";
-  CHECK(door.verdict(head) == RequestVerdict::wrong_host);
-  CHECK(door.verdict({"GET", "/api/v1/health", "10.0.0.1", {}, {}, {}, {}}) == RequestVerdict::allowed);
+  CHECK(checked.verdict(head) == RequestVerdict::wrong_host);
+  CHECK(checked.verdict({"GET", "/api/v1/health", "10.0.0.1", {}, {}, {}, {}}) == RequestVerdict::allowed);
   head.host = "";
   head.origin = "";
-  CHECK(door.verdict(head) == RequestVerdict::wrong_host);
+  CHECK(checked.verdict(head) == RequestVerdict::wrong_host);
 }
 
 TEST_CASE("another's CSRF value does not pass") {
-  Door door;
-  RequestHead head = door.page("operator", "POST", kAbort);
-  head.csrf = door.ids.at("admin").csrf;
-  CHECK(door.verdict(head) == RequestVerdict::wrong_csrf);
+  Checked checked;
+  RequestHead head = checked.page("operator", "POST", kAbort);
+  head.csrf = checked.ids.at("admin").csrf;
+  CHECK(checked.verdict(head) == RequestVerdict::wrong_csrf);
 }
 
 TEST_CASE(
     "given a stranger asks for what is not there or with a wrong method, then he learns no more than the API's "
     "document says") {
-  Door door;
+  Checked checked;
   const auto ask = [&](std::string_view method, std::string_view path) {
-    return door.verdict({method, path, kHost, {}, {}, {}, {}});
+    return checked.verdict({method, path, kHost, {}, {}, {}, {}});
   };
   CHECK(ask("GET", "/api/v1/nothing") == RequestVerdict::not_found);
   CHECK(ask("GET", "/api/v1/robots/arm") == RequestVerdict::not_signed_in);

@@ -18,7 +18,7 @@ SimulationJob job_of(const std::string& input) {
 }
 
 /// A desk, its time, and the program as it sees it.
-struct Bench {
+struct Fixture {
   SimulationDesk desk{[n = std::uint8_t{0}](std::size_t size) mutable { return Bytes(size, static_cast<char>(++n)); }};
   Now now{MonotonicTime{} + std::chrono::hours(1), UtcTime{1'800'000'000'000'000'000}};
   std::vector<std::string> started;
@@ -64,165 +64,165 @@ const Error kKilled = fail(Errc::io_error, "it was killed", "start it again");
 }  // namespace
 
 TEST_CASE("one runs, and its program's answer makes it done") {
-  Bench bench;
-  const std::string id = bench.add("{1}");
-  CHECK(bench.started == std::vector<std::string>{"{1}"});
-  CHECK(bench.of(id).state == SimulationState::running);
-  CHECK(bench.of(id).by == "olga");
-  CHECK(bench.of(id).began == bench.now.utc);
-  bench.desk.on_progress({12.5, 3});
-  CHECK(bench.of(id).progress == SimulationProgress{12.5, 3});
-  bench.pass(std::chrono::seconds(2));
-  bench.gone(Bytes("{answer}"));
-  CHECK(bench.of(id).state == SimulationState::done);
-  CHECK(bench.of(id).answer == "{answer}");
-  CHECK(bench.of(id).ended->ns - bench.of(id).began->ns == 2'000'000'000);
-  CHECK_FALSE(bench.desk.next_deadline());
+  Fixture fixture;
+  const std::string id = fixture.add("{1}");
+  CHECK(fixture.started == std::vector<std::string>{"{1}"});
+  CHECK(fixture.of(id).state == SimulationState::running);
+  CHECK(fixture.of(id).by == "olga");
+  CHECK(fixture.of(id).began == fixture.now.utc);
+  fixture.desk.on_progress({12.5, 3});
+  CHECK(fixture.of(id).progress == SimulationProgress{12.5, 3});
+  fixture.pass(std::chrono::seconds(2));
+  fixture.gone(Bytes("{answer}"));
+  CHECK(fixture.of(id).state == SimulationState::done);
+  CHECK(fixture.of(id).answer == "{answer}");
+  CHECK(fixture.of(id).ended->ns - fixture.of(id).began->ns == 2'000'000'000);
+  CHECK_FALSE(fixture.desk.next_deadline());
 }
 
 TEST_CASE("the next one begins when the program before it is gone, in the order in which they were asked for") {
-  Bench bench;
-  const std::string first = bench.add("{1}");
-  const std::string second = bench.add("{2}");
-  const std::string third = bench.add("{3}");
-  CHECK(bench.started.size() == 1);
-  CHECK(bench.of(second).state == SimulationState::queued);
-  CHECK_FALSE(bench.of(second).began);
-  bench.gone(Bytes("{}"));
-  CHECK(bench.started == std::vector<std::string>{"{1}", "{2}"});
-  CHECK(bench.of(first).state == SimulationState::done);
-  CHECK(bench.of(second).state == SimulationState::running);
-  CHECK(bench.of(third).state == SimulationState::queued);
+  Fixture fixture;
+  const std::string first = fixture.add("{1}");
+  const std::string second = fixture.add("{2}");
+  const std::string third = fixture.add("{3}");
+  CHECK(fixture.started.size() == 1);
+  CHECK(fixture.of(second).state == SimulationState::queued);
+  CHECK_FALSE(fixture.of(second).began);
+  fixture.gone(Bytes("{}"));
+  CHECK(fixture.started == std::vector<std::string>{"{1}", "{2}"});
+  CHECK(fixture.of(first).state == SimulationState::done);
+  CHECK(fixture.of(second).state == SimulationState::running);
+  CHECK(fixture.of(third).state == SimulationState::queued);
   std::vector<std::string> ids;
-  for (const Simulation& one : bench.desk.all()) ids.push_back(one.id);
+  for (const Simulation& one : fixture.desk.all()) ids.push_back(one.id);
   CHECK(ids == std::vector<std::string>{third, second, first});
 }
 
 TEST_CASE("four wait, a fifth is refused with a cure, until one is over") {
-  Bench bench;
-  for (int i = 0; i < 5; ++i) bench.add("{}");
-  const auto refused = bench.desk.add(job_of("{}"), "olga", bench.now);
+  Fixture fixture;
+  for (int i = 0; i < 5; ++i) fixture.add("{}");
+  const auto refused = fixture.desk.add(job_of("{}"), "olga", fixture.now);
   REQUIRE_FALSE(refused.ok());
   CHECK(refused.error().code == Errc::queue_full);
   CHECK(refused.error().what == "4 simulations wait already");
   CHECK_FALSE(refused.error().hint.empty());
-  CHECK(bench.desk.all().size() == 5);
-  bench.gone(Bytes("{}"));
-  bench.add("{}");
+  CHECK(fixture.desk.all().size() == 5);
+  fixture.gone(Bytes("{}"));
+  fixture.add("{}");
 }
 
 TEST_CASE("four wait while the program of a cancelled one is not gone yet") {
-  Bench bench;
-  const std::string first = bench.add("{}");
-  REQUIRE(bench.remove(first).ok());
-  for (int i = 0; i < 4; ++i) bench.add("{}");
-  CHECK_FALSE(bench.desk.add(job_of("{}"), "olga", bench.now).ok());
-  CHECK(bench.started.size() == 1);
+  Fixture fixture;
+  const std::string first = fixture.add("{}");
+  REQUIRE(fixture.remove(first).ok());
+  for (int i = 0; i < 4; ++i) fixture.add("{}");
+  CHECK_FALSE(fixture.desk.add(job_of("{}"), "olga", fixture.now).ok());
+  CHECK(fixture.started.size() == 1);
 }
 
 TEST_CASE("a cancelled one that waits never begins") {
-  Bench bench;
-  bench.add("{1}");
-  const std::string second = bench.add("{2}");
-  const auto removed = bench.remove(second);
+  Fixture fixture;
+  fixture.add("{1}");
+  const std::string second = fixture.add("{2}");
+  const auto removed = fixture.remove(second);
   REQUIRE(removed.ok());
   REQUIRE(*removed != nullptr);
   CHECK((*removed)->state == SimulationState::cancelled);
-  CHECK(bench.ended == 0);
-  bench.gone(Bytes("{}"));
-  CHECK(bench.started.size() == 1);
+  CHECK(fixture.ended == 0);
+  fixture.gone(Bytes("{}"));
+  CHECK(fixture.started.size() == 1);
 }
 
 TEST_CASE("the program of a cancelled one is ended, and what it still says counts for nobody") {
-  Bench bench;
-  const std::string first = bench.add("{1}");
-  const std::string second = bench.add("{2}");
-  REQUIRE(bench.remove(first).ok());
-  CHECK(bench.ended == 1);
-  CHECK(bench.started.size() == 1);
-  bench.desk.on_progress({5, 1});
-  bench.gone(Bytes("{late}"));
-  CHECK(bench.of(first).state == SimulationState::cancelled);
-  CHECK(bench.of(first).answer.empty());
-  CHECK(bench.of(first).progress == SimulationProgress{});
-  CHECK(bench.of(second).state == SimulationState::running);
-  CHECK(bench.of(second).progress == SimulationProgress{});
+  Fixture fixture;
+  const std::string first = fixture.add("{1}");
+  const std::string second = fixture.add("{2}");
+  REQUIRE(fixture.remove(first).ok());
+  CHECK(fixture.ended == 1);
+  CHECK(fixture.started.size() == 1);
+  fixture.desk.on_progress({5, 1});
+  fixture.gone(Bytes("{late}"));
+  CHECK(fixture.of(first).state == SimulationState::cancelled);
+  CHECK(fixture.of(first).answer.empty());
+  CHECK(fixture.of(first).progress == SimulationProgress{});
+  CHECK(fixture.of(second).state == SimulationState::running);
+  CHECK(fixture.of(second).progress == SimulationProgress{});
 }
 
 TEST_CASE("without an answer it has failed, with what its program said") {
-  Bench bench;
-  const std::string id = bench.add("{}");
-  bench.gone(kKilled);
-  CHECK(bench.of(id).state == SimulationState::failed);
-  CHECK(bench.of(id).failure->what == "it was killed");
-  CHECK(bench.of(id).answer.empty());
+  Fixture fixture;
+  const std::string id = fixture.add("{}");
+  fixture.gone(kKilled);
+  CHECK(fixture.of(id).state == SimulationState::failed);
+  CHECK(fixture.of(id).failure->what == "it was killed");
+  CHECK(fixture.of(id).answer.empty());
 }
 
 TEST_CASE("after a minute its program is ended") {
-  Bench bench;
-  const std::string id = bench.add("{}");
-  CHECK(bench.desk.next_deadline() == bench.now.mono + kLongestSimulation);
-  bench.pass(kLongestSimulation - std::chrono::milliseconds(1));
-  CHECK(bench.of(id).state == SimulationState::running);
-  bench.pass(std::chrono::milliseconds(1));
-  CHECK(bench.of(id).state == SimulationState::failed);
-  CHECK(bench.of(id).failure->code == Errc::timeout);
-  CHECK_FALSE(bench.of(id).failure->hint.empty());
-  CHECK(bench.ended == 1);
-  CHECK_FALSE(bench.desk.next_deadline());
-  bench.gone(kKilled);
-  CHECK(bench.of(id).failure->code == Errc::timeout);
-  CHECK(bench.ended == 1);
+  Fixture fixture;
+  const std::string id = fixture.add("{}");
+  CHECK(fixture.desk.next_deadline() == fixture.now.mono + kLongestSimulation);
+  fixture.pass(kLongestSimulation - std::chrono::milliseconds(1));
+  CHECK(fixture.of(id).state == SimulationState::running);
+  fixture.pass(std::chrono::milliseconds(1));
+  CHECK(fixture.of(id).state == SimulationState::failed);
+  CHECK(fixture.of(id).failure->code == Errc::timeout);
+  CHECK_FALSE(fixture.of(id).failure->hint.empty());
+  CHECK(fixture.ended == 1);
+  CHECK_FALSE(fixture.desk.next_deadline());
+  fixture.gone(kKilled);
+  CHECK(fixture.of(id).failure->code == Errc::timeout);
+  CHECK(fixture.ended == 1);
 }
 
 TEST_CASE("an answer that is too large is none") {
-  Bench bench;
-  const std::string id = bench.add("{}");
-  bench.desk.on_too_large(bench.now);
-  bench.obey();
-  CHECK(bench.ended == 1);
-  CHECK(bench.of(id).failure->code == Errc::too_large);
-  bench.desk.on_too_large(bench.now);
-  bench.gone(Bytes("{}"));
-  CHECK(bench.ended == 1);
-  CHECK(bench.of(id).state == SimulationState::failed);
+  Fixture fixture;
+  const std::string id = fixture.add("{}");
+  fixture.desk.on_too_large(fixture.now);
+  fixture.obey();
+  CHECK(fixture.ended == 1);
+  CHECK(fixture.of(id).failure->code == Errc::too_large);
+  fixture.desk.on_too_large(fixture.now);
+  fixture.gone(Bytes("{}"));
+  CHECK(fixture.ended == 1);
+  CHECK(fixture.of(id).state == SimulationState::failed);
 }
 
 TEST_CASE("one that is over is forgotten when it is removed, and so is none that is not there") {
-  Bench bench;
-  const std::string id = bench.add("{}");
-  bench.gone(Bytes("{}"));
-  const auto removed = bench.remove(id);
+  Fixture fixture;
+  const std::string id = fixture.add("{}");
+  fixture.gone(Bytes("{}"));
+  const auto removed = fixture.remove(id);
   REQUIRE(removed.ok());
   CHECK(*removed == nullptr);
-  CHECK(bench.desk.find(id) == nullptr);
-  CHECK(bench.ended == 0);
-  const auto again = bench.remove(id);
+  CHECK(fixture.desk.find(id) == nullptr);
+  CHECK(fixture.ended == 0);
+  const auto again = fixture.remove(id);
   REQUIRE_FALSE(again.ok());
   CHECK(again.error().code == Errc::missing);
 }
 
 TEST_CASE("of those that are over the newest twenty are kept; who waits is none of them") {
-  Bench bench;
+  Fixture fixture;
   std::vector<std::string> ids;
   for (std::size_t i = 0; i < kMaxEndedSimulations + 3; ++i) {
-    ids.push_back(bench.add("{}"));
-    bench.gone(Bytes("{}"));
+    ids.push_back(fixture.add("{}"));
+    fixture.gone(Bytes("{}"));
   }
-  bench.add("{run}");
-  bench.add("{wait}");
-  CHECK(bench.desk.all().size() == kMaxEndedSimulations + 2);
-  for (int i = 0; i < 3; ++i) CHECK(bench.desk.find(ids[static_cast<std::size_t>(i)]) == nullptr);
-  CHECK(bench.desk.find(ids[3]) != nullptr);
+  fixture.add("{run}");
+  fixture.add("{wait}");
+  CHECK(fixture.desk.all().size() == kMaxEndedSimulations + 2);
+  for (int i = 0; i < 3; ++i) CHECK(fixture.desk.find(ids[static_cast<std::size_t>(i)]) == nullptr);
+  CHECK(fixture.desk.find(ids[3]) != nullptr);
 }
 
 TEST_CASE("an old one that is cancelled when twenty newer ones are over is gone at once") {
-  Bench bench;
-  bench.add("{run}");
-  const std::string oldest = bench.add("{wait}");
-  for (std::size_t i = 0; i < kMaxEndedSimulations; ++i) REQUIRE(bench.remove(bench.add("{}")).ok());
-  const auto removed = bench.remove(oldest);
+  Fixture fixture;
+  fixture.add("{run}");
+  const std::string oldest = fixture.add("{wait}");
+  for (std::size_t i = 0; i < kMaxEndedSimulations; ++i) REQUIRE(fixture.remove(fixture.add("{}")).ok());
+  const auto removed = fixture.remove(oldest);
   REQUIRE(removed.ok());
   CHECK(*removed == nullptr);
-  CHECK(bench.desk.all().size() == kMaxEndedSimulations + 1);
+  CHECK(fixture.desk.all().size() == kMaxEndedSimulations + 1);
 }

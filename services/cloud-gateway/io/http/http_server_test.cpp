@@ -2,7 +2,7 @@
 // its WebSockets by web_socket_test.cpp.
 #include "services/cloud-gateway/io/http/http_server.hpp"
 
-#include "services/cloud-gateway/io/http/test/server_bench.hpp"
+#include "services/cloud-gateway/io/http/test/server_fixture.hpp"
 
 using namespace trb;
 using namespace trb::gateway;
@@ -21,11 +21,11 @@ const std::string kGet = get("/a");
 
 /// One client that was served, and one whose request is under way.
 struct IdleAndBusy {
-  explicit IdleAndBusy(ServerBench& bench) : idle(bench.client()), busy(bench.client()) {
+  explicit IdleAndBusy(ServerFixture& fixture) : idle(fixture.client()), busy(fixture.client()) {
     idle.say(kGet);
     idle.hear("/a ");
     busy.say(get("/later"));
-    REQUIRE(bench.until([&] { return bench.handler.kept.size() == 1; }));
+    REQUIRE(fixture.until([&] { return fixture.handler.kept.size() == 1; }));
   }
   TlsClient idle;
   TlsClient busy;
@@ -34,8 +34,8 @@ struct IdleAndBusy {
 }  // namespace
 
 TEST_CASE("server: a request is answered, and the next one on the same connection") {
-  ServerBench bench;
-  TlsClient client = bench.client();
+  ServerFixture fixture;
+  TlsClient client = fixture.client();
   client.say(kGet);
   const std::string first = client.hear("/a ");
   CHECK(first.starts_with("HTTP/1.1 200 "));
@@ -45,8 +45,8 @@ TEST_CASE("server: a request is answered, and the next one on the same connectio
 }
 
 TEST_CASE("server: HEAD is answered without a body") {
-  ServerBench bench;
-  TlsClient client = bench.client();
+  ServerFixture fixture;
+  TlsClient client = fixture.client();
   client.say("HEAD /a HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n");
   const std::string answer = client.hear("never");
   CHECK(client.ended);
@@ -60,8 +60,8 @@ TEST_CASE("server: what is no HTTP, two lengths, too long headers and a body ove
            {"GET / HTTP/1.1\r\nHost: a\r\nContent-Length: 1\r\nTransfer-Encoding: chunked\r\n\r\n", "400"},
            {"GET / HTTP/1.1\r\nHost: a\r\nX: " + std::string(9000, 'x') + "\r\n\r\n", "431"},
            {"POST / HTTP/1.1\r\nHost: a\r\nContent-Length: 101\r\n\r\n", "413"}}) {
-    ServerBench bench;
-    TlsClient client = bench.client();
+    ServerFixture fixture;
+    TlsClient client = fixture.client();
     client.say(text);
     CHECK(client.hear("\r\n\r\n").starts_with("HTTP/1.1 " + status));
   }
@@ -69,43 +69,43 @@ TEST_CASE("server: what is no HTTP, two lengths, too long headers and a body ove
 
 TEST_CASE("server: who sends nothing, or headers without an end, is let go") {
   for (const char* begun : {"", "GET / HT"}) {
-    ServerBench bench(impatient());
-    TlsClient client = bench.client();
+    ServerFixture fixture(impatient());
+    TlsClient client = fixture.client();
     if (*begun != '\0') client.say(begun);
     client.hear("never");
     CHECK(client.ended);
-    CHECK(bench.until_alone());
+    CHECK(fixture.until_alone());
   }
 }
 
 TEST_CASE("server: one address has so many connections and no more; the others are served") {
   HttpServerSettings settings;
   settings.max_of_source = 2;
-  ServerBench bench(settings);
-  TlsClient one = bench.client();
-  TlsClient two = bench.client();
+  ServerFixture fixture(settings);
+  TlsClient one = fixture.client();
+  TlsClient two = fixture.client();
   one.say(kGet);
   two.say(kGet);
   CHECK(two.hear("/a ").starts_with("HTTP/1.1 200"));
-  TlsClient three = bench.client();
+  TlsClient three = fixture.client();
   three.hear("never");
   CHECK(three.ended);
   CHECK(one.hear("/a ").starts_with("HTTP/1.1 200"));
 }
 
 TEST_CASE("server: when it stops, idle connections end and nobody else comes in") {
-  ServerBench bench;
-  TlsClient client = bench.client();
+  ServerFixture fixture;
+  TlsClient client = fixture.client();
   client.say(kGet);
   client.hear("/a ");
-  bench.server->stop();
+  fixture.server->stop();
   client.hear("never");
   CHECK(client.ended);
 }
 
 TEST_CASE("server: two requests at once get their answers in order") {
-  ServerBench bench;
-  TlsClient client = bench.client();
+  ServerFixture fixture;
+  TlsClient client = fixture.client();
   client.say(get("/a") + post("/b", "Content-Length: 2", "hi") + get("/c"));
   const std::string answers = client.hear("/c ");
   CHECK(answers.find("/a ") < answers.find("/b hi"));
@@ -113,8 +113,8 @@ TEST_CASE("server: two requests at once get their answers in order") {
 }
 
 TEST_CASE("server: chunks are put together, in as many pieces as they come") {
-  ServerBench bench;
-  TlsClient client = bench.client();
+  ServerFixture fixture;
+  TlsClient client = fixture.client();
   client.say(post("/a", "Transfer-Encoding: chunked", "2\r\nhi"));
   for (const char c : std::string("\r\n3;x\r\n ho\r\n0\r\nHost: evil\r\n\r\n")) client.say(std::string(1, c));
   CHECK(client.hear("/a hi ho").starts_with("HTTP/1.1 200"));
@@ -123,16 +123,16 @@ TEST_CASE("server: chunks are put together, in as many pieces as they come") {
 }
 
 TEST_CASE("server: chunks over 1 MiB are refused, and the client is let go") {
-  ServerBench bench;
-  TlsClient client = bench.client();
+  ServerFixture fixture;
+  TlsClient client = fixture.client();
   client.say(post("/a", "Transfer-Encoding: chunked", "100001\r\n"));
   CHECK(client.hear("never").starts_with("HTTP/1.1 413"));
   CHECK(client.ended);
 }
 
 TEST_CASE("server: who asks whether to send the body is told; what is refused is never asked for") {
-  ServerBench bench;
-  TlsClient client = bench.client();
+  ServerFixture fixture;
+  TlsClient client = fixture.client();
   client.say(post("/a", "Expect: 100-continue\r\nContent-Length: 2"));
   CHECK(client.hear("\r\n\r\n") == "HTTP/1.1 100 Continue\r\n\r\n");
   client.say("hi");
@@ -144,15 +144,15 @@ TEST_CASE("server: who asks whether to send the body is told; what is refused is
 }
 
 TEST_CASE("server: a refusal is read even if the client goes on to send the body") {
-  ServerBench bench;
-  TlsClient client = bench.client();
+  ServerFixture fixture;
+  TlsClient client = fixture.client();
   client.say(post("/a", "Content-Length: 100000", std::string(100'000, 'x')));
   CHECK(client.hear("too_large").starts_with("HTTP/1.1 413"));
 }
 
 TEST_CASE("server: a body over 1 MiB is refused without asking the handler") {
-  ServerBench bench;
-  TlsClient client = bench.client();
+  ServerFixture fixture;
+  TlsClient client = fixture.client();
   client.say(post("/a", "Content-Length: 1048577"));
   CHECK(client.hear("never").ends_with("body_too_large"));
 }
@@ -160,8 +160,8 @@ TEST_CASE("server: a body over 1 MiB is refused without asking the handler") {
 TEST_CASE("server: headers or a body that do not come in time are answered 408") {
   for (const auto& [which, begun] : {std::pair(&HttpTimes::head, std::string("GET / HT")),
                                      std::pair(&HttpTimes::body, post("/a", "Content-Length: 3", "hi"))}) {
-    ServerBench bench(with_time(which, std::chrono::milliseconds(200)));
-    TlsClient client = bench.client();
+    ServerFixture fixture(with_time(which, std::chrono::milliseconds(200)));
+    TlsClient client = fixture.client();
     client.say(begun);
     CHECK(client.hear("never").starts_with("HTTP/1.1 408"));
     CHECK(client.ended);
@@ -169,33 +169,33 @@ TEST_CASE("server: headers or a body that do not come in time are answered 408")
 }
 
 TEST_CASE("server: given the handler never answers, then 503; its late answer is nothing") {
-  ServerBench bench(with_time(&HttpTimes::answer, std::chrono::milliseconds(50)));
-  TlsClient client = bench.client();
+  ServerFixture fixture(with_time(&HttpTimes::answer, std::chrono::milliseconds(50)));
+  TlsClient client = fixture.client();
   client.say(get("/later"));
   CHECK(client.hear("never").starts_with("HTTP/1.1 503"));
-  bench.handler.kept.at(0)({});
+  fixture.handler.kept.at(0)({});
   client.shut_down();
-  CHECK(bench.until_alone());
+  CHECK(fixture.until_alone());
 }
 
 TEST_CASE("server: a second answer to a request is nothing") {
-  ServerBench bench;
-  TlsClient client = bench.client();
+  ServerFixture fixture;
+  TlsClient client = fixture.client();
   client.say(get("/later"));
-  REQUIRE(bench.until([&] { return bench.handler.kept.size() == 1; }));
-  bench.handler.kept.at(0)({200, "text/plain", {}, shared_bytes("first")});
-  bench.handler.kept.at(0)({200, "text/plain", {}, shared_bytes("second")});
+  REQUIRE(fixture.until([&] { return fixture.handler.kept.size() == 1; }));
+  fixture.handler.kept.at(0)({200, "text/plain", {}, shared_bytes("first")});
+  fixture.handler.kept.at(0)({200, "text/plain", {}, shared_bytes("second")});
   CHECK(client.hear("first").ends_with("first"));
   client.say(get("/later"));
-  REQUIRE(bench.until([&] { return bench.handler.kept.size() == 2; }));
-  bench.handler.kept.at(0)({200, "text/plain", {}, shared_bytes("second")});
-  bench.handler.kept.at(1)({200, "text/plain", {}, shared_bytes("third")});
+  REQUIRE(fixture.until([&] { return fixture.handler.kept.size() == 2; }));
+  fixture.handler.kept.at(0)({200, "text/plain", {}, shared_bytes("second")});
+  fixture.handler.kept.at(1)({200, "text/plain", {}, shared_bytes("third")});
   CHECK(client.hear("third").find("second") == std::string::npos);
 }
 
 TEST_CASE("server: given a reply's header has a line end, then nothing of it is sent, but a 500") {
-  ServerBench bench;
-  TlsClient client = bench.client();
+  ServerFixture fixture;
+  TlsClient client = fixture.client();
   client.say(get("/two-lines"));
   const std::string answer = client.hear("bad_reply");
   CHECK(answer.starts_with("HTTP/1.1 500"));
@@ -203,8 +203,8 @@ TEST_CASE("server: given a reply's header has a line end, then nothing of it is 
 }
 
 TEST_CASE("server: 204 has no body, and the connection goes on") {
-  ServerBench bench;
-  TlsClient client = bench.client();
+  ServerFixture fixture;
+  TlsClient client = fixture.client();
   client.say(get("/empty") + get("/a"));
   const std::string answers = client.hear("/a ");
   CHECK(answers.starts_with("HTTP/1.1 204"));
@@ -212,16 +212,16 @@ TEST_CASE("server: 204 has no body, and the connection goes on") {
 }
 
 TEST_CASE("server: who does not read his reply is let go") {
-  ServerBench bench(with_time(&HttpTimes::reply, std::chrono::milliseconds(300)));
-  TlsClient client = bench.client();
+  ServerFixture fixture(with_time(&HttpTimes::reply, std::chrono::milliseconds(300)));
+  TlsClient client = fixture.client();
   client.say(get("/large"));
-  REQUIRE(bench.until([&] { return bench.server->connections() == 1; }));
-  CHECK(bench.until_alone());
+  REQUIRE(fixture.until([&] { return fixture.server->connections() == 1; }));
+  CHECK(fixture.until_alone());
 }
 
 TEST_CASE("server: a large reply comes whole") {
-  ServerBench bench;
-  TlsClient client = bench.client();
+  ServerFixture fixture;
+  TlsClient client = fixture.client();
   client.say(get("/large", "Connection: close\r\n"));
   const std::string answer = client.hear("never");
   CHECK(answer.size() > (16U << 20U));
@@ -231,17 +231,17 @@ TEST_CASE("server: a large reply comes whole") {
 TEST_CASE("server: when it is full, the one that waits longest makes room; who is served stays") {
   HttpServerSettings settings;
   settings.max_connections = 2;
-  ServerBench bench(settings);
-  IdleAndBusy clients(bench);
+  ServerFixture fixture(settings);
+  IdleAndBusy clients(fixture);
   auto& [idle, busy] = clients;
-  TlsClient third = bench.client();
+  TlsClient third = fixture.client();
   third.say(get("/later"));
   CHECK(idle.is_dropped());
-  REQUIRE(bench.until([&] { return bench.handler.kept.size() == 2; }));
-  TlsClient fourth = bench.client();
+  REQUIRE(fixture.until([&] { return fixture.handler.kept.size() == 2; }));
+  TlsClient fourth = fixture.client();
   CHECK(fourth.is_dropped());
-  CHECK(bench.server->connections() == 2);
-  for (const Reply& reply : bench.handler.kept) reply({});
+  CHECK(fixture.server->connections() == 2);
+  for (const Reply& reply : fixture.handler.kept) reply({});
   CHECK(busy.hear("\r\n\r\n").starts_with("HTTP/1.1 200"));
   CHECK(third.hear("\r\n\r\n").starts_with("HTTP/1.1 200"));
 }
@@ -249,28 +249,28 @@ TEST_CASE("server: when it is full, the one that waits longest makes room; who i
 TEST_CASE("server: given strangers who begin no handshake hold all room, then the oldest of them makes room") {
   HttpServerSettings settings;
   settings.max_connections = 2;
-  ServerBench bench(settings);
+  ServerFixture fixture(settings);
   std::vector<boost::asio::ip::tcp::socket> strangers;
   for (std::size_t i = 0; i < 2; ++i) {
-    strangers.emplace_back(bench.loop);
-    strangers.back().connect({boost::asio::ip::address_v4::loopback(), bench.server->port()});
-    REQUIRE(bench.until([&] { return bench.server->connections() == i + 1; }));
+    strangers.emplace_back(fixture.loop);
+    strangers.back().connect({boost::asio::ip::address_v4::loopback(), fixture.server->port()});
+    REQUIRE(fixture.until([&] { return fixture.server->connections() == i + 1; }));
   }
-  TlsClient person = bench.client();
+  TlsClient person = fixture.client();
   person.say(kGet);
   CHECK(person.hear("/a ").starts_with("HTTP/1.1 200"));
-  CHECK(bench.server->connections() == 2);
+  CHECK(fixture.server->connections() == 2);
 }
 
 TEST_CASE("server: TLS 1.2 is spoken; what is older, or no TLS at all, is not") {
-  ServerBench bench;
-  TlsClient client(bench.loop, bench.server->port(), TLS1_2_VERSION);
+  ServerFixture fixture;
+  TlsClient client(fixture.loop, fixture.server->port(), TLS1_2_VERSION);
   client.say(kGet);
   CHECK(client.hear("/a ").starts_with("HTTP/1.1 200"));
-  TlsClient old(bench.loop, bench.server->port(), TLS1_1_VERSION);
+  TlsClient old(fixture.loop, fixture.server->port(), TLS1_1_VERSION);
   CHECK(old.is_dropped());
-  boost::asio::ip::tcp::socket plain(bench.loop);
-  plain.connect({boost::asio::ip::address_v4::loopback(), bench.server->port()});
+  boost::asio::ip::tcp::socket plain(fixture.loop);
+  plain.connect({boost::asio::ip::address_v4::loopback(), fixture.server->port()});
   plain.send(boost::asio::buffer(kGet));
   plain.non_blocking(true);
   boost::system::error_code problem;
@@ -279,42 +279,42 @@ TEST_CASE("server: TLS 1.2 is spoken; what is older, or no TLS at all, is not") 
     plain.receive(boost::asio::buffer(&byte, 1), 0, problem);
     return problem && problem != boost::asio::error::would_block;
   };
-  CHECK(bench.until(has_ended));
+  CHECK(fixture.until(has_ended));
 }
 
 TEST_CASE("server: when it stops, a request under way is finished and is the last of its connection") {
-  ServerBench bench;
-  TlsClient client = bench.client();
+  ServerFixture fixture;
+  TlsClient client = fixture.client();
   client.say(get("/later"));
-  REQUIRE(bench.until([&] { return bench.handler.kept.size() == 1; }));
-  bench.server->stop();
-  CHECK(bench.server->connections() == 1);
-  bench.handler.kept.at(0)({200, "text/plain", {}, shared_bytes("done")});
+  REQUIRE(fixture.until([&] { return fixture.handler.kept.size() == 1; }));
+  fixture.server->stop();
+  CHECK(fixture.server->connections() == 1);
+  fixture.handler.kept.at(0)({200, "text/plain", {}, shared_bytes("done")});
   const std::string answer = client.hear("never");
   CHECK(answer.find("Connection: close") != std::string::npos);
   CHECK(answer.ends_with("done"));
   client.shut_down();
-  CHECK(bench.until_alone());
+  CHECK(fixture.until_alone());
 }
 
 TEST_CASE("server: given it goes while requests are under way, then their answers are nothing") {
-  ServerBench bench;
-  IdleAndBusy clients(bench);
+  ServerFixture fixture;
+  IdleAndBusy clients(fixture);
   auto& [idle, busy] = clients;
-  bench.server.reset();
-  bench.handler.kept.at(0)({});
+  fixture.server.reset();
+  fixture.handler.kept.at(0)({});
   CHECK(idle.is_dropped());
   CHECK(busy.is_dropped());
 }
 
 TEST_CASE("server: what it cannot open it says, with the cure") {
-  ServerBench bench;
+  ServerFixture fixture;
   HttpServerSettings settings;
-  settings.port = bench.server->port();
-  settings.certificate_file = bench.folder.path + "/keys/gateway.crt";
-  settings.key_file = bench.folder.path + "/keys/gateway.key";
+  settings.port = fixture.server->port();
+  settings.certificate_file = fixture.folder.path + "/keys/gateway.crt";
+  settings.key_file = fixture.folder.path + "/keys/gateway.key";
   const auto refused = [&](const HttpServerSettings& with) {
-    const auto opened = HttpServer::open(bench.loop, with, bench.handler);
+    const auto opened = HttpServer::open(fixture.loop, with, fixture.handler);
     REQUIRE_FALSE(opened);
     CHECK_FALSE(opened.error().hint.empty());
     return opened.error().code;
@@ -334,28 +334,28 @@ TEST_CASE("server: what it cannot open it says, with the cure") {
 }
 
 TEST_CASE("a client that leaves before its answer is noticed by a handler that looks") {
-  ServerBench bench;
-  TlsClient client = bench.client();
+  ServerFixture fixture;
+  TlsClient client = fixture.client();
   client.say(get("/watched"));
-  REQUIRE(bench.until([&] { return bench.handler.kept.size() == 1; }));
-  CHECK(bench.handler.left == 0);
+  REQUIRE(fixture.until([&] { return fixture.handler.kept.size() == 1; }));
+  CHECK(fixture.handler.left == 0);
   client.shut_down();
-  CHECK(bench.until([&] { return bench.handler.left == 1; }));
-  CHECK(bench.until_alone());
-  bench.handler.kept[0]({});  // it is late: nothing happens
-  CHECK(bench.handler.left == 1);
+  CHECK(fixture.until([&] { return fixture.handler.left == 1; }));
+  CHECK(fixture.until_alone());
+  fixture.handler.kept[0]({});  // it is late: nothing happens
+  CHECK(fixture.handler.left == 1);
 }
 
 TEST_CASE("a client that has its answer, or has sent its next request, has not left") {
-  ServerBench bench;
-  TlsClient client = bench.client();
+  ServerFixture fixture;
+  TlsClient client = fixture.client();
   client.say(get("/watched") + get("/next"));
-  REQUIRE(bench.until([&] { return bench.handler.kept.size() == 1; }));
+  REQUIRE(fixture.until([&] { return fixture.handler.kept.size() == 1; }));
   HttpReply answer;
   answer.body = shared_bytes("answered");
-  bench.handler.kept[0](answer);
+  fixture.handler.kept[0](answer);
   CHECK(client.hear("/next ").find("answered") != std::string::npos);
   client.shut_down();
-  CHECK(bench.until_alone());
-  CHECK(bench.handler.left == 0);
+  CHECK(fixture.until_alone());
+  CHECK(fixture.handler.left == 0);
 }

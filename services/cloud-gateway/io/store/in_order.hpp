@@ -1,4 +1,4 @@
-// Steps that may fail, one after the other.
+// Actions that may fail, one after the other.
 #pragma once
 
 #include "common/base/result.hpp"
@@ -6,8 +6,8 @@
 namespace trb::gateway {
 
 /// Calls each step until one fails; the error is that one's.
-template <class... Steps>
-Status in_order(const Steps&... steps) {
+template <class... Actions>
+Status in_order(const Actions&... steps) {
   Status out = Done{};
   static_cast<void>(((out = steps()).ok() && ...));
   return out;

@@ -100,13 +100,13 @@ struct Compact {
   Compact() {
     Baton baton;
     baton.run = kNewRun;
-    asker.known.lookup.find_or_defer(kNewRun, {}, asker.known.from("drone", MessageType::command, baton),
-                                     asker.known.step(asked));
+    requester.known.lookup.find_or_defer(kNewRun, {}, requester.known.from("drone", MessageType::command, baton),
+                                         requester.known.step(asked));
     answer.start.payload = {};
     answer.compact = *compact_start(start);
   }
   Outbox hear(const Definition& body) {
-    return asker.known.send(asker.handler, "drone", body, MessageType::information, 5);
+    return requester.known.send(requester.handler, "drone", body, MessageType::information, 5);
   }
   /// Of the own router, which knows these nodes.
   Outbox tell_routes(const std::vector<std::string>& nodes) {
@@ -114,12 +114,12 @@ struct Compact {
     for (const std::string& node : nodes) {
       Route route;
       route.id = node;
-      route.certificate = asker.known.signers.fleet[node].certificate;
+      route.certificate = requester.known.signers.fleet[node].certificate;
       if (node == renewed) route.certificate.signature.bytes[0] ^= 1;
       table.routes.push_back(route);
     }
     Outbox effects;
-    asker.handler.on_routes(table, asker.known.step(effects));
+    requester.handler.on_routes(table, requester.known.step(effects));
     return effects;
   }
   [[nodiscard]] std::vector<std::string> members() const {
@@ -128,12 +128,12 @@ struct Compact {
     for (const Member& member : read.members) ids.push_back(member.id);
     return ids;
   }
-  [[nodiscard]] bool is_known() const { return asker.known.runs.find(kNewRun) != nullptr; }
+  [[nodiscard]] bool is_known() const { return requester.known.runs.find(kNewRun) != nullptr; }
 
-  Intake asker;
+  Intake requester;
   std::string renewed;  ///< whose certificate is another one yet
   Outbox asked;
-  SignedRecord start = asker.new_start();
+  SignedRecord start = requester.new_start();
   Definition answer{start};
 };
 
@@ -157,12 +157,12 @@ TEST_CASE("who knows the members is answered with a start without their certific
 TEST_CASE("a compact start is opened with the certificates of the own router, which is asked the first time") {
   Compact story;
   CHECK(sent<NeedDefinition>(story.asked).at(0).compact);
-  CHECK(targets<RouteListRequest>(story.hear(story.answer)) == Targets{story.asker.known.self});
+  CHECK(targets<RouteListRequest>(story.hear(story.answer)) == Targets{story.requester.known.self});
   CHECK_FALSE(story.is_known());
   CHECK(story.tell_routes(story.members()).journal.size() == 1);
   REQUIRE(story.is_known());
-  CHECK(story.asker.handed_out.size() == 1);
-  CHECK((story.asker.known.runs.find(kNewRun)->definition().record() == story.start));
+  CHECK(story.requester.handed_out.size() == 1);
+  CHECK((story.requester.known.runs.find(kNewRun)->definition().record() == story.start));
 }
 
 TEST_CASE("later starts are opened at once") {
@@ -185,7 +185,7 @@ TEST_CASE("with a member that its router does not know, or another certificate, 
     story.tell_routes(story.members());
     Definition forged = story.answer;
     forged.start.signature.bytes[5] ^= 1;
-    CHECK(targets<RouteListRequest>(story.hear(forged)) == Targets{story.asker.known.self});
+    CHECK(targets<RouteListRequest>(story.hear(forged)) == Targets{story.requester.known.self});
     asked = sent<NeedDefinition>(story.tell_routes(story.members()));
   }
   REQUIRE(asked.size() == 1);
@@ -193,7 +193,7 @@ TEST_CASE("with a member that its router does not know, or another certificate, 
   CHECK_FALSE(story.is_known());
   story.hear(Definition{story.start});
   CHECK(story.is_known());
-  CHECK(story.asker.handed_out.size() == 1);
+  CHECK(story.requester.handed_out.size() == 1);
 }
 
 TEST_CASE("a compact start that nothing waits for, or that is none, is refused; one that comes again is kept once") {

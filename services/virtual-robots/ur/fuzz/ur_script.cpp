@@ -12,7 +12,7 @@ void carry_out(Program program) {
   Machine machine(std::move(program));
   const World world;
   for (int round = 0; round < 200; ++round) {
-    const auto next = machine.next(world, round / 10);
+    const auto next = machine.next(world, round * 0.1);
     if (!std::holds_alternative<Step>(next)) return;
   }
 }

@@ -16,12 +16,12 @@ constexpr std::string_view kDashboardGreeting = "Connected: Universal Robots Das
 constexpr std::string_view kSoftwareVersion = "5.12.0.0";
 
 /** What the dashboard answers, as the maker's "Dashboard Server e-Series" says it. One for all its clients. */
-class DashboardWords {
+class DashboardAnswers {
  public:
   /** The text of a program in the folder of programs; nothing: no such file. */
   using Programs = std::function<std::optional<std::string>(std::string_view name)>;
 
-  explicit DashboardWords(Programs programs = {}) : programs_(std::move(programs)) {}
+  explicit DashboardAnswers(Programs programs = {}) : programs_(std::move(programs)) {}
 
   /** The answer to one line; applies it to the controller. */
   std::string answer(std::string_view line, Controller& controller, double now);

@@ -13,7 +13,7 @@ namespace trb::drivers {
 
 /// `Words`: what a command of commands.json has become.
 template <class Words>
-class WordsDriver : public Driver {
+class CommandsDriver : public Driver {
  public:
   [[nodiscard]] bool knows(MessageType type, std::string_view subtype) const override {
     if (type == MessageType::command) return commands_.contains(subtype);
@@ -26,7 +26,7 @@ class WordsDriver : public Driver {
  protected:
   using Commands = std::map<std::string, Words, std::less<>>;
 
-  WordsDriver(std::string own_id, const VendorCommands& vendor, Commands commands = {})
+  CommandsDriver(std::string own_id, const VendorCommands& vendor, Commands commands = {})
       : own_id_(std::move(own_id)),
         commands_(std::move(commands)),
         requests_(vendor.requests.begin(), vendor.requests.end()) {}

@@ -1,4 +1,4 @@
-#include "services/virtual-robots/ur/dashboard_words.hpp"
+#include "services/virtual-robots/ur/dashboard_answers.hpp"
 
 #include <utility>
 
@@ -13,13 +13,13 @@ constexpr std::string_view kTooEarly =
     "Cannot unlock protective stop until 5s after occurrence. Always inspect cause of protective stop before unlocking";
 
 std::string mode_name(RobotMode mode) {
-  if (mode == RobotMode::PowerOff) return "POWER_OFF";
-  return mode == RobotMode::Idle ? "IDLE" : "RUNNING";
+  if (mode == RobotMode::power_off) return "POWER_OFF";
+  return mode == RobotMode::idle ? "IDLE" : "RUNNING";
 }
 
 std::string safety_word(SafetyMode mode) {
-  if (mode == SafetyMode::Normal) return "NORMAL";
-  return mode == SafetyMode::ProtectiveStop ? "PROTECTIVE_STOP" : "ROBOT_EMERGENCY_STOP";
+  if (mode == SafetyMode::normal) return "NORMAL";
+  return mode == SafetyMode::protective_stop ? "PROTECTIVE_STOP" : "ROBOT_EMERGENCY_STOP";
 }
 
 /** What is always answered the same. */
@@ -84,7 +84,7 @@ std::optional<std::string> the_program_of(std::string_view text) {
 
 }  // namespace
 
-std::string DashboardWords::answer(std::string_view line, Controller& controller, double now) {
+std::string DashboardAnswers::answer(std::string_view line, Controller& controller, double now) {
   if (auto fixed = fixed_answer(line)) return *fixed;
   const RobotState state = controller.state(now);
   if (line == "running") return state.program_running ? "Program running: true" : "Program running: false";
@@ -99,7 +99,7 @@ std::string DashboardWords::answer(std::string_view line, Controller& controller
   if (line.starts_with("load ")) return load(trim(line.substr(5)));
   if (line == "play") return play(controller, now);
   // Where there is nothing to unlock, nothing is refused.
-  if (line == "unlock protective stop" && state.safety != SafetyMode::ProtectiveStop)
+  if (line == "unlock protective stop" && state.safety != SafetyMode::protective_stop)
     return "Protective stop releasing";
   for (const Order& order : kOrders) {
     if (line != order.line) continue;
@@ -109,14 +109,14 @@ std::string DashboardWords::answer(std::string_view line, Controller& controller
   return "could not understand: '" + escape_line(line) + "'";
 }
 
-std::string DashboardWords::program_state(const RobotState& state, const Controller& controller) const {
+std::string DashboardAnswers::program_state(const RobotState& state, const Controller& controller) const {
   const std::string name = played_ == controller.programs_started() ? loaded_ : controller.program_name();
   if (state.program_running) return "PLAYING " + name;
   if (state.program_paused) return "PAUSED " + name;
   return "STOPPED " + (loaded_.empty() ? "<unnamed>" : loaded_);
 }
 
-std::string DashboardWords::load(std::string_view path) {
+std::string DashboardAnswers::load(std::string_view path) {
   const std::string_view name = path.starts_with(kFolder) ? path.substr(kFolder.size()) : path;
   auto text = is_file_name(name) && programs_ ? programs_(name) : std::nullopt;
   if (!text) return "File not found: " + escape_line(path);
@@ -127,7 +127,7 @@ std::string DashboardWords::load(std::string_view path) {
   return "Loading program: " + escape_line(path);
 }
 
-std::string DashboardWords::play(Controller& controller, double now) {
+std::string DashboardAnswers::play(Controller& controller, double now) {
   constexpr std::string_view kFailed = "Failed to execute: play";
   if (controller.resume(now)) return "Starting program";
   const std::uint64_t before = controller.programs_started();

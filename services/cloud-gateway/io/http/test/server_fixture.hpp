@@ -182,8 +182,8 @@ class TlsClient {
   std::string heard_;
 };
 
-struct ServerBench {
-  explicit ServerBench(HttpServerSettings settings = {}) {
+struct ServerFixture {
+  explicit ServerFixture(HttpServerSettings settings = {}) {
     const auto files = provide_tls_files(folder.path, {"localhost"}, UtcTime{1'800'000'000'000'000'000});
     REQUIRE(files);
     settings.port = 0;
