@@ -121,13 +121,13 @@ std::uint64_t SealBook::next_sequence(LinkId link) const {
 }
 
 bool SealBook::is_overdue(LinkId link) const {
-  const LinkSeals* seals = find(link);
-  return !kUnsealed && seals != nullptr && seals->overdue;
+  const LinkSeals* seals = kUnsealed ? nullptr : find(link);
+  return seals != nullptr && seals->overdue;
 }
 
 bool SealBook::seals_each(LinkId link) const {
-  const LinkSeals* seals = find(link);
-  return !kUnsealed && seals != nullptr && seals->each && !seals->signer.id.empty();
+  const LinkSeals* seals = kUnsealed ? nullptr : find(link);
+  return seals != nullptr && seals->each && !seals->signer.id.empty();
 }
 
 void SealBook::seal_now(LinkId link, Effects& out) const {
@@ -201,8 +201,8 @@ bool SealBook::holds(LinkId link) const {
 }
 
 void SealBook::note_open_end(LinkId link, const std::string& peer, Effects& out) const {
-  const LinkSeals* seals = find(link);
-  if (kUnsealed || seals == nullptr || seals->reader.unsealed() == 0) return;
+  const LinkSeals* seals = kUnsealed ? nullptr : find(link);
+  if (seals == nullptr || seals->reader.unsealed() == 0) return;
   out.count("seals.open_ends");
   out.log(LogLevel::info, "open_end",
           std::to_string(seals->reader.unsealed()) + " messages of " + peer + " from sequence " +

@@ -45,7 +45,8 @@ NodeProfile Crowd::profile(int robot) {
   out.capabilities = {"mobile"};
   out.sensors = {"battery", "position", "said"};
   out.robot = "ONLINE";
-  out.frame = {1, (robot % kRow) * kSpace_m, (robot / kRow) * kSpace_m, 0};
+  const int row = robot / kRow;
+  out.frame = {1, (robot % kRow) * kSpace_m, row * kSpace_m, 0};
   return out;
 }
 
