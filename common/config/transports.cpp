@@ -40,16 +40,16 @@ void Transports::check(const NodeConfig& config, const FileFaults& faults) const
   const Transport* found = find(config.commands.transport);
   if (found == nullptr) return;
   if (found->mode == config.mode) return found->check(config, faults);
-  std::string cure = "use one of " + names_of(config.mode) + ", or correct profile.json";
+  std::string hint = "use one of " + names_of(config.mode) + ", or correct profile.json";
   // So arcos, rapid and c3 were called before: what commands.json translates is direct.
   if (config.mode == Mode::interpreter && found->mode == Mode::direct) {
-    cure = "write \"" + config.framework +
+    hint = "write \"" + config.framework +
            R"(": "direct" in profile.json: the interpreter mode sends fields to a program of yours)";
   }
   faults.add(config.framework + ".transport",
              in_quotes(found->name) + " is of the " + std::string(name_of(found->mode)) +
                  " mode, and profile.json says " + in_quotes(name_of(config.mode)),
-             cure);
+             hint);
 }
 
 void check_words(const VendorCommands& vendor, const std::string& name, const FileFaults& faults) {

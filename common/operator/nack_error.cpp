@@ -4,7 +4,7 @@ namespace trb::op {
 namespace {
 
 /// What to check, as a command of `trb`.
-std::string usual_cure(Errc code) {
+std::string usual_hint(Errc code) {
   switch (code) {
     case Errc::unknown_run:
       return "see trb scenario list";
@@ -25,7 +25,7 @@ std::string usual_cure(Errc code) {
 Error nack_error(const Nack& nack) {
   for (int code = 1; code < 256; ++code) {
     const auto known = static_cast<Errc>(code);
-    if (errc_name(known) == nack.code) return fail(known, nack.what, nack.hint.empty() ? usual_cure(known) : nack.hint);
+    if (errc_name(known) == nack.code) return fail(known, nack.what, nack.hint.empty() ? usual_hint(known) : nack.hint);
   }
   return fail(Errc::bad_value, nack.code + ": " + nack.what, nack.hint);
 }

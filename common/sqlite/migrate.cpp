@@ -13,11 +13,11 @@ Result<std::int64_t> version_of(SqliteFile& file) {
   return version;
 }
 
-Error other_version(const SqliteFile& file, std::int64_t version, std::int64_t newest, std::string_view cure) {
+Error other_version(const SqliteFile& file, std::int64_t version, std::int64_t newest, std::string_view hint) {
   return fail(
       Errc::version_mismatch,
       file.path() + ": schema version " + std::to_string(version) + ", this build knows " + std::to_string(newest),
-      std::string(cure));
+      std::string(hint));
 }
 
 Status run_steps(SqliteFile& file, std::span<const char* const> steps, std::int64_t from) {
@@ -29,12 +29,12 @@ Status run_steps(SqliteFile& file, std::span<const char* const> steps, std::int6
 
 }  // namespace
 
-Status migrate(SqliteFile& file, std::span<const char* const> steps, std::string_view cure) {
+Status migrate(SqliteFile& file, std::span<const char* const> steps, std::string_view hint) {
   const auto newest = static_cast<std::int64_t>(steps.size());
   const auto take = [&]() -> Status {
     const auto version = version_of(file);
     if (!version) return version.error();
-    if (*version < 0 || *version > newest) return other_version(file, *version, newest, cure);
+    if (*version < 0 || *version > newest) return other_version(file, *version, newest, hint);
     return *version == newest ? Status(Done{}) : run_steps(file, steps, *version);
   };
   // A file that is up to date is only read: it opens on a full disk too.

@@ -7,7 +7,7 @@ namespace {
 
 constexpr int kBusyMs = 1000;
 
-std::string cure_of(int code) {
+std::string hint_for(int code) {
   if (code == SQLITE_CONSTRAINT) return "read what is there, and decide anew";
   if (code == SQLITE_BUSY || code == SQLITE_LOCKED) return "another process writes to it: end that one, or try again";
   return "check the disk's space and the file's rights";
@@ -113,11 +113,11 @@ Error SqliteFile::problem(const std::string& what) const {
   const int code = sqlite3_errcode(db_);
   if (code == SQLITE_NOTADB || code == SQLITE_CORRUPT) return damaged(sqlite3_errmsg(db_));
   const Errc kind = code == SQLITE_CONSTRAINT ? Errc::conflict : Errc::io_error;
-  return fail(kind, path_ + ": " + what + ": " + sqlite3_errmsg(db_), cure_of(code));
+  return fail(kind, path_ + ": " + what + ": " + sqlite3_errmsg(db_), hint_for(code));
 }
 
 Error SqliteFile::damaged(const std::string& what) const {
-  return fail(Errc::malformed, path_ + ": damaged: " + what, cure_);
+  return fail(Errc::malformed, path_ + ": damaged: " + what, hint_);
 }
 
 }  // namespace trb

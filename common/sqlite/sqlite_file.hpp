@@ -92,7 +92,7 @@ class SqliteFile {
   using Statement = std::unique_ptr<sqlite3_stmt, int (*)(sqlite3_stmt*)>;
 
   SqliteFile(std::string path, std::string hint, sqlite3* db)
-      : path_(std::move(path)), cure_(std::move(hint)), db_(db) {}
+      : path_(std::move(path)), hint_(std::move(hint)), db_(db) {}
   Result<sqlite3_stmt*> prepared(const char* sql);
   Status step(sqlite3_stmt* statement, const EachRow& each);
   static void bind(sqlite3_stmt* statement, int place, std::string_view text);
@@ -118,7 +118,7 @@ class SqliteFile {
   [[nodiscard]] Error problem(const std::string& what) const;
 
   std::string path_;
-  std::string cure_;
+  std::string hint_;
   sqlite3* db_ = nullptr;
   std::map<std::string, Statement, std::less<>> statements_;
   bool in_transaction_ = false;

@@ -8,7 +8,7 @@ using namespace trb::drivers;
 
 namespace {
 
-struct FaultsFixture : C3Fixture {
+struct FaultsFixture : PartsFixture {
   C3Faults faults{{"grab"}};
 
   void later(Duration time) { now.mono = now.mono + time; }

@@ -9,7 +9,7 @@ using namespace trb::drivers;
 namespace {
 
 /// A program without fields: one word, a done flag, a result.
-struct JobsFixture : C3Fixture {
+struct JobsFixture : PartsFixture {
   C3Names names = *read_c3_names({{"trb_done", "READY"}, {"trb_result", "RESULT"}}, false);
   C3Turns turns{link, polls, {{{"HALT", "TRUE"}}, {}, false}};
   C3Jobs jobs{{names, link, polls, turns},
@@ -30,7 +30,7 @@ struct JobsFixture : C3Fixture {
 };
 
 /// One that takes messages field by field.
-struct FieldFixture : C3Fixture {
+struct FieldFixture : PartsFixture {
   C3Names names = *read_c3_names({}, true);
   C3Turns turns{link, polls, {}};
   C3Jobs jobs{{names, link, polls, turns}, {true, 80, std::chrono::seconds(2), 0}, {}};

@@ -8,7 +8,7 @@ using namespace trb::drivers;
 
 namespace {
 
-struct MessagesFixture : C3Fixture {
+struct MessagesFixture : PartsFixture {
   C3Messages messages{*read_c3_names({}, true), "kuka"};
 
   void chunk(const std::string& subtype, const std::string& target, int size, const std::string& data) {

@@ -10,7 +10,7 @@
 
 namespace trb::drivers {
 
-struct C3Fixture {
+struct PartsFixture {
   Now now;
   Outbox outbox;
   RobotOutbox robot;

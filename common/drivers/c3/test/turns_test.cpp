@@ -8,7 +8,7 @@ using namespace trb::drivers;
 
 namespace {
 
-struct TurnsFixture : C3Fixture {
+struct TurnsFixture : PartsFixture {
   C3Turns turns{link, polls, {{{"TRB_STOP", "TRUE"}}, {{"TRB_STOP", "FALSE"}}, true}};
 };
 
@@ -66,7 +66,7 @@ TEST_CASE("a write that the robot refuses confirms nothing") {
 }
 
 TEST_CASE("without a stopped variable the answers count, without words nothing is awaited: the robot was merely told") {
-  C3Fixture fixture;
+  PartsFixture fixture;
   C3Turns turns(fixture.link, fixture.polls, {{{"HALT", "TRUE"}, {"GO", "FALSE"}}, {}, false});
   turns.stop(fixture.now, fixture.out);
   CHECK_FALSE(turns.on_written(fixture.answer(""), fixture.now, fixture.out));

@@ -8,7 +8,7 @@ using namespace trb::drivers;
 
 namespace {
 
-struct ValuesFixture : C3Fixture {
+struct ValuesFixture : PartsFixture {
   C3Values values{link, {{"position", {"$POS_ACT", {"X", "Y"}}}}, {{"where", "position"}, {"lost", "nothing"}}};
 
   Status ask(Token token, const char* subtype) {

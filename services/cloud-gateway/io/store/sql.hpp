@@ -89,11 +89,11 @@ class Sql {
 
 /// A SQLite file by this interface; `steps`: see migrate(). `damaged`, `newer`: what to do about such a file. The file
 /// has the mode 0600 from the beginning. Error besides: version_mismatch (a newer build wrote it).
-struct SqliteCures {
+struct SqliteHints {
   std::string damaged;
   std::string newer;
 };
 Result<std::unique_ptr<Sql>> open_sqlite(const std::string& path, std::span<const char* const> steps,
-                                         const SqliteCures& cures);
+                                         const SqliteHints& hints);
 
 }  // namespace trb::gateway

@@ -40,11 +40,11 @@ class SqliteSql final : public Sql {
 }  // namespace
 
 Result<std::unique_ptr<Sql>> open_sqlite(const std::string& path, std::span<const char* const> steps,
-                                         const SqliteCures& cures) {
+                                         const SqliteHints& hints) {
   if (Status made = make_private(path); !made) return made.error();
-  auto file = SqliteFile::open(path, cures.damaged);
+  auto file = SqliteFile::open(path, hints.damaged);
   if (!file) return file.error();
-  if (Status current = migrate(**file, steps, cures.newer); !current) return current.error();
+  if (Status current = migrate(**file, steps, hints.newer); !current) return current.error();
   return std::unique_ptr<Sql>(std::make_unique<SqliteSql>(std::move(*file)));
 }
 
