@@ -5,6 +5,7 @@ Addresses 127.0.252.x in place of the handbook's 127.0.42.x.
 """
 import os
 import re
+import shutil
 import subprocess
 import time
 import unittest
@@ -27,6 +28,10 @@ def pages():
     missing = set(BOOK.rglob("*.md")) - set(order)
     assert not missing, f"not in the contents of {first}: {sorted(map(str, missing))}"
     return order
+
+
+def has_ros():
+    return (support.PROGRAMS / "trb-virtual-ros-robot").exists() and shutil.which("rosmaster") is not None
 
 
 def without_code(text):
@@ -60,6 +65,9 @@ class Commands(unittest.TestCase):
 
     def test_every_command_does_what_the_handbook_says(self):
         blocks = [block for page in pages() for block in shell_blocks.blocks_of(page, self.here(page.read_text()))]
+        if not has_ros():
+            for block in blocks:
+                block.not_run = block.not_run or ("there is no ROS here" if block.page == "ros.md" else "")
         left_out = [block for block in blocks if block.not_run]
         for block in left_out:
             print(f"not run: {block.place()}: {block.not_run}")
