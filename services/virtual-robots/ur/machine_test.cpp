@@ -126,7 +126,7 @@ TEST_CASE("script: a loop of speeds runs round by round, and a program stops its
       "    sync()\n  end\n  stopj(5)\n  write_output_integer_register(1, 42)\n  protective_stop()\n"
       "  textmsg(\"never\")\nend",
       0);
-  for (double now = 0; now < 3; now += 0.01) controller.advance(now);
+  for (int step = 0; step < 300; ++step) controller.advance(step * 0.01);
   const RobotState state = controller.state(3);
   CHECK(state.joints.position[0] == doctest::Approx(0.5).epsilon(0.1));
   CHECK(state.safety == SafetyMode::protective_stop);
