@@ -25,6 +25,7 @@ LAYERS = {
     "common/ranking": ["proto"],
     "common/consensus": ["proto", "common/security"],
     "common/scenario": ["common/fleet", "common/security"],
+    "common/simulation": ["common/scenario"],
     "common/model": ["common/scenario"],
     "common/config": ["common/fleet", "common/ranking", "common/security"],
     "common/drivers": ["common/actor", "common/config"],
@@ -32,7 +33,7 @@ LAYERS = {
     "common/service": ["common/actor", "common/config", "common/log", "common/security", "common/transport"],
     "common/operator": ["common/ranking", "common/scenario", "common/service"],
     "common/supervisor": ["common/transport"],
-    "services": ["common/service", "common/operator", "common/supervisor", "common/drivers", "common/scenario",
+    "services": ["common/service", "common/operator", "common/supervisor", "common/drivers", "common/scenario", "common/simulation",
                  "common/model", "common/ranking", "common/consensus", "common/metrics", "common/sqlite", "common/audit"],
 }
 CORE_FORBIDDEN = [

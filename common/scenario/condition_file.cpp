@@ -1,20 +1,11 @@
 #include "common/scenario/condition_file.hpp"
 
-#include <algorithm>
-#include <cctype>
-
-#include "common/base/ids.hpp"
+#include "common/base/sensor_name.hpp"
 #include "common/fleet/did_you_mean.hpp"
 #include "common/scenario/condition.hpp"
 
 namespace trb {
 namespace {
-
-bool is_sensor_name(const std::string& name) {
-  const auto fits = [](unsigned char c) { return c < 128 && (std::isalnum(c) != 0 || c == '_'); };
-  const bool digit = !name.empty() && std::isdigit(static_cast<unsigned char>(name.front())) != 0;
-  return !name.empty() && !digit && std::all_of(name.begin(), name.end(), fits);
-}
 
 void read_value(ObjectReader& reader, Condition& out) {
   const Value* value = reader.value("value", Need::required);

@@ -11,6 +11,7 @@
 #include "services/simulator/job/answer.hpp"
 #include "services/simulator/job/job.hpp"
 #include "services/simulator/job/model_answer.hpp"
+#include "services/simulator/job/seen.hpp"
 #include "services/simulator/job/task_times.hpp"
 #include "services/simulator/job/trace.hpp"
 #include "services/simulator/job/world_job.hpp"
@@ -62,11 +63,12 @@ class ProgressLines {
   std::chrono::steady_clock::time_point told_;
 };
 
-void add_to(Value& answer, const Job& job, const TaskTimes& times) {
+void add_to(Value& answer, const Job& job, const TaskTimes& times, const Seen& seen) {
   auto& members = std::get<Value::Object>(answer.is);
   members.emplace_back("model", model_value(parameters_of(job)));
   members.emplace_back("tasks", times.listed());
   members.emplace_back("tasks_not_listed", Value{static_cast<std::int64_t>(times.not_listed())});
+  seen.add_to(members);
 }
 
 int simulate_world(const Job& job, const std::string& text, bool for_program) {
@@ -85,6 +87,8 @@ int simulate_world(const Job& job, const std::string& text, bool for_program) {
   if (!job.trace.empty()) {
     world.meter().trace = [&](const world::Sending& sending, CostPhase phase) { trace.on(world, sending, phase); };
   }
+  Seen seen;
+  seen.watch(world);
   const world::Played played = world.play();
   if (is_watched) std::fputs("\r\x1b[K", stderr);
   if (!job.trace.empty()) {
@@ -93,7 +97,7 @@ int simulate_world(const Job& job, const std::string& text, bool for_program) {
   Value out = answer_value(world.meter().tally(), played.seconds);
   std::get<Value::Object>(out.is).emplace_back("world", world_value(played));
   if (played.cut_short) std::get<Value::Object>(out.is).emplace_back("state", state_value(world));
-  add_to(out, job, times);
+  add_to(out, job, times, seen);
   return answer(out);
 }
 
@@ -102,11 +106,13 @@ int simulate_counting(const Job& job, bool for_program) {
   const double most_s = std::max(job.plan.seconds, job.plan.task_s * static_cast<double>(job.plan.tasks.size()));
   counting::Tally tally(most_s);
   TaskTimes times;
+  Seen seen;
   ProgressLines lines;
   std::uint64_t count = 0;
   const double seconds = counting::play(job.plan, [&](const counting::CountedMessage& message) {
     tally(message);
     times.on_message(message);
+    seen.on_message(message);
     if (for_program && ++count % kTellAt == 0) lines.tell(message.at_s, times.done(), job.plan.tasks.size());
   });
   if (!job.trace.empty()) {
@@ -114,7 +120,7 @@ int simulate_counting(const Job& job, bool for_program) {
     if (!written) return refuse(written.error());
   }
   Value out = answer_value(tally, seconds);
-  add_to(out, job, times);
+  add_to(out, job, times, seen);
   return answer(out);
 }
 

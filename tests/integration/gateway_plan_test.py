@@ -88,7 +88,7 @@ class Simulations(GatewayCase):
         self.assertEqual((answer["world"]["state"], answer["world"]["broken"]), ("FINISHED", []))
         self.assertEqual({task["robot"] for task in answer["tasks"]}, {ROBOT})
         listed = self.viewer.ask("GET", SIMULATIONS).json["items"][0]
-        self.assertEqual(listed["job"], {key: value for key, value in TRIED.items() if key != "scenario"})
+        self.assertEqual(listed["job"], {key: value for key, value in TRIED.items() if key not in ("scenario", "times")})
         self.assertEqual(listed["scenario"], "there and back")
 
     def test_what_its_tasks_waited_for_is_what_trb_says(self):
@@ -173,18 +173,42 @@ class Simulations(GatewayCase):
         self.assertEqual(self.wait_until(second, "its end", lambda one: one["state"] in OVER)["state"], "done")
 
     def test_what_only_the_simulator_can_refuse_has_failed_with_its_words(self):
-        failed = self.result({**SMALL, "faults": [{"at": 1, "kind": "kill", "node": "nobody"}]})
+        failed = self.result({"robots": 5, "tasks": 9, "local_requests": 1})
         self.assertEqual((failed["state"], failed["failure"]["code"]), ("failed", "bad_value"))
-        self.assertIn("'nobody' is no node", failed["failure"]["detail"])
-        self.assertIn("r0 to r4", failed["failure"]["hint"])
+        self.assertIn("sensors", failed["failure"]["detail"])
+        self.assertTrue(failed["failure"]["hint"])
 
-    def test_a_condition_on_a_sensor_has_failed_with_the_simulator_s_words(self):
+    def test_a_condition_on_a_sensor_is_decided_by_the_job_s_values(self):
         when = {"sensor": "thermometer", "of": ROBOT, "op": ">", "value": 20, "unit": "degC"}
         tasks = [THERE, {**THERE, "id": "back", "after": ["there"], "when": when}]
-        failed = self.result({**TRIED, "scenario": {"name": "warm", "tasks": tasks}})
-        self.assertEqual((failed["state"], failed["failure"]["code"]), ("failed", "bad_value"))
-        self.assertIn("task 'back' waits for thermometer", failed["failure"]["detail"])
-        self.assertTrue(failed["failure"]["hint"])
+        told = {"node": ROBOT, "name": "thermometer", "unit": "degC"}
+        for course, done in (({"value": 25}, ["there", "back"]), ({"value": 5}, ["there"]),
+                             ({"steps": [{"at": 0, "value": None}, {"at": 9, "value": 25}]}, ["there", "back"])):
+            one = self.result({**TRIED, "scenario": {"name": "warm", "tasks": tasks}, "sensor_values": [{**told, **course}]})
+            self.assertEqual(one["state"], "done", one.get("failure"))
+            self.assertEqual([task["id"] for task in one["answer"]["tasks"]], done, course)
+        refused = self.start({**TRIED, "scenario": {"name": "warm", "tasks": tasks}})
+        self.assert_problem(refused, 422)
+        self.assertEqual([one["pointer"] for one in refused.json["errors"]], ["/scenario"])
+        self.assertIn("task 'back' waits for thermometer", refused.json["errors"][0]["detail"])
+
+    def test_every_kind_of_fault_and_a_described_link_are_played_as_trb_plays_their_files(self):
+        faults = [{"kind": "clock", "node": "r0", "ahead_s": -30, "drift_ppm": 200}, {"kind": "clock", "node": "r2", "is_1970": True},
+                  {"kind": "disk", "node": "cloud", "commit_s": 0.05}, {"kind": "battery", "node": "r1", "percent": 90, "per_second": 1},
+                  {"at": 1, "kind": "cut", "node": "r0", "other": "r1", "way": "there"}, {"at": 2, "kind": "heal", "node": "r0", "other": "r1"},
+                  {"at": 4, "kind": "partition", "nodes": ["r0", "cloud"]}, {"at": 6, "kind": "heal", "nodes": ["r0", "cloud"]},
+                  {"at": 7, "kind": "fail", "node": "r2"}, {"at": 9, "kind": "repair", "node": "r2"},
+                  {"at": 10, "kind": "kill", "node": "r1"}, {"at": 12, "kind": "start", "node": "r1"},
+                  {"kind": "rate", "node": "r0", "between_s": 1000, "repair_s": 5}]
+        link = {"delays_s": [0.01, 0.02, 0.2], "loss": 0.001, "bytes_a_second": 500000}
+        one = self.result({"protocol": "talkrobots", "robots": 3, "tasks": 6, "seed": 5, "link": link, "faults": faults, "relays": ["cloud"]})
+        self.assertEqual(one["state"], "done", one.get("failure"))
+        self.assertEqual(one["answer"]["world"]["broken"], [])
+        files = {name: self.fleet.root / f"{name}.json" for name in ("faults", "link")}
+        files["faults"].write_text(json.dumps(faults))
+        files["link"].write_text(json.dumps(link))
+        self.assertEqual(one["answer"], self.fleet.json("simulate", "--protocol", "talkrobots", "--robots", 3, "--tasks", 6, "--seed", 5,
+                                                        "--link", files["link"], "--faults", files["faults"], "--relays", "cloud"))
 
     def test_a_gateway_that_is_killed_leaves_no_child(self):
         self.started(LARGE)
@@ -222,6 +246,10 @@ class Simulations(GatewayCase):
         self.assertEqual(pointers({}), {"/robots", "/tasks"})
         self.assertEqual(pointers({**SMALL, "robots": 101, "seed": -1}), {"/robots", "/seed"})
         self.assertEqual(pointers({**SMALL, "faults": [{"at": 1, "kind": "burn", "node": "r0"}]}), {"/faults/0/kind"})
+        self.assertEqual(pointers({**SMALL, "faults": [{"at": 1, "kind": "kill", "node": "r5"}]}), {"/faults/0/node"})
+        self.assertEqual(pointers({**SMALL, "link": {"delay_s": 20}}), {"/link/delay_s"})
+        self.assertEqual(pointers({**SMALL, "link": "/etc/passwd"}), {"/link"})
+        self.assertEqual(pointers({**SMALL, "sensor_values": [{"node": "r0", "name": "t"}]}), {"/sensor_values/0/value"})
         self.assertEqual(pointers({**COUNTED, "trace": "/tmp/written-by-nobody"}), {"/trace"})
         self.assertFalse(pathlib.Path("/tmp/written-by-nobody").exists())
         self.assertEqual(self.viewer.ask("GET", SIMULATIONS).json["items"], [])
@@ -246,7 +274,7 @@ class Simulations(GatewayCase):
 
     def test_what_is_no_job_is_refused(self):
         for wrong, status in ((b"", 400), (b"{", 400), (b"[]", 422), (b'{"robots": 1, "robots": 2}', 409), (b'{"robots": "\xff"}', 400),
-                              (b'{"robots": 1, "tasks": 1, "x": "' + b"x" * 40_000 + b'"}', 413),
+                              (b'{"robots": 1, "tasks": 1, "x": "' + b"x" * 300_000 + b'"}', 413),
                               (b'{"protocol": "talkrobots", "scenario": 7}', 422), (b'{"protocol": "talkrobots", "scenario": {}}', 422),
                               (b'{"scenario": {"name": "' + b"x" * 300_000 + b'"}}', 413)):
             with self.subTest(wrong[:40]):

@@ -88,11 +88,6 @@ Result<BusValue> read_bus_value(const std::vector<BusArgument>& arguments) {
   return value;
 }
 
-bool is_sensor_name(std::string_view name) {
-  return !name.empty() && name.size() <= kMaxName && is_letter(name.front()) &&
-         std::ranges::all_of(name, [](char c) { return is_letter(c) || is_digit(c); });
-}
-
 std::optional<std::string> sensor_of(std::string_view path, std::string_view interface) {
   if (!path.starts_with(kPath) || !interface.starts_with(kInterface)) return std::nullopt;
   const std::string_view name = path.substr(kPath.size());

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/base/result.hpp"
+#include "common/base/sensor_name.hpp"
 
 namespace trb::sensor {
 
@@ -30,9 +31,6 @@ constexpr std::size_t kMaxValueText = 1024;
 
 /// (value, unit: s, time: x UTC ns, quality: s); what follows is ignored. Errors: missing, bad_value, too_large.
 Result<BusValue> read_bus_value(const std::vector<BusArgument>& arguments);
-
-/// [A-Za-z_][A-Za-z0-9_]*, 64 at most: what may stand in a D-Bus interface and path, and in SensorInfo::name.
-bool is_sensor_name(std::string_view name);
 
 /// The NAME of path /trbots/NAME and interface trbots.NAME; none if they are not of one sensor.
 std::optional<std::string> sensor_of(std::string_view path, std::string_view interface);

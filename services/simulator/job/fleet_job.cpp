@@ -5,17 +5,18 @@
 #include "common/base/ids.hpp"
 #include "common/scenario/candidate_index.hpp"
 #include "common/scenario/definition.hpp"
+#include "common/simulation/job_sensors.hpp"
+#include "common/simulation/job_times.hpp"
 #include "proto/body.hpp"
-#include "services/simulator/job/plan_nodes.hpp"
-#include "services/simulator/job/sensor_job.hpp"
 
 namespace trb::simulator {
 namespace {
 
+using simulation::kCloud;
+using simulation::kMaxId;
 using world::PlannedRobot;
 using world::WorldPlan;
 
-constexpr std::size_t kMaxTimes = 1000;
 constexpr const char* kFile = "scenario";
 
 void read_robot(ObjectReader& reader, WorldPlan& plan) {
@@ -38,27 +39,26 @@ void read_robot(ObjectReader& reader, WorldPlan& plan) {
   plan.fleet.push_back(std::move(robot));
 }
 
-void read_time(const std::string& skill, const Value& json, WorldPlan& plan, const FileFaults& faults) {
-  world::SkillTime time;
-  const std::string path = "times." + skill;
-  if (json.is_object()) {
-    ObjectReader reader(json, path, faults);
-    time.mean_s = reader.number("mean", Need::required, kSeconds).value_or(time.mean_s);
-    time.deviation_s = reader.number("deviation", Need::optional, {0, time.mean_s}).value_or(0);
-    reader.refuse_unknown_keys();
-  } else if (json.is_number() && kSeconds.holds(json.number())) {
-    time.mean_s = json.number();
-  } else {
-    return faults.add(path, "no time", R"(write seconds, or {"mean": 3, "deviation": 0.5})");
-  }
-  plan.times[skill] = time;
+using Profiles = std::map<std::string, NodeProfile>;
+
+Profiles profiles_of(const WorldPlan& plan) {
+  Profiles out;
+  for (const PlannedRobot& robot : plan.fleet) out.emplace(robot.id, robot.profile);
+  return out;
+}
+
+/// The profiles of the fleet get the sensors.
+void read_sensors(ObjectReader& reader, WorldPlan& plan) {
+  Profiles profiles = profiles_of(plan);
+  plan.sensors = simulation::read_sensor_values(reader, simulation::JobNodes(profiles));
+  simulation::plug_in(plan.sensors, profiles);
+  for (PlannedRobot& robot : plan.fleet) robot.profile = profiles.at(robot.id);
 }
 
 void bind(WorldPlan& plan, const FileFaults& faults, ConfigFaults& found) {
-  std::map<std::string, NodeProfile> profiles;
-  for (const PlannedRobot& robot : plan.fleet) profiles[robot.id] = robot.profile;
+  const Profiles profiles = profiles_of(plan);
   check_scenario(plan.scenario, profiles, kFile, found);
-  check_conditions(plan, faults);
+  simulation::check_conditions(plan.sensors, plan.scenario, faults);
   if (!faults_that_stop(found).empty()) return;
   CandidateIndex candidates(profiles);
   plan.assigned = bind_tasks(plan.scenario, candidates, kCloud, kFile, found);
@@ -72,13 +72,11 @@ void read_fleet(ObjectReader& reader, WorldPlan& plan) {
     ObjectReader one((*robots)[i], "fleet[" + std::to_string(i) + "]", reader.faults());
     read_robot(one, plan);
   }
-  read_sensor_values(reader, plan);
+  read_sensors(reader, plan);
   const Value* scenario = reader.value("scenario", Need::required);
   ConfigFaults found;
   if (scenario != nullptr) plan.scenario = read_scenario(*scenario, kFile, found);
-  if (const Value::Object* times = reader.object("times", Need::optional, kMaxTimes)) {
-    for (const auto& [skill, time] : *times) read_time(skill, time, plan, reader.faults());
-  }
+  plan.times = simulation::read_times(reader);
   if (plan.fleet.empty() && robots != nullptr) reader.faults().add("fleet", "no robot", "add one");
   if (scenario != nullptr && faults_that_stop(found).empty() && !plan.fleet.empty()) bind(plan, reader.faults(), found);
   plan.robots = static_cast<std::uint32_t>(plan.fleet.size());

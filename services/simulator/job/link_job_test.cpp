@@ -1,12 +1,9 @@
-#include "services/simulator/job/link_job.hpp"
-
 #include <doctest/doctest.h>
 
-#include "services/simulator/job/test/refused_job.hpp"
+#include "services/simulator/job/job.hpp"
 
 using namespace trb;
 using namespace trb::simulator;
-using namespace trb::simulator::test;
 
 namespace {
 
@@ -44,17 +41,4 @@ TEST_CASE("a narrow link takes the time that the bytes need, and a lossy one sen
   const double wide = makespan_by(R"({"delay_s": 0.001})");
   CHECK(makespan_by(R"({"delay_s": 0.001, "bytes_a_second": 20000})") > wide + 0.05);
   CHECK(makespan_by(R"({"delay_s": 0.001, "loss": 0.3})") > wide + 0.1);
-}
-
-TEST_CASE("what is wrong with a link is named") {
-  for (const Wrong& one :
-       {Wrong{R"("string")", "link"}, Wrong{"3", "link"}, Wrong{"{}", "link.delay_s"},
-        Wrong{R"({"delay_s": 11})", "link.delay_s"},
-        Wrong{R"({"delay_s": 0.1, "deviation_s": 0.2})", "link.deviation_s"},
-        Wrong{R"({"delays_s": []})", "link.delays_s"}, Wrong{R"({"delays_s": [0.1, -1]})", "link.delays_s[1]"},
-        Wrong{R"({"delays_s": [0.1], "delay_s": 0.1})", "link.delay_s"},
-        Wrong{R"({"delay_s": 0.1, "loss": 0.6})", "link.loss"},
-        Wrong{R"({"delay_s": 0.1, "bytes_a_second": 1})", "link.bytes_a_second"}}) {
-    check_refused(linked_job(one.text), one.key);
-  }
 }

@@ -1,5 +1,3 @@
-#include "services/simulator/job/sensor_job.hpp"
-
 #include <doctest/doctest.h>
 
 #include <algorithm>

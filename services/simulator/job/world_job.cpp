@@ -2,10 +2,11 @@
 
 #include <cstdio>
 
-#include "services/simulator/job/fault_job.hpp"
+#include "common/simulation/job_faults.hpp"
+#include "common/simulation/job_link.hpp"
+#include "common/simulation/job_sensors.hpp"
+#include "common/simulation/job_times.hpp"
 #include "services/simulator/job/fleet_job.hpp"
-#include "services/simulator/job/link_job.hpp"
-#include "services/simulator/job/sensor_job.hpp"
 
 namespace trb::simulator {
 namespace {
@@ -14,6 +15,12 @@ std::string hex_of(std::uint64_t number) {
   char out[17];
   std::snprintf(out, sizeof out, "%016llx", static_cast<unsigned long long>(number));
   return out;
+}
+
+simulation::JobNodes nodes_of(const world::WorldPlan& plan) {
+  std::map<std::string, NodeProfile> fleet;
+  for (const world::PlannedRobot& robot : plan.fleet) fleet.emplace(robot.id, robot.profile);
+  return fleet.empty() ? simulation::JobNodes(plan.robots) : simulation::JobNodes(std::move(fleet));
 }
 
 }  // namespace
@@ -26,16 +33,17 @@ world::WorldPlan read_world(ObjectReader& reader) {
     plan.robots =
         static_cast<std::uint32_t>(reader.integer("robots", Need::required, 1, world::kMaxRobots).value_or(1));
     plan.tasks = static_cast<std::uint32_t>(reader.integer("tasks", Need::required, 1, kMaxTasks).value_or(1));
-    read_sensor_values(reader, plan);
+    plan.sensors = simulation::read_sensor_values(reader, nodes_of(plan));
   }
-  plan.task.mean_s = reader.number("task_seconds", Need::optional, kSeconds).value_or(plan.task.mean_s);
-  plan.task.deviation_s = reader.number("deviation", Need::optional, {0, plan.task.mean_s}).value_or(0);
+  plan.task = simulation::read_usual_time(reader);
   plan.until_s = reader.number("seconds", Need::optional, {0, world::kMaxUntil}).value_or(0);
   plan.seed = static_cast<std::uint64_t>(reader.integer("seed", Need::optional, 0, INT64_MAX).value_or(1));
-  plan.link = read_link(reader);
+  plan.link = simulation::read_link(reader);
   plan.until_event =
       static_cast<std::uint64_t>(reader.integer("until_event", Need::optional, 1, INT64_MAX).value_or(0));
-  read_faults(reader, plan);
+  const simulation::JobNodes nodes = nodes_of(plan);
+  plan.faults = simulation::read_faults(reader, nodes);
+  plan.relays = simulation::read_relays(reader, nodes);
   return plan;
 }
 

@@ -1,16 +1,12 @@
 // A computer's clocks: the world's time, and a UTC that may be wrong.
 #pragma once
 
+#include "common/simulation/fault.hpp"
 #include "services/simulator/world/events.hpp"
 
 namespace trb::world {
 
-/// How a computer's UTC goes from now on.
-struct ClockFault {
-  double ahead_s = 0;          ///< of the true time; below 0: behind
-  std::int64_t drift_ppm = 0;  ///< so many millionths too fast; below 0: too slow
-  bool is_1970 = false;        ///< it counts from 1970, as without a battery; `ahead_s` has no part then
-};
+using simulation::ClockFault;
 
 class Clock {
  public:

@@ -6,16 +6,13 @@
 #include <vector>
 
 #include "common/fleet/description.hpp"
+#include "common/simulation/skill_time.hpp"
 #include "proto/bodies/link.hpp"
 #include "proto/bodies/run.hpp"
 
 namespace trb::world {
 
-/// What a skill takes, in seconds. A deviation of 0: each time as long.
-struct SkillTime {
-  double mean_s = 3;
-  double deviation_s = 0;
-};
+using simulation::SkillTime;
 
 struct PlannedRobot {
   std::string id;

@@ -70,6 +70,7 @@ void Robot::end(bool well) {
 
 void Robot::fail() {
   broken_ = true;
+  if (on_fail) on_fail();
   inform_of_fault();
   if (work_) end(false);
 }
@@ -77,6 +78,7 @@ void Robot::fail() {
 void Robot::repair() {
   if (!broken_) return;
   broken_ = false;
+  if (on_repair) on_repair();
   for (const std::string& one : plan_.capabilities) inform("fault", one + " OVER");
 }
 

@@ -46,9 +46,10 @@ class Robot {
   [[nodiscard]] bool is_broken() const { return broken_; }
   [[nodiscard]] const std::optional<Battery>& battery() const { return battery_; }
 
-  std::function<void()> on_begin, on_end;  ///< for whoever watches
-  std::function<std::string()> task;       ///< the one that it is told now
-  std::uint64_t overlaps = 0;              ///< commands that came while it was working
+  std::function<void()> on_begin, on_end;    ///< for whoever watches
+  std::function<void()> on_fail, on_repair;  ///< the same: it breaks, it can do all again
+  std::function<std::string()> task;         ///< the one that it is told now
+  std::uint64_t overlaps = 0;                ///< commands that came while it was working
 
  private:
   void take_field(const std::string& field);

@@ -1,51 +1,12 @@
 // A sensor of the world: what its node tells of it, and its value over time.
 #pragma once
 
-#include <string>
-#include <string_view>
-#include <variant>
-#include <vector>
-
-#include "proto/bodies/sensor.hpp"
+#include "common/simulation/planned_sensor.hpp"
 
 namespace trb::world {
 
-/// A number or a text; `std::monostate`: it cannot be read.
-using Measured = std::variant<std::monostate, double, std::string>;
-
-/// A value over time, in seconds from the run's submission; before that it is as at 0.
-class Course {
- public:
-  struct Step {
-    double at_s = 0;
-    Measured value;
-  };
-
-  Course() = default;
-  /// From each step's time on its value; before the first one the first one's.
-  explicit Course(std::vector<Step> steps) : steps_(std::move(steps)) {}
-  /// From `begin_s` to `end_s` evenly from one number to the other; before and after it stays.
-  static Course ramp(double from, double to, double begin_s, double end_s) {
-    Course out({{begin_s, from}, {end_s, to}});
-    out.is_ramp_ = true;
-    return out;
-  }
-
-  [[nodiscard]] Measured at(double seconds) const;
-
- private:
-  std::vector<Step> steps_;  ///< in order of time
-  bool is_ramp_ = false;
-};
-
-/// A sensor-bus takes it as a sensor's name.
-bool may_be_sensor(std::string_view name);
-
-struct PlannedSensor {
-  std::string node;
-  SensorInfo info;
-  double every_s = 1;  ///< how often it is read
-  Course course;
-};
+using simulation::Course;
+using simulation::Measured;
+using simulation::PlannedSensor;
 
 }  // namespace trb::world

@@ -1,10 +1,13 @@
 // A world's signatures. Ed25519 would take half of a large fleet's time and prove nothing here, where all keys are of
 // one process: a keyed BLAKE2b of the same size stands in its place. As with the real one, only who has the secret key
-// can sign, and a signature fits one key and one text. The linker puts these functions before libsodium's own (--wrap).
+// can sign, and a signature fits one key and one text. Random bytes are a world's own, too. The linker puts these
+// functions before libsodium's own (--wrap).
 #include <sodium.h>
 
 #include <array>
 #include <cstring>
+
+#include "services/simulator/world/nonces.hpp"
 
 namespace {
 
@@ -25,7 +28,18 @@ Signature sign(const unsigned char* public_key, const unsigned char* text, unsig
   return out;
 }
 
+/// Of the world that is played: its seed, and how many draws there were.
+struct Nonces {
+  bool are_drawn = false;
+  std::array<std::uint64_t, 4> state{};
+};
+Nonces nonces;
+
 }  // namespace
+
+void trb::world::draw_nonces_from(std::uint64_t seed) {
+  nonces = {true, {seed, 0, 0, 0}};
+}
 
 // The linker gives these names.
 // NOLINTBEGIN(bugprone-reserved-identifier, readability-identifier-naming)
@@ -33,6 +47,17 @@ extern "C" {
 
 int __real_crypto_sign_verify_detached(const unsigned char* signature, const unsigned char* text,
                                        unsigned long long size, const unsigned char* key);
+
+void __real_randombytes_buf(void* out, std::size_t size);
+
+void __wrap_randombytes_buf(void* out, std::size_t size) {
+  if (!nonces.are_drawn) return __real_randombytes_buf(out, size);
+  std::array<unsigned char, randombytes_SEEDBYTES> from{};
+  static_assert(sizeof nonces.state == sizeof from);
+  ++nonces.state[1];
+  std::memcpy(from.data(), nonces.state.data(), from.size());
+  randombytes_buf_deterministic(out, size, from.data());
+}
 
 /// libsodium stores the public key after the seed, in the secret key.
 int __wrap_crypto_sign_detached(unsigned char* signature, unsigned long long* made, const unsigned char* text,

@@ -7,6 +7,7 @@
 #include "common/scenario/run_start.hpp"
 #include "common/security/seeded_keys.hpp"
 #include "services/simulator/world/invariants.hpp"
+#include "services/simulator/world/nonces.hpp"
 
 namespace trb::world {
 namespace {
@@ -63,6 +64,7 @@ World::World(WorldPlan plan, Meddler meddler)
       authority_key_(seeded_signing_key(dice_.next())),
       run_(run_id(dice_)) {
   init_crypto();
+  draw_nonces_from(plan_.seed);
   authority_.name = "world";
   authority_.public_key = authority_key_.public_key;
   meter_.watch = [this](const Sending& sending, std::string_view frame) { repeats_.on(sending, frame); };
@@ -239,6 +241,7 @@ void World::draw_faults(const Fault& rate) {
 }
 
 void World::happen(const Fault& fault) {
+  if (on_fault) on_fault(fault);
   if (fault.node.empty()) return happen_between(fault);
   Node& node = *nodes_.at(fault.node);
   switch (fault.kind) {

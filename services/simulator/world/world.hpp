@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "common/simulation/job_nodes.hpp"
+#include "common/simulation/job_times.hpp"
 #include "services/simulator/world/faults.hpp"
 #include "services/simulator/world/node.hpp"
 #include "services/simulator/world/repeats.hpp"
@@ -15,8 +17,8 @@
 
 namespace trb::world {
 
-constexpr std::uint32_t kMaxRobots = 1000;
-constexpr double kMaxUntil = 7 * 24 * 3600;
+using simulation::kMaxRobots;
+using simulation::kMaxUntil;
 
 struct WorldPlan {
   std::uint32_t robots = 5;
@@ -64,6 +66,8 @@ class World {
   Played play();
   /// Called about each second of virtual time, for who waits; it changes nothing.
   std::function<void(const World&)> on_second;
+  /// Called when a fault of the plan happens. A robot tells of itself when it breaks, by chance and battery, too.
+  std::function<void(const Fault&)> on_fault;
 
   [[nodiscard]] std::uint64_t event() const { return events_.count(); }
   [[nodiscard]] double seconds_passed() const { return events_.seconds_passed(); }

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "common/base/ids.hpp"
+#include "common/base/sensor_name.hpp"
 #include "common/fleet/did_you_mean.hpp"
 
 namespace trb::gateway {
@@ -42,13 +42,6 @@ std::size_t parts_wanted(TopicKind kind) {
 bool is_run_id(const std::string& id) {
   const auto is_digit = [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); };
   return id.size() == 32 && std::all_of(id.begin(), id.end(), is_digit);
-}
-
-bool is_sensor_name(const std::string& name) {
-  const auto is_letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; };
-  const auto is_tail = [&](char c) { return is_letter(c) || (c >= '0' && c <= '9'); };
-  return !name.empty() && name.size() <= kMaxIdSize && is_letter(name[0]) &&
-         std::all_of(name.begin(), name.end(), is_tail);
 }
 
 Status check(const Topic& topic) {

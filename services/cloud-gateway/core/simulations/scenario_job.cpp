@@ -4,6 +4,7 @@
 
 #include "common/scenario/definition.hpp"
 #include "common/scenario/played_tasks.hpp"
+#include "common/simulation/job_sensors.hpp"
 #include "proto/body.hpp"
 
 namespace trb::gateway {
@@ -17,20 +18,35 @@ void add_fault(ConfigFaults& faults, const std::string& key, std::string what, s
   faults.push_back({"job", key, std::move(what), std::move(hint), false});
 }
 
-Scenario checked_scenario(const Value& json, const KnownNodes& nodes, ConfigFaults& faults) {
-  ConfigFaults found;
-  Scenario out = read_scenario(json, kKey, found);
-  if (faults_that_stop(found).empty()) check_scenario(out, nodes, kKey, found);
+/// By their places in the job.
+void add_prefixed(const ConfigFaults& found, ConfigFaults& faults) {
   for (const ConfigFault& one : faults_that_stop(found)) {
     add_fault(faults, one.key.empty() ? kKey : std::string(kKey) + "." + one.key, one.what, one.hint);
   }
+}
+
+Scenario read_checked(const Value& json, ConfigFaults& faults) {
+  ConfigFaults found;
+  Scenario out = read_scenario(json, kKey, found);
+  add_prefixed(found, faults);
   return out;
+}
+
+/// The nodes tell of the job's sensors, too, and a condition needs one of these.
+void check_with_sensors(const Value& job, const Scenario& scenario, KnownNodes nodes, ConfigFaults& faults) {
+  const FileFaults into("job", faults);
+  ObjectReader reader(job, "", into);
+  const auto sensors = simulation::read_sensor_values(reader, simulation::JobNodes(robots_of(nodes)));
+  simulation::plug_in(sensors, nodes);
+  ConfigFaults found;
+  check_scenario(scenario, nodes, kKey, found);
+  add_prefixed(found, faults);
+  simulation::check_conditions(sensors, scenario, into);
 }
 
 Value::List fleet_of(const KnownNodes& nodes) {
   Value::List out;
-  for (const auto& [id, profile] : nodes) {
-    if (profile.robot.empty()) continue;
+  for (const auto& [id, profile] : robots_of(nodes)) {
     out.push_back(Value{Value::Object{{"id", Value{id}}, {"profile", *parse_json(to_json(profile))}}});
   }
   return out;
@@ -44,14 +60,6 @@ void check_fleet(const Value::List& fleet, ConfigFaults& faults) {
   }
 }
 
-Value without_scenario(const Value& job) {
-  Value::Object out;
-  for (const auto& [key, value] : std::get<Value::Object>(job.is)) {
-    if (key != kKey) out.emplace_back(key, value);
-  }
-  return Value{std::move(out)};
-}
-
 std::string input_of(const Value& job, Value::List fleet) {
   Value::Object out = std::get<Value::Object>(job.is);
   out.emplace_back("fleet", Value{std::move(fleet)});
@@ -60,17 +68,26 @@ std::string input_of(const Value& job, Value::List fleet) {
 
 }  // namespace
 
+KnownNodes robots_of(const KnownNodes& nodes) {
+  KnownNodes out;
+  for (const auto& [id, profile] : nodes) {
+    if (!profile.robot.empty()) out.emplace(id, profile);
+  }
+  return out;
+}
+
 SimulationJob scenario_job(const Value& job, const KnownNodes& nodes, ConfigFaults& faults) {
   SimulationJob out;
   Value::List fleet = fleet_of(nodes);
   check_fleet(fleet, faults);
   if (!faults.empty()) return out;
-  out.scenario = checked_scenario(*job.find(kKey), nodes, faults);
+  out.scenario = read_checked(*job.find(kKey), faults);
+  if (faults.empty()) check_with_sensors(job, *out.scenario, nodes, faults);
   if (!faults.empty()) return out;
   out.robots = static_cast<std::int64_t>(fleet.size());
   out.tasks = static_cast<std::int64_t>(out.scenario->tasks.size());
   out.text = dump_json(job);
-  out.outline = dump_json(without_scenario(job));
+  out.outline = simulation_outline(job);
   out.input = input_of(job, std::move(fleet));
   if (out.input.size() > kMaxInput) {
     add_fault(faults, kKey, "with the robots' profiles it has " + std::to_string(out.input.size()) + " bytes",

@@ -13,8 +13,12 @@ namespace trb::gateway {
 /// The nodes' profiles by id, as the gateway knows them. A robot's is one of a node with a robot.
 using KnownNodes = std::map<std::string, NodeProfile>;
 
+/// Those with a robot.
+KnownNodes robots_of(const KnownNodes& nodes);
+
 /// Of a job that has passed check_simulation_job, with a `scenario`: what trb-simulator is to play. The scenario is
-/// checked with the nodes as `scenarios/check` does it; its faults' keys begin with "scenario".
+/// checked with the nodes as `scenarios/check` does it, and with the job's sensors; its faults' keys begin with
+/// "scenario".
 SimulationJob scenario_job(const Value& job, const KnownNodes& nodes, ConfigFaults& faults);
 
 /// The simulator's answer, and in it `waits`: what each task of the scenario waited for, and the critical path.

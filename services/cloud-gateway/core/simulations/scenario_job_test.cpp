@@ -31,7 +31,7 @@ const char* const kRight = R"({"protocol": "talkrobots", "seed": 3, "scenario": 
 
 ConfigFaults faults_of(const std::string& text, const KnownNodes& nodes) {
   ConfigFaults out;
-  check_simulation_job(*parse_json(text), out);
+  check_simulation_job(*parse_json(text), robots_of(nodes), out);
   REQUIRE(out.empty());
   scenario_job(*parse_json(text), nodes, out);
   return out;
@@ -80,6 +80,21 @@ TEST_CASE("a scenario's fault is named by its place in the job") {
     CHECK(faults[0].key.starts_with(one.key));
     CHECK_FALSE(faults[0].hint.empty());
   }
+}
+
+TEST_CASE("a condition needs a sensor of the job, in its unit") {
+  const auto waiting = [](const std::string& sensors) {
+    return R"({"protocol": "talkrobots", "scenario": {"name": "n", "tasks": [{"id": "go", "robot": "cart", "skill": "go_to",
+        "when": {"sensor": "t", "of": "cart", "op": ">", "value": 20, "unit": "degC"}}]}, "sensor_values": [)" +
+           sensors + "]}";
+  };
+  CHECK(faults_of(waiting(R"({"node": "cart", "name": "t", "unit": "degC", "value": 21})"), hall()).empty());
+  const ConfigFaults none = faults_of(waiting(""), hall());
+  REQUIRE(none.size() == 1);
+  CHECK(none[0].key == "scenario");
+  CHECK(none[0].hint.find("sensor_values") != std::string::npos);
+  CHECK_FALSE(faults_of(waiting(R"({"node": "cart", "name": "t", "unit": "K", "value": 300})"), hall()).empty());
+  CHECK_FALSE(faults_of(waiting(R"({"node": "arm", "name": "t", "unit": "degC", "value": 21})"), hall()).empty());
 }
 
 TEST_CASE("what is no scenario is refused") {

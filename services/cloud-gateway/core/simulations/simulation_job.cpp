@@ -1,7 +1,15 @@
 #include "services/cloud-gateway/core/simulations/simulation_job.hpp"
 
+#include <algorithm>
+#include <array>
+#include <string_view>
+
 #include "common/fleet/did_you_mean.hpp"
 #include "common/fleet/object_reader.hpp"
+#include "common/simulation/job_faults.hpp"
+#include "common/simulation/job_link.hpp"
+#include "common/simulation/job_sensors.hpp"
+#include "common/simulation/job_times.hpp"
 
 namespace trb::gateway {
 namespace {
@@ -13,8 +21,6 @@ constexpr std::int64_t kMaxRequests = 100'000;
 constexpr Range kRate{0, 1000};
 constexpr Range kUntil{0, kSeconds.to};
 constexpr std::int64_t kMaxSeed = (1LL << 53) - 1;  ///< exact in a page
-constexpr std::size_t kMaxNode = 64;
-constexpr std::size_t kMaxTimes = 1000;
 
 void check_counting(ObjectReader& reader) {
   const auto robots = reader.integer("robots", Need::required, 1, kMaxCountedRobots);
@@ -29,27 +35,6 @@ void check_counting(ObjectReader& reader) {
   reader.integer("faulty", Need::optional, 0, robots.value_or(kMaxCountedRobots) - 1);
 }
 
-void check_fault(const Value& json, const std::string& path, const FileFaults& faults) {
-  ObjectReader reader(json, path, faults);
-  reader.number("at", Need::required, kUntil);
-  reader.choice("kind", Need::required, {"fail", "cut", "heal", "kill", "start"});
-  reader.text("node", Need::required, kMaxNode);
-  reader.text("other", Need::optional, kMaxNode);
-  reader.refuse_unknown_keys();
-}
-
-void check_time(const std::string& skill, const Value& json, const FileFaults& faults) {
-  const std::string path = "times." + skill;
-  if (json.is_object()) {
-    ObjectReader reader(json, path, faults);
-    const auto mean = reader.number("mean", Need::required, kSeconds);
-    reader.number("deviation", Need::optional, {0, mean.value_or(kSeconds.to)});
-    reader.refuse_unknown_keys();
-  } else if (!json.is_number() || !kSeconds.holds(json.number())) {
-    faults.add(path, "no time", R"(write seconds, or {"mean": 3, "deviation": 0.5})");
-  }
-}
-
 /// The fleet's robots do it: how many they are, and how many tasks there are, is not said twice.
 void check_scenario_keys(ObjectReader& reader) {
   reader.value("scenario", Need::required);
@@ -57,28 +42,25 @@ void check_scenario_keys(ObjectReader& reader) {
     if (reader.value(key, Need::optional) == nullptr) continue;
     reader.faults().add(key, "the fleet and the scenario say it", "leave it out, or leave scenario out");
   }
-  const Value::Object* times = reader.object("times", Need::optional, kMaxTimes);
-  if (times == nullptr) return;
-  for (const auto& [skill, time] : *times) check_time(skill, time, reader.faults());
+  simulation::read_times(reader);
 }
 
-void check_world(ObjectReader& reader, bool of_scenario) {
-  if (of_scenario) {
-    check_scenario_keys(reader);
-  } else {
-    reader.integer("robots", Need::required, 1, kMaxSimulatedRobots);
-    reader.integer("tasks", Need::required, 1, kMaxSimulatedTasks);
-  }
-  reader.number("task_seconds", Need::optional, kSeconds);
-  reader.number("deviation", Need::optional, kUntil);
+/// What is wrong with their number is told already.
+simulation::JobNodes counted_nodes(ObjectReader& reader) {
+  const auto robots = reader.integer("robots", Need::required, 1, kMaxSimulatedRobots);
+  reader.integer("tasks", Need::required, 1, kMaxSimulatedTasks);
+  return simulation::JobNodes(static_cast<std::uint32_t>(robots.value_or(kMaxSimulatedRobots)));
+}
+
+/// As `trb simulate` reads its files.
+void check_world(ObjectReader& reader, const simulation::JobNodes& nodes) {
+  simulation::read_usual_time(reader);
   reader.number("seconds", Need::optional, kUntil);
   reader.integer("seed", Need::optional, 0, kMaxSeed);
-  reader.choice("link", Need::optional, {"lan", "wifi", "vpn"});
-  const Value::List* list = reader.list("faults", Need::optional, kMaxSimulatedFaults);
-  if (list == nullptr) return;
-  for (std::size_t i = 0; i < list->size(); ++i) {
-    check_fault((*list)[i], "faults[" + std::to_string(i) + "]", reader.faults());
-  }
+  simulation::read_link(reader);
+  simulation::read_faults(reader, nodes, kMaxSimulatedFaults);
+  simulation::read_relays(reader, nodes);
+  simulation::read_sensor_values(reader, nodes, kMaxSimulatedSensors);
 }
 
 /// A scenario is played by the real cores alone.
@@ -91,9 +73,24 @@ bool is_of_real_cores(const Value& job) {
   return protocol != nullptr && protocol->is_text() && protocol->text() == "talkrobots";
 }
 
+/// `job` without what a list of simulations has no room for.
+Value::Object outline_of(const Value::Object& job) {
+  constexpr std::array<std::string_view, 5> kLong{"scenario", "sensor_values", "times", "delays_s", "nodes"};
+  Value::Object out;
+  for (const auto& [key, value] : job) {
+    if (std::ranges::find(kLong, key) != kLong.end()) continue;
+    out.emplace_back(key, value);
+    Value& last = out.back().second;
+    if (key == "link" && value.is_object()) last = Value{outline_of(value.object())};
+    if (key != "faults") continue;
+    for (Value& fault : std::get<Value::List>(last.is)) fault = Value{outline_of(fault.object())};
+  }
+  return out;
+}
+
 }  // namespace
 
-void check_simulation_job(const Value& job, ConfigFaults& faults) {
+void check_simulation_job(const Value& job, const std::map<std::string, NodeProfile>& robots, ConfigFaults& faults) {
   ObjectReader reader(job, "", FileFaults("job", faults));
   const bool of_scenario = is_of_scenario(job);
   if (of_scenario) {
@@ -101,13 +98,24 @@ void check_simulation_job(const Value& job, ConfigFaults& faults) {
   } else {
     reader.choice("protocol", Need::optional, {"paper", "talkrobots"});
   }
-  of_scenario || is_of_real_cores(job) ? check_world(reader, of_scenario) : check_counting(reader);
+  if (of_scenario) {
+    check_scenario_keys(reader);
+    check_world(reader, simulation::JobNodes(robots));
+  } else if (is_of_real_cores(job)) {
+    check_world(reader, counted_nodes(reader));
+  } else {
+    check_counting(reader);
+  }
   reader.refuse_unknown_keys();
+}
+
+std::string simulation_outline(const Value& job) {
+  return dump_json(Value{outline_of(job.object())});
 }
 
 SimulationJob counted_job(const Value& job) {
   const std::string text = dump_json(job);
-  return {text, text, text, job.find("robots")->integer(), job.find("tasks")->integer()};
+  return {text, simulation_outline(job), text, job.find("robots")->integer(), job.find("tasks")->integer()};
 }
 
 std::string simulation_in_words(const SimulationJob& job) {

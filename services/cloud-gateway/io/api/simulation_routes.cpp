@@ -74,16 +74,15 @@ Status check_size(const Call& call, std::size_t most) {
 }
 
 void start_simulation(Gateway& gateway, const CallPtr& call) {
-  if (const Status size = check_size(*call, kMaxScenarioJob); !size) return call->fail(size.error());
+  if (const Status size = check_size(*call, kMaxSimulationJob); !size) return call->fail(size.error());
   const auto body = body_of(*call);
   if (!body) return call->fail(body.error());
   const bool has_scenario = body->find("scenario") != nullptr;
-  const Status size = check_size(*call, has_scenario ? kMaxScenarioJob : kMaxSimulationJob);
-  if (!size) return call->fail(size.error());
+  const KnownNodes nodes = has_scenario ? known_nodes(gateway) : KnownNodes{};
   ConfigFaults faults;
-  check_simulation_job(*body, faults);
+  check_simulation_job(*body, robots_of(nodes), faults);
   if (!faults.empty()) return call->reply(faults_reply(faults));
-  SimulationJob job = has_scenario ? scenario_job(*body, known_nodes(gateway), faults) : counted_job(*body);
+  SimulationJob job = has_scenario ? scenario_job(*body, nodes, faults) : counted_job(*body);
   if (!faults.empty()) return call->reply(faults_reply(faults));
   call->about = simulation_in_words(job);
   do_once(gateway, call, "simulation: " + call->about, [&gateway, call, job] { start(gateway, call, job); });

@@ -52,18 +52,19 @@ void read_scenario(const Value& json) {
 }
 
 void read_simulation(const Value& json) {
+  NodeProfile robot;
+  robot.robot = "ONLINE";
+  robot.skills.emplace_back().name = "s";
+  const KnownNodes robots{{"a", robot}};
   ConfigFaults faults;
-  check_simulation_job(json, faults);
+  check_simulation_job(json, robots, faults);
   if (!faults.empty()) return check_problem(faults_reply(faults));
   require(json.find("trace") == nullptr, "no job writes a file");
   require(json.find("fleet") == nullptr, "the fleet is the gateway's to name");
   if (json.find("scenario") == nullptr) {
     return require(!simulation_in_words(counted_job(json)).empty(), "a job that is taken can be told");
   }
-  NodeProfile robot;
-  robot.robot = "ONLINE";
-  robot.skills.emplace_back().name = "s";
-  const SimulationJob job = scenario_job(json, {{"a", robot}}, faults);
+  const SimulationJob job = scenario_job(json, robots, faults);
   if (!faults.empty()) return check_problem(faults_reply(faults));
   require(job.tasks > 0 && !simulation_in_words(job).empty(), "a scenario that is taken can be told");
 }
@@ -78,6 +79,10 @@ std::vector<Bytes> seeds() {
       R"({"scenario": {"name": "n", "tasks": [{"id": "go", "robot": "a", "skill": "go_to", "data": {"place": "dock"}}]}})",
       R"({"name": "n", "tasks": [{"id": "go", "robot": "a", "skill": "s", "after": ["go"]}]})",
       R"({"protocol": "talkrobots", "robots": 5, "tasks": 9, "seed": 1, "faults": [{"at": 2, "kind": "cut", "node": "r1"}]})",
+      R"({"protocol": "talkrobots", "robots": 2, "tasks": 2, "link": {"delays_s": [0.1, 0.4], "loss": 0.01}, "relays": ["cloud"],
+          "faults": [{"kind": "partition", "nodes": ["r1"]}, {"kind": "clock", "node": "r0", "is_1970": true},
+          {"kind": "rate", "between_s": 60, "repair_s": 5}], "sensor_values": [{"node": "r0", "name": "t",
+          "steps": [{"at": 0, "value": null}, {"at": 4, "value": "open"}]}]})",
       R"({"protocol": "talkrobots", "scenario": {"name": "n", "tasks": [{"id": "go", "robot": "a", "skill": "s"}]}, "times": {"s": 3}})",
       R"({"robots": 5, "tasks": 9, "interpreted": 5, "rate": 1e0, "sensors": 1, "faulty": 4, "trace": "x"})",
       R"([{"robot": "a"}])",

@@ -1,9 +1,7 @@
-#include "services/simulator/job/link_job.hpp"
+#include "common/simulation/job_link.hpp"
 
-namespace trb::simulator {
+namespace trb::simulation {
 namespace {
-
-using world::LinkKind;
 
 constexpr Range kDelay{0, 10};  // seconds
 constexpr Range kLoss{0, 0.5};  // a part of all packets
@@ -12,9 +10,9 @@ constexpr std::int64_t kLeastBytes = 100, kMostBytes = 100'000'000'000;
 
 LinkKind by_name(ObjectReader& reader) {
   std::vector<std::string> names;
-  names.reserve(world::kLinkKinds.size());
-  for (const LinkKind& kind : world::kLinkKinds) names.push_back(kind.name);
-  return world::kLinkKinds[reader.choice("link", Need::optional, names).value_or(0)];
+  names.reserve(kLinkKinds.size());
+  for (const LinkKind& kind : kLinkKinds) names.push_back(kind.name);
+  return kLinkKinds[reader.choice("link", Need::optional, names).value_or(0)];
 }
 
 void read_measured(const ObjectReader& reader, const Value::List& list, LinkKind& out) {
@@ -53,4 +51,4 @@ LinkKind read_link(ObjectReader& of) {
   return out;
 }
 
-}  // namespace trb::simulator
+}  // namespace trb::simulation

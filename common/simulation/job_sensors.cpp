@@ -1,18 +1,14 @@
-#include "services/simulator/job/sensor_job.hpp"
+#include "common/simulation/job_sensors.hpp"
 
 #include <algorithm>
 
+#include "common/base/sensor_name.hpp"
 #include "common/scenario/condition.hpp"
+#include "common/simulation/job_times.hpp"
 #include "proto/travel.hpp"
-#include "services/simulator/job/plan_nodes.hpp"
 
-namespace trb::simulator {
+namespace trb::simulation {
 namespace {
-
-using world::Course;
-using world::Measured;
-using world::PlannedSensor;
-using world::WorldPlan;
 
 constexpr const char* kKey = "sensor_values";
 constexpr std::size_t kMaxText = 255;
@@ -20,7 +16,7 @@ constexpr std::size_t kMaxUnit = 16;
 constexpr std::size_t kMaxIdentity = 128;
 constexpr Range kPeriod{0.01, 3600};
 constexpr Range kNumbers{-1e12, 1e12};
-constexpr Range kTimes{0, world::kMaxUntil};
+constexpr Range kTimes{0, kMaxUntil};
 
 Measured measured_of(const ObjectReader& reader, const Value& value) {
   if (value.is_number() && kNumbers.holds(value.number())) return value.number();
@@ -70,40 +66,34 @@ Course read_course(ObjectReader& reader) {
   return ramp != nullptr ? read_ramp(reader, *ramp) : Course({{0, measured_of(reader, *value)}});
 }
 
-world::PlannedRobot* robot_of(WorldPlan& plan, const std::string& id) {
-  const auto at = std::ranges::find(plan.fleet, id, &world::PlannedRobot::id);
-  return at == plan.fleet.end() ? nullptr : &*at;
-}
-
 /// As the node's profile has it, if it has one of that name.
-SensorInfo known_info(WorldPlan& plan, const std::string& node, const std::string& name) {
+SensorInfo known_info(const JobNodes& nodes, const std::string& node, const std::string& name) {
   SensorInfo out;
   out.name = out.kind = name;
-  const world::PlannedRobot* robot = robot_of(plan, node);
-  if (robot == nullptr) return out;
-  const auto& plugged = robot->profile.plugged;
-  const auto at = std::ranges::find(plugged, name, &SensorInfo::name);
-  return at == plugged.end() ? out : *at;
+  const NodeProfile* profile = nodes.profile(node);
+  if (profile == nullptr) return out;
+  const auto at = std::ranges::find(profile->plugged, name, &SensorInfo::name);
+  return at == profile->plugged.end() ? out : *at;
 }
 
-void check_name(const ObjectReader& reader, const WorldPlan& plan, const PlannedSensor& sensor) {
+void check_name(const ObjectReader& reader, const PlannedSensors& before, const PlannedSensor& sensor) {
   const std::string& name = sensor.info.name;
   const auto refuse = [&](const std::string& what, const char* hint) {
     reader.faults().add(reader.path("name"), "'" + name + "' " + what, hint);
   };
-  if (!world::may_be_sensor(name)) return refuse("is no sensor's name", "use letters, digits and _; no digit first");
+  if (!is_sensor_name(name)) return refuse("is no sensor's name", "use letters, digits and _; no digit first");
   if (is_reserved(name)) return refuse("is a word of the middleware's", "give it another name");
   const bool is_taken = std::ranges::any_of(
-      plan.sensors, [&](const PlannedSensor& other) { return other.node == sensor.node && other.info.name == name; });
+      before, [&](const PlannedSensor& other) { return other.node == sensor.node && other.info.name == name; });
   if (is_taken) refuse("is there twice at that node", "give each its own name");
 }
 
-void read_sensor(ObjectReader& reader, WorldPlan& plan) {
+void read_sensor(ObjectReader& reader, const JobNodes& nodes, PlannedSensors& sensors) {
   PlannedSensor out;
   out.node = reader.text("node", Need::required, kMaxId).value_or(kCloud);
-  check_node(reader, plan, "node", out.node);
+  nodes.check(reader, "node", out.node);
   const std::string name = reader.text("name", Need::required, kMaxId).value_or("x");
-  out.info = known_info(plan, out.node, name);
+  out.info = known_info(nodes, out.node, name);
   out.info.kind = reader.text("kind", Need::optional, kMaxId).value_or(out.info.kind);
   out.info.unit = reader.text("unit", Need::optional, kMaxUnit).value_or(out.info.unit);
   out.info.identity = reader.text("identity", Need::optional, kMaxIdentity).value_or(out.info.identity);
@@ -111,16 +101,8 @@ void read_sensor(ObjectReader& reader, WorldPlan& plan) {
   out.every_s = reader.number("every_s", Need::optional, kPeriod).value_or(out.every_s);
   out.course = read_course(reader);
   reader.refuse_unknown_keys();
-  check_name(reader, plan, out);
-  plan.sensors.push_back(std::move(out));
-}
-
-void plug_in(WorldPlan& plan, const PlannedSensor& sensor) {
-  world::PlannedRobot* robot = robot_of(plan, sensor.node);
-  if (robot == nullptr) return;
-  auto& plugged = robot->profile.plugged;
-  std::erase_if(plugged, [&](const SensorInfo& other) { return other.name == sensor.info.name; });
-  plugged.push_back(sensor.info);
+  check_name(reader, sensors, out);
+  sensors.push_back(std::move(out));
 }
 
 bool is_meant(const PlannedSensor& sensor, const Condition& condition) {
@@ -128,12 +110,13 @@ bool is_meant(const PlannedSensor& sensor, const Condition& condition) {
   return here && find_sensor({sensor.info}, condition) != nullptr;
 }
 
-void check_condition(const WorldPlan& plan, const Task& task, const Condition& condition, const FileFaults& faults) {
+void check_condition(const PlannedSensors& sensors, const Task& task, const Condition& condition,
+                     const FileFaults& faults) {
   const auto fault = [&](const std::string& what, const std::string& hint) {
     faults.add("scenario", "task '" + task.id + "' waits for " + sensor_text(condition) + ", " + what, hint);
   };
   std::string units;
-  for (const PlannedSensor& one : plan.sensors) {
+  for (const PlannedSensor& one : sensors) {
     if (!is_meant(one, condition)) continue;
     if (condition.is_text || one.info.unit == condition.unit) return;
     units += " '" + one.info.unit + "'";
@@ -145,19 +128,30 @@ void check_condition(const WorldPlan& plan, const Task& task, const Condition& c
 
 }  // namespace
 
-void read_sensor_values(ObjectReader& reader, WorldPlan& plan) {
-  const Value::List* list = reader.list(kKey, Need::optional, kMaxSensors);
+PlannedSensors read_sensor_values(ObjectReader& reader, const JobNodes& nodes, std::size_t most) {
+  PlannedSensors out;
+  const Value::List* list = reader.list(kKey, Need::optional, most);
   for (std::size_t i = 0; list != nullptr && i < list->size(); ++i) {
     ObjectReader one((*list)[i], std::string(kKey) + "[" + std::to_string(i) + "]", reader.faults());
-    read_sensor(one, plan);
+    read_sensor(one, nodes, out);
   }
-  for (const PlannedSensor& one : plan.sensors) plug_in(plan, one);
+  return out;
 }
 
-void check_conditions(const WorldPlan& plan, const FileFaults& faults) {
-  for (const Task& task : plan.scenario.tasks) {
-    for (const Condition& condition : task.when) check_condition(plan, task, condition, faults);
+void plug_in(const PlannedSensors& sensors, std::map<std::string, NodeProfile>& profiles) {
+  for (const PlannedSensor& sensor : sensors) {
+    const auto at = profiles.find(sensor.node);
+    if (at == profiles.end()) continue;
+    auto& plugged = at->second.plugged;
+    std::erase_if(plugged, [&](const SensorInfo& other) { return other.name == sensor.info.name; });
+    plugged.push_back(sensor.info);
   }
 }
 
-}  // namespace trb::simulator
+void check_conditions(const PlannedSensors& sensors, const Scenario& scenario, const FileFaults& faults) {
+  for (const Task& task : scenario.tasks) {
+    for (const Condition& condition : task.when) check_condition(sensors, task, condition, faults);
+  }
+}
+
+}  // namespace trb::simulation

@@ -1,10 +1,8 @@
-#include "services/simulator/world/sensor_plan.hpp"
+#include "common/simulation/planned_sensor.hpp"
 
 #include <algorithm>
 
-#include "services/sensor-bus/core/bus_value.hpp"
-
-namespace trb::world {
+namespace trb::simulation {
 
 Measured Course::at(double seconds) const {
   if (steps_.empty()) return {};
@@ -16,8 +14,4 @@ Measured Course::at(double seconds) const {
   return std::get<double>(last.value) + part * (std::get<double>(next->value) - std::get<double>(last.value));
 }
 
-bool may_be_sensor(std::string_view name) {
-  return sensor::is_sensor_name(name);
-}
-
-}  // namespace trb::world
+}  // namespace trb::simulation

@@ -1,17 +1,13 @@
-#include "services/simulator/job/fault_job.hpp"
+#include "common/simulation/job_faults.hpp"
 
-#include <algorithm>
+#include <utility>
 
-#include "services/simulator/job/plan_nodes.hpp"
+#include "common/simulation/job_times.hpp"
 
-namespace trb::simulator {
+namespace trb::simulation {
 namespace {
 
-using world::Fault;
-using world::FaultKind;
-using world::WorldPlan;
-
-constexpr Range kFaultTimes{0, world::kMaxUntil};
+constexpr Range kFaultTimes{0, kMaxUntil};
 constexpr Range kAhead{-1e10, 1e10};  // seconds
 constexpr std::int64_t kMostDrift = 100'000;
 constexpr Range kCommit{0, 60};
@@ -25,43 +21,43 @@ void read_time(ObjectReader& reader, Fault& fault, Need need) {
   fault.from_start = need == Need::optional && !at;
 }
 
-void read_node(ObjectReader& reader, const WorldPlan& plan, Fault& fault) {
+void read_node(ObjectReader& reader, const JobNodes& nodes, Fault& fault) {
   fault.node = reader.text("node", Need::required, kMaxId).value_or(kCloud);
-  check_node(reader, plan, "node", fault.node);
+  nodes.check(reader, "node", fault.node);
 }
 
-void read_robot(ObjectReader& reader, const WorldPlan& plan, Fault& fault) {
-  read_node(reader, plan, fault);
+void read_robot(ObjectReader& reader, const JobNodes& nodes, Fault& fault) {
+  read_node(reader, nodes, fault);
   if (fault.node == kCloud && reader.value("node", Need::optional) != nullptr)
     reader.faults().add(reader.path("node"), "the cloud has no robot", "name a robot's node");
 }
 
-void read_nodes(ObjectReader& reader, const WorldPlan& plan, const char* key, std::vector<std::string>& out) {
-  out = reader.texts(key, Need::required, world::kMaxRobots);
-  for (const std::string& id : out) check_node(reader, plan, key, id);
+void read_nodes(ObjectReader& reader, const JobNodes& nodes, const char* key, std::vector<std::string>& out) {
+  out = reader.texts(key, Need::required, kMaxRobots);
+  for (const std::string& id : out) nodes.check(reader, key, id);
 }
 
-void read_side(ObjectReader& reader, const WorldPlan& plan, Fault& fault) {
-  read_nodes(reader, plan, "nodes", fault.nodes);
+void read_side(ObjectReader& reader, const JobNodes& nodes, Fault& fault) {
+  read_nodes(reader, nodes, "nodes", fault.nodes);
   if (fault.nodes.empty()) reader.faults().add(reader.path("nodes"), "none is named", "name the nodes of one side");
-  if (fault.nodes.size() > plan.robots)
+  if (fault.nodes.size() > nodes.robots())
     reader.faults().add(reader.path("nodes"), "all nodes are on one side", "leave out those of the other side");
 }
 
-void read_ends(ObjectReader& reader, const WorldPlan& plan, Fault& fault) {
-  read_node(reader, plan, fault);
+void read_ends(ObjectReader& reader, const JobNodes& nodes, Fault& fault) {
+  read_node(reader, nodes, fault);
   fault.other = reader.text("other", Need::optional, kMaxId).value_or("");
-  fault.way = reader.one_of<world::Way>("way", Need::optional).value_or(world::Way::both);
+  fault.way = reader.one_of<Way>("way", Need::optional).value_or(Way::both);
   if (fault.other.empty()) return;
-  check_node(reader, plan, "other", fault.other);
+  nodes.check(reader, "other", fault.other);
   if (fault.other == fault.node)
     reader.faults().add(reader.path("other"), "is the node itself", "name another node, or leave it out");
 }
 
-void read_heal(ObjectReader& reader, const WorldPlan& plan, Fault& fault) {
+void read_heal(ObjectReader& reader, const JobNodes& nodes, Fault& fault) {
   read_time(reader, fault, Need::required);
   const bool of_side = reader.value("nodes", Need::optional) != nullptr;
-  of_side ? read_side(reader, plan, fault) : read_ends(reader, plan, fault);
+  of_side ? read_side(reader, nodes, fault) : read_ends(reader, nodes, fault);
 }
 
 void read_clock(ObjectReader& reader, Fault& fault) {
@@ -79,67 +75,74 @@ void read_battery(ObjectReader& reader, Fault& fault) {
   fault.battery.per_second = reader.number("per_second", Need::required, kPercent).value_or(0);
 }
 
-void read_rate(ObjectReader& reader, const WorldPlan& plan, Fault& fault) {
-  if (reader.value("node", Need::optional) != nullptr) read_robot(reader, plan, fault);
+void read_rate(ObjectReader& reader, const JobNodes& nodes, Fault& fault) {
+  if (reader.value("node", Need::optional) != nullptr) read_robot(reader, nodes, fault);
   fault.rate.between_s = reader.number("between_s", Need::required, kBetween).value_or(fault.rate.between_s);
   fault.rate.repair_s = reader.number("repair_s", Need::optional, kFaultTimes);
 }
 
-void read_rest(ObjectReader& reader, const WorldPlan& plan, Fault& fault) {
+void read_rest(ObjectReader& reader, const JobNodes& nodes, Fault& fault) {
   switch (fault.kind) {
     case FaultKind::fail:
     case FaultKind::repair:
       read_time(reader, fault, Need::required);
-      return read_robot(reader, plan, fault);
+      return read_robot(reader, nodes, fault);
     case FaultKind::kill:
     case FaultKind::start:
       read_time(reader, fault, Need::required);
-      return read_node(reader, plan, fault);
+      return read_node(reader, nodes, fault);
     case FaultKind::cut:
       read_time(reader, fault, Need::optional);
-      return read_ends(reader, plan, fault);
+      return read_ends(reader, nodes, fault);
     case FaultKind::partition:
       read_time(reader, fault, Need::optional);
-      return read_side(reader, plan, fault);
+      return read_side(reader, nodes, fault);
     case FaultKind::heal:
-      return read_heal(reader, plan, fault);
+      return read_heal(reader, nodes, fault);
     case FaultKind::clock:
       read_time(reader, fault, Need::optional);
-      read_node(reader, plan, fault);
+      read_node(reader, nodes, fault);
       return read_clock(reader, fault);
     case FaultKind::disk:
       read_time(reader, fault, Need::optional);
-      read_node(reader, plan, fault);
+      read_node(reader, nodes, fault);
       fault.commit_s = reader.number("commit_s", Need::required, kCommit).value_or(0);
       return;
     case FaultKind::battery:
       read_time(reader, fault, Need::optional);
-      read_robot(reader, plan, fault);
+      read_robot(reader, nodes, fault);
       return read_battery(reader, fault);
     case FaultKind::rate:
-      return read_rate(reader, plan, fault);
+      return read_rate(reader, nodes, fault);
   }
 }
 
-void read_fault(ObjectReader& reader, WorldPlan& plan) {
+void read_fault(ObjectReader& reader, const JobNodes& nodes, std::vector<Fault>& out) {
   const auto kind = reader.one_of<FaultKind>("kind", Need::required);
   if (!kind) return;
   Fault fault;
   fault.kind = *kind;
-  read_rest(reader, plan, fault);
+  read_rest(reader, nodes, fault);
   reader.refuse_unknown_keys();
-  plan.faults.push_back(std::move(fault));
+  out.push_back(std::move(fault));
 }
 
 }  // namespace
 
-void read_faults(ObjectReader& reader, WorldPlan& plan) {
-  const Value::List* list = reader.list("faults", Need::optional, kMaxFaults);
+std::vector<Fault> read_faults(ObjectReader& reader, const JobNodes& nodes, std::size_t most) {
+  std::vector<Fault> out;
+  const Value::List* list = reader.list("faults", Need::optional, most);
   for (std::size_t i = 0; list != nullptr && i < list->size(); ++i) {
     ObjectReader one((*list)[i], "faults[" + std::to_string(i) + "]", reader.faults());
-    read_fault(one, plan);
+    read_fault(one, nodes, out);
   }
-  if (reader.value("relays", Need::optional) != nullptr) read_nodes(reader, plan, "relays", plan.relays);
+  return out;
 }
 
-}  // namespace trb::simulator
+std::vector<std::string> read_relays(ObjectReader& reader, const JobNodes& nodes) {
+  std::vector<std::string> out;
+  if (reader.value("relays", Need::optional) != nullptr) read_nodes(reader, nodes, "relays", out);
+  return out;
+}
+
+}  // namespace trb::simulation

@@ -1,0 +1,38 @@
+#include "common/simulation/job_times.hpp"
+
+namespace trb::simulation {
+namespace {
+
+SkillTime read_time(const std::string& path, const Value& json, const FileFaults& faults) {
+  SkillTime out;
+  if (json.is_object()) {
+    ObjectReader reader(json, path, faults);
+    out.mean_s = reader.number("mean", Need::required, kSeconds).value_or(out.mean_s);
+    out.deviation_s = reader.number("deviation", Need::optional, {0, out.mean_s}).value_or(0);
+    reader.refuse_unknown_keys();
+  } else if (json.is_number() && kSeconds.holds(json.number())) {
+    out.mean_s = json.number();
+  } else {
+    faults.add(path, "no time", R"(write seconds, or {"mean": 3, "deviation": 0.5})");
+  }
+  return out;
+}
+
+}  // namespace
+
+SkillTime read_usual_time(ObjectReader& reader) {
+  SkillTime out;
+  out.mean_s = reader.number("task_seconds", Need::optional, kSeconds).value_or(out.mean_s);
+  out.deviation_s = reader.number("deviation", Need::optional, {0, out.mean_s}).value_or(0);
+  return out;
+}
+
+std::map<std::string, SkillTime> read_times(ObjectReader& reader) {
+  std::map<std::string, SkillTime> out;
+  const Value::Object* times = reader.object("times", Need::optional, kMaxTimes);
+  if (times == nullptr) return out;
+  for (const auto& [skill, time] : *times) out[skill] = read_time("times." + skill, time, reader.faults());
+  return out;
+}
+
+}  // namespace trb::simulation

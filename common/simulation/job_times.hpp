@@ -1,0 +1,22 @@
+// How long the skills of a simulated fleet take, as a job says it.
+#pragma once
+
+#include <map>
+#include <string>
+
+#include "common/fleet/object_reader.hpp"
+#include "common/simulation/skill_time.hpp"
+
+namespace trb::simulation {
+
+constexpr std::size_t kMaxTimes = 1000;
+constexpr double kMaxUntil = 7 * 24 * 3600;  ///< seconds
+
+/// Keys `task_seconds` (3) and `deviation` (0), optional: of skills without a time of their own.
+SkillTime read_usual_time(ObjectReader& reader);
+
+/// Key `times`, optional: {SKILL: seconds, or {"mean", "deviation"}}; of one task "task:ID". Every fault is added, by
+/// its key.
+std::map<std::string, SkillTime> read_times(ObjectReader& reader);
+
+}  // namespace trb::simulation

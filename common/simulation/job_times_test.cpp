@@ -1,0 +1,57 @@
+#include "common/simulation/job_times.hpp"
+
+#include <doctest/doctest.h>
+
+using namespace trb;
+using namespace trb::simulation;
+
+namespace {
+
+struct Read {
+  SkillTime usual;
+  std::map<std::string, SkillTime> times;
+  ConfigFaults faults;
+};
+
+Read read(const std::string& text) {
+  Read out;
+  const auto json = parse_json(text);
+  REQUIRE(json.ok());
+  ObjectReader reader(*json, "", FileFaults("job", out.faults));
+  out.usual = read_usual_time(reader);
+  out.times = read_times(reader);
+  reader.refuse_unknown_keys();
+  return out;
+}
+
+}  // namespace
+
+TEST_CASE("a time is seconds, or a mean with a deviation") {
+  const Read some =
+      read(R"({"task_seconds": 4, "deviation": 1, "times": {"go": 5, "task:t": {"mean": 2, "deviation": 1}}})");
+  CHECK(some.faults.empty());
+  CHECK(some.usual.mean_s == 4);
+  CHECK(some.usual.deviation_s == 1);
+  CHECK(some.times.at("go").mean_s == 5);
+  CHECK(some.times.at("task:t").deviation_s == 1);
+  CHECK(read("{}").usual.mean_s == 3);
+}
+
+TEST_CASE("what is wrong with a time is named") {
+  struct Case {
+    const char* text;
+    const char* key;
+  };
+  for (const Case& one :
+       {Case{R"({"task_seconds": 0})", "task_seconds"}, Case{R"({"deviation": 4})", "deviation"},
+        Case{R"({"task_seconds": 2, "deviation": 3})", "deviation"}, Case{R"({"times": [3]})", "times"},
+        Case{R"({"times": {"go": "3"}})", "times.go"}, Case{R"({"times": {"go": 0}})", "times.go"},
+        Case{R"({"times": {"go": {}}})", "times.go.mean"},
+        Case{R"({"times": {"go": {"mean": 1, "deviation": 2}}})", "times.go.deviation"}}) {
+    CAPTURE(one.text);
+    const ConfigFaults faults = read(one.text).faults;
+    REQUIRE(faults.size() == 1);
+    CHECK(faults[0].key == one.key);
+    CHECK_FALSE(faults[0].hint.empty());
+  }
+}
