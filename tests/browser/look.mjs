@@ -7,8 +7,8 @@ const axe = readFileSync(require.resolve('axe-core/axe.min.js'), 'utf8');
 const SIZES = [[390, 844], [1280, 800], [2560, 1440]];
 const THEMES = ['light', 'dark'];
 
-/** `short`: on a phone in the dark and a desk in the light alone. */
-export async function look(person, name, { short = person.settings.short } = {}) {
+/** `short`: on a phone in the dark and a desk in the light alone; `at`: what the pictures show, the top without it. */
+export async function look(person, name, { short = person.settings.short, at } = {}) {
   const { page, settings } = person;
   const found = new Map(); // each once, with where it was found
   const shown = SIZES.flatMap(([width, height]) => THEMES.map((theme) => ({ width, height, theme })));
@@ -17,6 +17,7 @@ export async function look(person, name, { short = person.settings.short } = {})
     await page.setViewportSize({ width, height });
     await page.emulateMedia({ colorScheme: theme });
     await person.settled();
+    await at?.scrollIntoViewIfNeeded();
     if (settings.pictures) {
       mkdirSync(settings.pictures, { recursive: true });
       await page.screenshot({ path: join(settings.pictures, `${name}-${width}-${theme}.png`), caret: 'initial' });

@@ -1,4 +1,5 @@
 /** Section 6.1 of the paper, as its operator lives it in the page, from the drawing of the scenario to the audit. */
+import { walk } from './keyboard.mjs';
 import { look } from './look.mjs';
 import { Person } from './person.mjs';
 import { order } from './starter.mjs';
@@ -15,7 +16,7 @@ export async function paper(browser, settings, people) {
   await draw(olga, JSON.parse(await order('scenario')));
   await preflight(olga);
   await save(olga);
-  await triesInVain(olga);
+  await triesWithSensor(olga);
   const robot = await order('fail_robot');
   const run = await start(olga);
   await watch(olga, robot);
@@ -41,13 +42,26 @@ async function save(olga) {
   await page.waitForFunction(() => !location.hash.endsWith('/new'));
 }
 
-/** Nobody has said what the sensor would tell: the simulator says so, and the way back is there. */
-async function triesInVain(olga) {
+/** Its condition waits for a sensor: what that tells is said first; in a wrong unit it is refused, beside the form. */
+async function triesWithSensor(olga) {
   const { page } = olga;
   await page.waitForSelector('main :text("can run")');
   await page.getByRole('button', { name: 'Try in Plan' }).press('Enter');
-  await page.waitForSelector("main :text(\"which tells nothing here\")", { timeout: SENSOR_MS });
+  olga.expected.push(/status of 422 .*\/api\/v1\/simulations$/);
+  const sensor = page.getByRole('group', { name: 'Sensor 1' });
+  await sensor.getByLabel('Value', { exact: true }).fill('15');
+  await sensor.getByLabel('Unit').fill('K');
+  await page.getByRole('button', { name: 'Simulate', exact: true }).press('Enter');
+  await page.waitForSelector('main [role=alert]:has-text("whose unit is")', { timeout: SENSOR_MS });
   await look(olga, 'plan-refused', { short: true });
+  await sensor.getByLabel('Unit').fill('degC');
+  await page.waitForSelector('main [role=alert]', { state: 'detached' });
+  await walk(olga);
+  await page.getByRole('button', { name: 'Simulate', exact: true }).press('Enter');
+  await page.waitForSelector('h2:has-text("What each task waited for")', { timeout: RUN_MS });
+  const names = await page.locator('.chart .names span').allInnerTexts();
+  const sides = ['pick_left', 'pick_right'].map((task) => names.some((name) => name.includes(task)));
+  if (!sides[0] || sides[1]) olga.faults.push(`at 15 degC it picks left, done were ${names}`);
   await page.getByRole('link', { name: 'Back to the scenario' }).press('Enter');
   await page.waitForFunction(() => location.hash.startsWith('#/scenarios/'));
 }

@@ -1,6 +1,8 @@
 import { describe, expect, it } from 'vitest';
 import { en } from './en';
+import { late as lateEn } from './en/late';
 import { fr } from './fr';
+import { late as lateFr } from './fr/late';
 
 function flat(words: Record<string, Record<string, string>>): Map<string, string> {
   return new Map(Object.entries(words).flatMap(([section, of]) =>
@@ -10,7 +12,7 @@ function flat(words: Record<string, Record<string, string>>): Map<string, string
 const places = (text: string) => [...text.matchAll(/\{(\w+)\}/g)].map((match) => match[1]).sort();
 
 describe('the languages', () => {
-  const [english, french] = [flat(en), flat(fr)];
+  const [english, french] = [new Map([...flat(en), ...flat(lateEn)]), new Map([...flat(fr), ...flat(lateFr)])];
 
   it('have the same keys', () => {
     expect([...french.keys()].sort()).toEqual([...english.keys()].sort());

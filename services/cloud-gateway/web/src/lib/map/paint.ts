@@ -45,13 +45,18 @@ export function coloursOf(element: Element): Colours {
   };
 }
 
-export function paint(pen: CanvasRenderingContext2D, camera: Camera, places: Place[], marks: Mark[], colours: Colours): void {
+/** `below`: draws what lies below the marks. */
+export function paint(
+  pen: CanvasRenderingContext2D, camera: Camera, places: Place[], marks: Mark[], colours: Colours,
+  below?: (pen: CanvasRenderingContext2D, camera: Camera, colours: Colours) => void,
+): void {
   pen.clearRect(0, 0, camera.width, camera.height);
   pen.font = FONT;
   pen.lineJoin = 'round';
   for (const place of places) paintPlace(pen, camera, place, colours);
   const shown = marks.filter((mark) => isInPicture(toPicture(camera, mark), camera));
   for (const mark of shown) paintTrail(pen, camera, mark, colours);
+  below?.(pen, camera, colours);
   for (const mark of shown) paintMark(pen, toPicture(camera, mark), mark, colours);
   paintLabels(pen, camera, shown, places, colours);
   paintScale(pen, camera, colours);

@@ -1,5 +1,8 @@
 import { describe, expect, it } from 'vitest';
-import { faultCount, FIRST, jobOf, jobOfScenario, mostFaults, within, type Wish } from './plan_job';
+import { newFault } from './fault_wish';
+import { newLink } from './link_wish';
+import { faultCount, FIRST, jobOf, jobOfScenario, jobOfTry, mostFaults, wishOf, within, type Wish } from './plan_job';
+import { newSensor } from './sensor_wish';
 
 const wish = (more: Partial<Wish>): Wish => ({ ...FIRST, ...more });
 
@@ -36,6 +39,29 @@ describe('a wish as a job', () => {
     expect(faultCount(jobOf(wish({ faults: 3, faultKind: 'kill' })))).toBe(3);
     expect(faultCount(jobOf(wish({ protocol: 'paper', faults: 2 })))).toBe(2);
     expect(faultCount({ robots: 1, tasks: 1 })).toBe(0);
+  });
+
+  it('has more that goes wrong behind what the slider says, a network and relays', () => {
+    const job = jobOf(wish({ faults: 1, more: [{ ...newFault('r0'), kind: 'battery', numbers: { percent: '9', per_second: '1' } }], link: newLink('own'), relays: ['cloud'] }));
+    expect(job.faults).toEqual([{ at: 4.5, kind: 'fail', node: 'r1' }, { kind: 'battery', node: 'r0', percent: 9, per_second: 1 }]);
+    expect(job.link).toEqual({ delay_s: 0.02, deviation_s: 0.005 });
+    expect(job.relays).toEqual(['cloud']);
+    expect(faultCount(job)).toBe(2);
+  });
+
+  it('comes back from a job, to be simulated again', () => {
+    for (const one of [wish({ robots: 7, seed: 3, link: newLink('own'), relays: ['r1'], more: [newFault('r2')] }), wish({ protocol: 'paper', sensors: 2, faults: 1 })]) {
+      expect(jobOf(wishOf(jobOf(one)))).toEqual(jobOf(one));
+    }
+  });
+
+  it('plays a scenario with faults, sensors and the times of before', () => {
+    const scenario = { name: 'n', tasks: [{ id: 'go', robot: 'a', skill: 's' }] };
+    const told = { ...newSensor('a'), name: 'load', texts: { ...newSensor('a').texts, value: '3' } };
+    expect(jobOfTry(scenario, wish({ faults: 2, more: [newFault('a')], sensorValues: [told] }), { s: 2 })).toEqual({
+      protocol: 'talkrobots', scenario, task_seconds: 3, link: 'wifi', seed: 1, faults: [{ at: 5, kind: 'fail', node: 'a' }],
+      sensor_values: [{ node: 'a', name: 'load', value: 3 }], times: { s: 2 },
+    });
   });
 
   it('takes a scenario as it is drawn, without a number of robots or tasks', () => {

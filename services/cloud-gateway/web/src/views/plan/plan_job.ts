@@ -1,11 +1,13 @@
 /** What is wished, as a job of the gateway: POST /api/v1/simulations. */
 import type { Schemas } from '../../lib/api/types';
 import type { Scenario } from '../../lib/scenario/scenario_model';
+import { faultsOf, WISHED_KINDS, wishesOf, type FaultWish, type JobFault, type WishedKind } from './fault_wish';
+import { linkOf, linkWishOf, newLink, type LinkWish } from './link_wish';
+import { sensorOf, sensorWishOf, type SensorWish } from './sensor_wish';
 
 export type Simulation = Schemas['Simulation'];
 export type Job = Schemas['SimulationJob'];
 export type Protocol = NonNullable<Job['protocol']>;
-export type Link = NonNullable<Job['link']>;
 export type FaultKind = 'fail' | 'cut' | 'kill';
 
 export interface Wish {
@@ -17,7 +19,11 @@ export interface Wish {
   faults: number;
   /** Of the real cores: */
   faultKind: FaultKind;
-  link: Link;
+  /** What goes wrong besides. */
+  more: FaultWish[];
+  link: LinkWish;
+  relays: string[];
+  sensorValues: SensorWish[];
   seed: number;
   /** Of the paper's protocol: robots that are told field by field, and sensors that send once a second. */
   interpreted: number;
@@ -25,14 +31,14 @@ export interface Wish {
 }
 
 export const PROTOCOLS: Protocol[] = ['talkrobots', 'paper'];
-export const LINKS: Link[] = ['lan', 'wifi', 'vpn'];
 export const FAULT_KINDS: FaultKind[] = ['fail', 'cut', 'kill'];
 /** How long a robot is cut off, or its computer is off, s. */
 export const AWAY_S = 10;
 export const MOST_SEED = 999_999;
 
 export const FIRST: Wish = {
-  protocol: 'talkrobots', robots: 5, tasks: 9, taskSeconds: 3, faults: 0, faultKind: 'fail', link: 'wifi', seed: 1, interpreted: 0, sensors: 0,
+  protocol: 'talkrobots', robots: 5, tasks: 9, taskSeconds: 3, faults: 0, faultKind: 'fail', more: [], link: newLink('wifi'), relays: [], sensorValues: [],
+  seed: 1, interpreted: 0, sensors: 0,
 };
 
 /** What the sliders offer: of the real cores no more than a minute may take. */
@@ -55,20 +61,53 @@ export function within(wish: Wish): Wish {
 }
 
 export function jobOf(wish: Wish): Job {
-  const { protocol, robots, tasks, taskSeconds, link, seed, interpreted, sensors } = within(wish);
+  const { protocol, robots, tasks, taskSeconds, seed, interpreted, sensors } = within(wish);
   const common = { protocol, robots, tasks, task_seconds: taskSeconds };
   if (protocol === 'paper') return { ...common, interpreted, sensors, rate: 1, faulty: within(wish).faults };
-  return { ...common, link, seed, faults: faultsOf(within(wish)) };
+  return { ...common, seed, ...surroundingsOf(wish), faults: [...slidFaults(within(wish)), ...wish.more.flatMap(faultsOf)] };
 }
 
+/** What a scenario is played in. */
+function surroundingsOf(wish: Wish): Pick<Job, 'link' | 'relays' | 'sensor_values'> {
+  return {
+    link: linkOf(wish.link),
+    ...(wish.relays.length === 0 ? {} : { relays: wish.relays }),
+    ...(wish.sensorValues.length === 0 ? {} : { sensor_values: wish.sensorValues.map(sensorOf) }),
+  };
+}
+
+type ScenarioJob = Omit<Job, 'scenario'> & { scenario: Scenario };
+
+/** With all that is wished for it; `times` are taken over from the job before. */
+export function jobOfTry(scenario: Scenario, wish: Wish, times: Job['times']): ScenarioJob {
+  const faults = wish.more.flatMap(faultsOf);
+  return {
+    protocol: 'talkrobots', scenario, task_seconds: wish.taskSeconds, seed: within(wish).seed, ...surroundingsOf(wish), ...(faults.length === 0 ? {} : { faults }),
+    ...(times === undefined ? {} : { times }),
+  };
+}
+
+/** The wish that a job came from: all of its faults are in the list. */
+export function wishOf(job: Job): Wish {
+  const { protocol = 'paper', robots = FIRST.robots, tasks = FIRST.tasks, task_seconds: taskSeconds = FIRST.taskSeconds } = job;
+  return {
+    ...FIRST, protocol, robots, tasks, taskSeconds, faults: job.faulty ?? 0, more: wishesOf(job.faults ?? []), link: linkWishOf(job.link),
+    relays: job.relays ?? [], sensorValues: (job.sensor_values ?? []).map(sensorWishOf), seed: job.seed ?? FIRST.seed,
+    interpreted: job.interpreted ?? 0, sensors: job.sensors ?? 0,
+  };
+}
+
+/** The nodes of a fleet that has no names of its own. */
+export const countedNodes = (robots: number): string[] => ['cloud', ...Array.from({ length: robots }, (_, i) => `r${i}`)];
+
 /** A scenario that is drawn, over Wi-Fi. One seed: what another drawing changes is the drawing's. */
-export function jobOfScenario(scenario: Scenario): Omit<Job, 'scenario'> & { scenario: Scenario } {
-  return { protocol: 'talkrobots', scenario, link: FIRST.link, seed: FIRST.seed };
+export function jobOfScenario(scenario: Scenario): ScenarioJob {
+  return { protocol: 'talkrobots', scenario, link: linkOf(FIRST.link), seed: FIRST.seed };
 }
 
 /** Robot 1, 2 ... in the middle of its first task: robot 0 has begun the run, and goes on. */
-function faultsOf(wish: Wish): Schemas['SimulationFault'][] {
-  return Array.from({ length: wish.faults }, (_, i) => i + 1).flatMap((robot): Schemas['SimulationFault'][] => {
+export function slidFaults(wish: Wish): JobFault[] {
+  return Array.from({ length: wish.faults }, (_, i) => i + 1).flatMap((robot): JobFault[] => {
     const node = `r${robot}`;
     const at = (Math.min(robot, wish.tasks - 1) + 0.5) * wish.taskSeconds;
     if (wish.faultKind === 'fail') return [{ at, kind: 'fail', node }];
@@ -77,9 +116,9 @@ function faultsOf(wish: Wish): Schemas['SimulationFault'][] {
   });
 }
 
-/** Something happens to so many robots. */
+/** So many things go wrong. */
 export function faultCount(job: Job): number {
-  return job.faulty ?? job.faults?.filter((fault) => fault.kind === 'fail' || fault.kind === 'cut' || fault.kind === 'kill').length ?? 0;
+  return job.faulty ?? job.faults?.filter((fault) => WISHED_KINDS.includes(fault.kind as WishedKind)).length ?? 0;
 }
 
 export function isOver(one: Simulation): boolean {

@@ -11,7 +11,7 @@ function answer(more: Partial<Answer> = {}): Answer {
     over_time: { interval_s: 1, messages: [9, 0, 0, 20, 0, 0, 7, 0, 0, 0, 0, 0], bytes: [450, 0, 0, 1000, 0, 0, 350, 0, 0, 0, 0, 0] },
     model: { phases: { boot: 16, identification: 15, devices: 2, task: 36, forward: 8, sensor: 0, fail: 2 }, messages: 79 },
     tasks: [{ id: 't0', robot: 'r0', begin_s: 1, end_s: 4 }, { id: 't1', robot: 'r1', begin_s: 4 }, { id: 't1', robot: 'r0', begin_s: 6, end_s: 9 }],
-    tasks_not_listed: 0, ...more,
+    tasks_not_listed: 0, sendings: [], sendings_not_listed: 0, happenings: [], ...more,
   };
 }
 const world = { state: 'FINISHED', over_everywhere: true, tasks_done: 2, makespan_s: 8, linked_s: 0.5, submitted_s: 1, events: 5, broken: [] };
@@ -39,10 +39,10 @@ describe('the result of a simulation', () => {
   });
 
   it('draws attempts from the submission on; one that was not done lasts until its robot broke', () => {
-    const bars = barsOf(answer({ world }), { robots: 2, tasks: 2, faults: [{ at: 4.5, kind: 'fail', node: 'r1' }] });
+    const bars = barsOf(answer({ world, happenings: [{ at_s: 5.5, kind: 'fail', node: 'r1' }] }));
     expect(bars.map((bar) => [bar.task, bar.robot, bar.state, bar.start, bar.end])).toEqual(
       [['t0', 'r0', 'FINISHED', 0, 3], ['t1', 'r1', 'FAILED', 3, 4.5], ['t1', 'r0', 'FINISHED', 5, 8]]);
-    expect(barsOf(answer(), { robots: 2, tasks: 2 })[1]).toMatchObject({ start: 4, end: null });
+    expect(barsOf(answer())[1]).toMatchObject({ start: 4, end: null });
   });
 
   it('says how long the tasks took', () => {
@@ -69,7 +69,7 @@ describe('the result of a simulation', () => {
 
   it('marks the critical path in the timeline: the attempt that was done', () => {
     const waits = [{ task: 't1', waited_for: '', robot_busy: false, critical: true }];
-    expect(barsOf(answer({ world, waits }), {}).map((bar) => bar.isCritical)).toEqual([false, false, true]);
-    expect(barsOf(answer({ world }), {}).some((bar) => bar.isCritical)).toBe(false);
+    expect(barsOf(answer({ world, waits })).map((bar) => bar.isCritical)).toEqual([false, false, true]);
+    expect(barsOf(answer({ world })).some((bar) => bar.isCritical)).toBe(false);
   });
 });

@@ -1,7 +1,6 @@
 /** What a simulation has found, as rows, series and bars. */
 import type { Schemas } from '../../lib/api/types';
 import type { Bar } from '../runs/timeline';
-import type { Job } from './plan_job';
 
 export type Answer = Schemas['SimulationAnswer'];
 export type Counted = 'messages' | 'bytes';
@@ -57,16 +56,16 @@ export function peakOf(values: number[], interval: number): { at: number; value:
 }
 
 /** Attempts as bars, in s since the run's submission. One without an end lasts until its robot was broken or killed. */
-export function barsOf(answer: Answer, job: Job): Bar[] {
+export function barsOf(answer: Answer): Bar[] {
   const from = answer.world?.submitted_s ?? 0;
   const critical = new Set((answer.waits ?? []).filter((one) => one.critical).map((one) => one.task));
   return answer.tasks.map((task) => {
     const start = Math.max(0, task.begin_s - from);
-    const fault = job.faults?.find((one) => one.node === task.robot && (one.kind === 'fail' || one.kind === 'kill') && one.at >= start);
+    const broke = answer.happenings.find((one) => one.node === task.robot && (one.kind === 'fail' || one.kind === 'kill') && one.at_s >= task.begin_s);
     const isDone = task.end_s !== undefined;
     return {
       task: task.id, robot: task.robot, state: isDone ? 'FINISHED' : 'FAILED', ready: null, start,
-      end: isDone ? Math.max(0, task.end_s! - from) : (fault?.at ?? null), isCritical: isDone && critical.has(task.id),
+      end: isDone ? Math.max(0, task.end_s! - from) : (broke ? Math.max(0, broke.at_s - from) : null), isCritical: isDone && critical.has(task.id),
     };
   });
 }

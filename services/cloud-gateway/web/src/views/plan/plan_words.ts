@@ -1,4 +1,5 @@
 /** A simulation in words. */
+import type { Key } from '../../lib/i18n/en';
 import { formatNumber, t, tOr } from '../../lib/i18n/i18n.svelte';
 import { faultCount, type Simulation } from './plan_job';
 
@@ -8,9 +9,15 @@ export function titleOf({ job, robots, tasks, scenario }: Simulation): string {
   return [
     scenario === undefined ? '' : t('plan.named', { name: scenario }), t('plan.fleet', { robots, tasks }),
     tOr('plan', `protocol_${job.protocol ?? 'paper'}`),
-    job.protocol === 'talkrobots' ? tOr('plan', `link_${job.link ?? 'lan'}`) : '', faults > 0 ? t('plan.withFaults', { count: faults }) : '',
+    job.protocol === 'talkrobots' ? tOr('plan', `link_${typeof job.link === 'object' ? 'own' : (job.link ?? 'lan')}`) : '', faults > 0 ? t('plan.withFaults', { count: faults }) : '',
     job.seed === undefined ? '' : t('plan.ofSeed', { seed: job.seed }),
   ].filter((part) => part !== '').join(', ');
+}
+
+/** What is wrong with a field. */
+export function sayWrong(wrong: { why: string; min?: number; max?: number }): string {
+  const { why, min = 0, max = 0 } = wrong;
+  return t(`plan.wrong_${why}` as Key, { min, max });
 }
 
 export function bytesOf(bytes: number): string {

@@ -1,4 +1,5 @@
 /** All words of the page in English. `{name}` is filled in. A file for each view, with its sections; fr has the same keys. */
+import type { LateWords } from './late';
 import { about } from './about';
 import { access } from './access';
 import { alerts } from './alerts';
@@ -39,4 +40,5 @@ export const en = {
 
 /** The same keys, other words. */
 export type Words = { [Section in keyof typeof en]: { [Key in keyof (typeof en)[Section]]: string } };
-export type Key = { [Section in keyof Words]: `${Section}.${Extract<keyof Words[Section], string>}` }[keyof Words];
+type KeysOf<All> = { [Section in keyof All & string]: `${Section}.${Extract<keyof All[Section], string>}` }[keyof All & string];
+export type Key = KeysOf<Words> | KeysOf<LateWords>;

@@ -1,0 +1,4 @@
+import type { LateWords } from '../en/late';
+import { plan } from './plan_view';
+
+export const late: LateWords = { ...plan };
