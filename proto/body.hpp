@@ -12,6 +12,7 @@
 #include "common/base/result.hpp"
 #include "proto/bodies/bridge.hpp"
 #include "proto/bodies/bus.hpp"
+#include "proto/bodies/invitation.hpp"
 #include "proto/bodies/link.hpp"
 #include "proto/bodies/resilience.hpp"
 #include "proto/bodies/robot.hpp"
@@ -39,7 +40,8 @@
   X(AbortConfirmed) X(RunEnd) X(RunOver) X(NeedEnd) X(RunQuery) X(RunView) X(RunListRequest) X(RunTable) X(RunProofRequest) X(RunRecords) X(Choice)                                 \
   X(Decision) X(RunDecision) X(DecisionJournaled) X(ReleaseTasks) X(PauseOrder) X(RunPause) X(PauseJournaled)      \
   X(RunWatch) X(RunChanged) X(Alert) X(AlertListRequest) X(AlertTable) X(AlertDecide)                        \
-  X(HistoryListRequest) X(HistoryTable) X(AlertRankRequest) X(AlertRanking) X(DecidedElsewhere)
+  X(HistoryListRequest) X(HistoryTable) X(AlertRankRequest) X(AlertRanking) X(DecidedElsewhere)                 \
+  X(Invitation) X(HoldInvitation) X(InvitationState) X(JoinCall) X(JoinAnswer) X(JoinOffer) X(JoinWord)
 // clang-format on
 
 namespace trb {

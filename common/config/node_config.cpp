@@ -148,6 +148,7 @@ class NodeChecker {
     if (out_.faults.size() != before) return;
     const auto keys = load_node_certificate(config.dir);
     if (!keys) return;
+    add_seeds(keys->seeds);
     if (config.relay && !keys->certificate.relay) {
       sink("keys/certificate.json")
           .add("relay", "does not let this node relay, node.json wants it to",
@@ -159,6 +160,17 @@ class NodeChecker {
         .add("role",
              "is " + in_quotes(name_of(keys->certificate.role)) + ", node.json says " + in_quotes(name_of(config.role)),
              "correct \"role\" in node.json, or run trb fleet request and trb fleet sign again");
+  }
+
+  /// What came with the certificate, where node.json says nothing of that node.
+  void add_seeds(const std::vector<FleetSeed>& seeds) {
+    std::vector<Seed>& known = out_.config.seeds;
+    for (const FleetSeed& seed : seeds) {
+      const bool named = std::any_of(known.begin(), known.end(), [&](const Seed& one) {
+        return one.key == seed.key.bytes || one.address == seed.address;
+      });
+      if (!named) known.push_back({seed.address, seed.key.bytes});
+    }
   }
 
   void ports() {

@@ -2,6 +2,7 @@
 
 #include <sodium.h>
 
+#include "common/base/address.hpp"
 #include "common/base/files.hpp"
 #include "common/base/hex.hpp"
 #include "proto/body.hpp"
@@ -17,6 +18,23 @@ Result<Bytes> hex_member(const Value& json, std::string_view key, std::size_t si
   if (!bytes || bytes->size() != size)
     return fail(Errc::malformed, std::string(key) + ": not " + std::to_string(size) + " bytes");
   return bytes;
+}
+
+Result<std::vector<FleetSeed>> seeds_in(const Value& json) {
+  std::vector<FleetSeed> out;
+  const Value* seeds = json.find("seeds");
+  if (seeds == nullptr) return out;
+  if (!seeds->is_list() || seeds->list().size() > kMaxFleetSeeds)
+    return fail(Errc::malformed, "seeds: no list of " + std::to_string(kMaxFleetSeeds) + " at most");
+  for (const Value& seed : seeds->list()) {
+    const Value* address = seed.find("address");
+    if (address == nullptr || !address->is_text() || !is_numeric_endpoint(address->text()))
+      return fail(Errc::malformed, "seeds: address: no numeric HOST:PORT");
+    auto key = hex_member(seed, "key", 32);
+    if (!key) return fail(key.error().code, "seeds: " + key.error().what);
+    out.push_back({address->text(), {std::move(*key)}});
+  }
+  return out;
 }
 
 Result<CertificateFile> parse(const Value& json) {
@@ -42,6 +60,9 @@ Result<CertificateFile> parse(const Value& json) {
     if (!revocations) return revocations.error();
     file.revocations = std::move(*revocations);
   }
+  auto seeds = seeds_in(json);
+  if (!seeds) return seeds.error();
+  file.seeds = std::move(*seeds);
   return file;
 }
 
@@ -49,7 +70,7 @@ Result<CertificateFile> parse(const Value& json) {
 
 CertificateFile make_certificate_file(const SignedRecord& certificate, const FleetAuthority& authority,
                                       const BeaconKey& beacon, BytesView link_key) {
-  return {certificate, authority, beacon.number, seal_beacon_key(beacon, link_key), {}};
+  return {certificate, authority, beacon.number, seal_beacon_key(beacon, link_key), {}, {}};
 }
 
 std::string certificate_file_to_json(const CertificateFile& file) {
@@ -60,6 +81,11 @@ std::string certificate_file_to_json(const CertificateFile& file) {
   out.emplace_back("beacon_key_number", Value{static_cast<std::int64_t>(file.beacon_number)});
   out.emplace_back("sealed_beacon_key", Value{to_hex(file.sealed_beacon)});
   if (!file.revocations.kind.empty()) out.emplace_back("revocations", *parse_json(to_json(file.revocations)));
+  Value::List seeds;
+  for (const FleetSeed& seed : file.seeds) {
+    seeds.push_back(Value{Value::Object{{"address", Value{seed.address}}, {"key", Value{to_hex(seed.key.bytes)}}}});
+  }
+  if (!seeds.empty()) out.emplace_back("seeds", Value{std::move(seeds)});
   return dump_json(Value{std::move(out)}) + "\n";
 }
 

@@ -6,6 +6,7 @@
 
 #include "common/security/beacon_key.hpp"
 #include "common/security/keys.hpp"
+#include "proto/bodies/invitation.hpp"
 
 namespace trb {
 
@@ -13,8 +14,9 @@ struct CertificateFile {
   SignedRecord certificate;
   FleetAuthority authority;
   std::uint32_t beacon_number = 0;
-  Bytes sealed_beacon;       ///< the beacon key in a sealed box for the node's link key
-  SignedRecord revocations;  ///< the fleet's list at the time of signing; an empty kind for none
+  Bytes sealed_beacon;             ///< the beacon key in a sealed box for the node's link key
+  SignedRecord revocations;        ///< the fleet's list at the time of signing; an empty kind for none
+  std::vector<FleetSeed> seeds{};  ///< cloud nodes; of a node that has joined by a code
 };
 
 CertificateFile make_certificate_file(const SignedRecord& certificate, const FleetAuthority& authority,

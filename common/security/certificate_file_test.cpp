@@ -7,6 +7,23 @@
 using namespace trb;
 using namespace trb::test;
 
+TEST_CASE("seeds are kept in the file, and refused where they are none") {
+  const SigningKey authority = (init_crypto(), make_signing_key());
+  CertificateFile file;
+  file.certificate = sign(kSignedCertificate, "", Bytes(16, 'f'), "payload", authority);
+  file.authority = {"hall", authority.public_key};
+  file.sealed_beacon = Bytes(80, 'b');
+  CHECK(certificate_file_from_json(certificate_file_to_json(file))->seeds.empty());
+  file.seeds = {{"10.0.0.1:45000", {Bytes(32, 'k')}}, {"[fd00::1]:45000", {Bytes(32, 'l')}}};
+  CHECK(certificate_file_from_json(certificate_file_to_json(file))->seeds == file.seeds);
+  file.seeds[1].address = "cloud.example:45000";
+  CHECK(certificate_file_from_json(certificate_file_to_json(file)).error().what.find("seeds: address") == 0);
+  file.seeds[1] = {"10.0.0.2:45000", {"short"}};
+  CHECK(certificate_file_from_json(certificate_file_to_json(file)).error().what.find("seeds: key") == 0);
+  file.seeds.assign(kMaxFleetSeeds + 1, {"10.0.0.1:45000", {Bytes(32, 'k')}});
+  CHECK_FALSE(certificate_file_from_json(certificate_file_to_json(file)).ok());
+}
+
 TEST_CASE("a certificate file carries the fleet, the certificate, the beacon key and the list of what is revoked") {
   Hall hall;
   hall.join("ur5");

@@ -105,7 +105,7 @@ Result<NodeCertificate> load_node_certificate(const std::string& node_dir) {
   auto certificate = open_certificate_any_time(file->certificate, file->authority);
   if (!certificate) return certificate.error();
   take_renewal(dir, *file, *certificate);
-  return NodeCertificate{file->certificate, *certificate, file->authority};
+  return NodeCertificate{file->certificate, *certificate, file->authority, file->seeds};
 }
 
 Result<NodeKeys> load_node_keys(const std::string& node_dir) {

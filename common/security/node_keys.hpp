@@ -6,6 +6,7 @@
 #include "common/base/config_fault.hpp"
 #include "common/security/beacon_key.hpp"
 #include "common/security/keys.hpp"
+#include "proto/bodies/invitation.hpp"
 
 namespace trb {
 
@@ -24,6 +25,7 @@ struct NodeCertificate {
   SignedRecord record;
   Certificate certificate;
   FleetAuthority authority;
+  std::vector<FleetSeed> seeds;  ///< cloud nodes that came with the certificate
 };
 
 /// Makes identity and link key in NODE_DIR/keys, if missing, and writes keys/request.json for `trb fleet sign`. Errors:

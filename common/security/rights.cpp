@@ -34,6 +34,7 @@ constexpr SigningRight kSignatures[] = {
     {kSignedRequest, false, false, {}},
     {kSignedCertificate, false, false, {}},
     {kSignedRevocations, false, false, {}},
+    {kSignedInvitation, false, false, {}},
 };
 
 const SigningRight* find_signature(std::string_view purpose) {

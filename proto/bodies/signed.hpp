@@ -21,6 +21,7 @@ constexpr std::string_view kSignedAuditHead = "audit_head";
 constexpr std::string_view kSignedRevocations = "revocation_list";
 constexpr std::string_view kSignedSeal = "seal";
 constexpr std::string_view kSignedRelayed = "relayed";
+constexpr std::string_view kSignedInvitation = "invitation";
 
 /// Ed25519 over "talkrobots" 0 purpose 0 fleet payload; the fleet is 16 bytes (none in a certificate request).
 struct SignedRecord {

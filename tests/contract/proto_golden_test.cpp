@@ -239,6 +239,18 @@ TEST_CASE("bodies of link and bus") {
   CHECK((before->hint == "u" && before->about.empty()));
 }
 
+TEST_CASE("bodies of an invitation") {
+  CHECK(to_hex(encode(Invitation{{"f"}, "arm", Role::cloud, {"k"}, 5})) == "95c40166a361726d01c4016b05");
+  CHECK(to_hex(encode(HoldInvitation{kRecord, 2, {"o"}, true})) == std::string("94") + kRecordHex + "02c4016fc3");
+  CHECK(to_hex(encode(InvitationState{2, {{{"w"}}}})) == "92029191c40177");
+  CHECK(to_hex(encode(JoinCall{{"w"}})) == "91c40177");
+  CHECK(to_hex(encode(JoinAnswer{{"o"}})) == "91c4016f");
+  CHECK(to_hex(encode(JoinWord{kRecord, true})) == std::string("92") + kRecordHex + "c3");
+  CHECK(to_hex(encode(
+            JoinOffer{"a", Role::robot, "f", {"k"}, {"d"}, "r", kRecord, 3, {"b"}, kRecord, {{"h:1", {"s"}}}})) ==
+        std::string("9ba16100a166c4016bc40164a172") + kRecordHex + "03c40162" + kRecordHex + "9192a3683a31c40173");
+}
+
 TEST_CASE("the JSON of a message, with text, with bytes, with a body") {
   Message message = golden_example();
   CHECK(

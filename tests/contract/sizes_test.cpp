@@ -57,6 +57,7 @@ const std::map<std::string, std::string> kBounded = {
     // Never messages of their own: they are contents of a SignedRecord, 512 kB at most, or rows of a database.
     {"alert", "alert_table; the database"},
     {"decision", "SignRequest::payload"},
+    {"join_offer", "invite: kMostList; it travels as HoldInvitation::offer, 32 kB"},
     {"run_start", "SignRequest::payload"},
     {"scenario", "SignRequest::payload, as part of run_start"},
 };

@@ -89,6 +89,43 @@ void hello_that_holds(BytesView input) {
   check_table(core);
 }
 
+/// A call with an invited key, and an invitation that the authority has signed: whatever they carry, the mailbox is
+/// bounded.
+void door_of_a_cloud(BytesView input) {
+  const Keys& keys = Keys::get();
+  const InvitationKeys code = invitation_keys("a code");
+  RouterConfig config;
+  config.id = "ant";
+  config.role = Role::cloud;
+  config.authority = keys.authority.fleet;
+  config.random = random_u64;
+  LocalNode node(std::move(config));
+  PeerTable table(node.config());
+  LinkErrors errors(table);
+  TrustStore trust(node, table, errors);
+  Admission admission(node, table, trust);
+  Invitations door(node, admission);
+  const Invitation invitation{
+      {keys.authority.fleet.id()}, "cat", Role::robot, {code.caller.public_key}, kNow.utc.ns + 1'000'000'000};
+  HoldInvitation order{sign_invitation(invitation, keys.authority.key), 1, {"offer"}, false};
+  Effects effects;
+  require(door.hold(order, kNow, effects).ok(), "the authority's invitation is held");
+  if (auto any = decode<HoldInvitation>(input)) {
+    any->invitation = keys.sign_as_authority(kSignedInvitation, any->invitation.payload.bytes);
+    (void)door.hold(*any, kNow, effects);
+  }
+  const auto call = decode<JoinCall>(input);
+  for (int i = 0; call && i < 6; ++i) {
+    JoinCall more = *call;
+    more.word.bytes += static_cast<char>(i);
+    (void)door.call(code.caller.public_key, more, kNow, effects);
+  }
+  const auto state = door.hold(order, kNow, effects);
+  require(state && state->words.size() <= kMaxJoinBoxes, "few words are kept");
+  door.tick({kNow.mono + kInvitationTime, kNow.utc + kInvitationTime}, effects);
+  require(!door.is_invited(code.caller.public_key), "the door closes");
+}
+
 }  // namespace
 
 std::vector<Bytes> seeds() {
@@ -103,19 +140,30 @@ std::vector<Bytes> seeds() {
   hello.profile = profile;
   const Message move{
       .type = MessageType::command, .subtype = "move", .source = "bee", .target = "ant", .id = 9, .data = "[1,2,3]"};
-  return {encode(hello),
-          encode(make_hello(keys.bee, "bee")),
-          frame_of(make_hello(keys.bee, "bee"), 1),
-          frame_of(KeepAlive{1}, 2),
-          frame_of(Goodbye{"over"}, 2),
-          frame_of(profile, 2),
-          frame_of(RouteListRequest{}, 2, MessageType::request),
-          frame_of(EchoRequest{{"pad"}}, 2, MessageType::request),
-          frame_of(TrustUpdate{{}, {keys.cat.record}}, 2),
-          frame_of(Seal{sign_seal(first_range(), "bee", keys.authority.fleet.id(), keys.bee.identity)}, 2),
-          frame_of(ReachablePeerList{{keys.cat.record}, {"dog"}}, 2),
-          frame_of(move, 2),
-          encode(first_range())};
+  return {
+      encode(hello),
+      encode(make_hello(keys.bee, "bee")),
+      frame_of(make_hello(keys.bee, "bee"), 1),
+      frame_of(KeepAlive{1}, 2),
+      frame_of(Goodbye{"over"}, 2),
+      frame_of(profile, 2),
+      frame_of(RouteListRequest{}, 2, MessageType::request),
+      frame_of(EchoRequest{{"pad"}}, 2, MessageType::request),
+      frame_of(TrustUpdate{{}, {keys.cat.record}}, 2),
+      frame_of(Seal{sign_seal(first_range(), "bee", keys.authority.fleet.id(), keys.bee.identity)}, 2),
+      frame_of(ReachablePeerList{{keys.cat.record}, {"dog"}}, 2),
+      frame_of(move, 2),
+      frame_of(JoinCall{{"word"}}, 1),
+      encode(JoinCall{{"word"}}),
+      encode(HoldInvitation{keys.sign_as_authority(kSignedInvitation, encode(Invitation{{keys.authority.fleet.id()},
+                                                                                        "dog",
+                                                                                        Role::robot,
+                                                                                        {keys.bee.link.public_key},
+                                                                                        kNow.utc.ns + 1'000'000'000})),
+                            2,
+                            {"offer"},
+                            false}),
+      encode(first_range())};
 }
 
 void run(BytesView input) {
@@ -129,6 +177,7 @@ void run(BytesView input) {
   check_table(core);
   hello_that_holds(input);
   seal_that_is_signed(input);
+  door_of_a_cloud(input);
 }
 
 }  // namespace trb::fuzz

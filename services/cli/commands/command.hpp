@@ -19,6 +19,7 @@ struct Command {
 #define TRB_COMMAND_GROUPS(GROUP) \
   GROUP(node)                     \
   GROUP(node_new)                 \
+  GROUP(node_join)                \
   GROUP(demo)                     \
   GROUP(message)                  \
   GROUP(list)                     \
@@ -28,6 +29,7 @@ struct Command {
   GROUP(run)                      \
   GROUP(scenario)                 \
   GROUP(fleet)                    \
+  GROUP(invite)                   \
   GROUP(trust_update)             \
   GROUP(doctor)                   \
   GROUP(proof)                    \

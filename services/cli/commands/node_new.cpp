@@ -12,6 +12,7 @@
 #include "common/drivers/registry.hpp"
 #include "common/fleet/did_you_mean.hpp"
 #include "services/cli/commands/command.hpp"
+#include "services/cli/commands/node_new.hpp"
 #include "services/cli/core/new_node.hpp"
 #include "services/cli/io/node_folder.hpp"
 #include "services/cli/io/print.hpp"
@@ -61,21 +62,6 @@ std::vector<std::string> networks(const std::string& robot_side) {
   return out;
 }
 
-Result<std::string> fleet_side_of(const Arguments& arguments, const std::string& robot_side) {
-  std::vector<std::string> known = networks(robot_side);
-  if (known.empty()) known = networks({});  // one network for both
-  const std::string only = known.size() == 1 ? known.front() : "";
-  auto side = wanted(arguments, "--network",
-                     "this computer's interface or address on the fleet's network (there are " +
-                         (known.empty() ? "none now" : join(known)) + ")",
-                     only);
-  if (side && is_ipv6(*side)) return side;
-  if (side && (is_ipv4(*side) || is_valid_id(*side))) return side;
-  return side ? fail(Errc::bad_value, "--network: " + in_quotes(*side) + " is no interface and no address",
-                     "ip address lists them")
-              : side;
-}
-
 Result<NewNode> new_node_of(const Arguments& arguments) {
   NewNode node;
   auto id = wanted(arguments, "--robot", "the robot's name in the fleet");
@@ -117,8 +103,9 @@ void print_next_steps(const NewNode& node, const std::string& dir) {
   print_line("next:");
   print_line("  the robot needs     " + std::string(node.kind.prepare));
   print_line("  what it can do      " + robot + ", then trb robot check " + robot);
-  print_line("  its certificate     where the authority's folder is: trb fleet sign FLEET_DIR " + dir +
-             "/keys/request.json");
+  print_line("  its certificate     where the authority's folder is: trb fleet invite FLEET_DIR " + node.id +
+             "; here: trb node join " + dir + " CODE");
+  print_line("                      (or copy files: trb fleet sign FLEET_DIR " + dir + "/keys/request.json)");
   print_line("  try and start it    trb check " + dir + "; trb up " + dir);
 }
 
@@ -141,6 +128,21 @@ int run_new(const Arguments& arguments) {
 }
 
 }  // namespace
+
+Result<std::string> fleet_side_of(const Arguments& arguments, const std::string& robot_side) {
+  std::vector<std::string> known = networks(robot_side);
+  if (known.empty()) known = networks({});  // one network for both
+  const std::string only = known.size() == 1 ? known.front() : "";
+  auto side = wanted(arguments, "--network",
+                     "this computer's interface or address on the fleet's network (there are " +
+                         (known.empty() ? "none now" : join(known)) + ")",
+                     only);
+  if (side && is_ipv6(*side)) return side;
+  if (side && (is_ipv4(*side) || is_valid_id(*side))) return side;
+  return side ? fail(Errc::bad_value, "--network: " + in_quotes(*side) + " is no interface and no address",
+                     "ip address lists them")
+              : side;
+}
 
 std::vector<Command> node_new_commands() {
   return {

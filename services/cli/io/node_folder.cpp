@@ -51,19 +51,22 @@ Status copy_examples(const std::string& config, const std::vector<std::string>& 
   return Done{};
 }
 
-/// Beside it first: whoever stops this half way finds no half folder.
-Status make_node_folder(const NewNode& node, const std::string& dir, const std::string& config) {
+Status make_whole_folder(const std::string& dir, const std::function<Status(const std::string& making)>& write) {
   std::error_code problem;
   if (fs::exists(dir, problem) && !fs::is_empty(dir, problem))
     return fail(Errc::conflict, dir + " is there already, with files in it", "name a new folder");
   const std::string making = dir + ".making";
   fs::remove_all(making, problem);
-  Status written = write_folder(node, making, config);
+  Status written = write(making);
   if (written) fs::rename(making, dir, problem);
   if (written && problem)
     written = fail(Errc::io_error, dir + ": " + problem.message(), "name a folder in one that you may write");
   if (!written) fs::remove_all(making, problem);
   return written;
+}
+
+Status make_node_folder(const NewNode& node, const std::string& dir, const std::string& config) {
+  return make_whole_folder(dir, [&](const std::string& making) { return write_folder(node, making, config); });
 }
 
 }  // namespace trb::cli

@@ -1,6 +1,7 @@
 // A new node's folder, made from the shipped examples: whole or not at all.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,10 @@ Result<std::string> config_dir();
 
 /// These files of the folder of examples, under the same names. Errors: missing, io_error.
 Status copy_examples(const std::string& config, const std::vector<std::string>& names, const std::string& dir);
+
+/// Makes the folder beside itself first: whoever stops this half way finds no half folder. Errors: conflict (it has
+/// files), io_error, those of `write`; then nothing is left of it.
+Status make_whole_folder(const std::string& dir, const std::function<Status(const std::string& making)>& write);
 
 /// A robot's node with its keys, in a folder that is not there yet or empty. Errors: conflict (it has files), missing,
 /// io_error; then nothing is left of it.

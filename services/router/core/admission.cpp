@@ -13,6 +13,7 @@ bool Admission::admit(BytesView key, Now now, Effects& out) {
   if (key == node_.config().own.link_key.bytes || trust_.refuse_revoked_key(key, now, out)) return false;
   // A revoked node knows that its Hello is refused; one whose certificate only ended may be brought its renewal.
   if (trust_.own_revocation() != nullptr) return false;
+  if (invited_.contains(key)) return true;
   if (const auto at = noisy_.find(key); at != noisy_.end() && now.mono < at->second) {
     out.count("refused.noisy_key");
     return false;
@@ -50,6 +51,16 @@ void Admission::settle(BytesView key) {
 void Admission::deny(BytesView key, MonotonicTime now) {
   settle(key);
   if (denied_.size() < kMaxDenied) denied_[Bytes(key)] = now + node_.config().timing.denied;
+}
+
+void Admission::invite(BytesView key) {
+  settle(key);
+  if (const auto at = denied_.find(key); at != denied_.end()) denied_.erase(at);
+  invited_.emplace(key);
+}
+
+void Admission::withdraw(BytesView key) {
+  if (const auto at = invited_.find(key); at != invited_.end()) invited_.erase(at);
 }
 
 void Admission::silence(BytesView key, MonotonicTime now) {

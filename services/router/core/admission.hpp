@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <set>
 
 #include "services/router/core/trust_store.hpp"
 
@@ -16,6 +17,7 @@ namespace trb::router {
 /// candidate | 2 s (expired)                             | denied for 10 s
 /// member    | connects                                  | member, admitted
 /// member    | sends Hello too often                     | noisy: out for 10 s
+/// any       | an invitation names it                    | invited: admitted until that is over
 /// any       | is revoked                                | refused while it is on the list
 class Admission {
  public:
@@ -28,6 +30,9 @@ class Admission {
   /// The key is no longer a candidate.
   void settle(BytesView key);
   void deny(BytesView key, MonotonicTime now);
+  /// The key that a code gives may connect: no crowd of strangers keeps it out.
+  void invite(BytesView key);
+  void withdraw(BytesView key);
   /// Keeps a member's key out for a while.
   void silence(BytesView key, MonotonicTime now);
 
@@ -44,6 +49,7 @@ class Admission {
   Keys candidates_;  ///< until when a Hello must have come
   Keys denied_;      ///< until when it stays out
   Keys noisy_;       ///< members', until when they stay out
+  std::set<Bytes, std::less<>> invited_;
 };
 
 }  // namespace trb::router

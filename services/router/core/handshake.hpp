@@ -56,6 +56,8 @@ class Handshake {
                         Effects& out);
   /// The first message of a connection is not valid: it is answered by a Goodbye.
   void refuse(LinkId link, BytesView key, const Error& error, Now now, Effects& out);
+  /// The last word to the connection whose message is being handled; it has no link.
+  void say(LinkId link, const Body& body, Effects& out, std::uint8_t version = kWireVersion);
 
  private:
   void send_hello(Link& link, Now now, Effects& out);
@@ -75,7 +77,6 @@ class Handshake {
   [[nodiscard]] bool is_in_doubt(const Link& link, const Peer& peer) const;
   bool settle_double(const Link& link, Peer& peer, Now now, Effects& out);
   static void note(const Link& link, Peer& peer, const Hello& hello);
-  void say(LinkId link, const Body& body, Effects& out, std::uint8_t version = kWireVersion);
 
   const LocalNode& node_;
   PeerTable& table_;

@@ -42,10 +42,22 @@ void LinkInbox::on_carried(const Carried& carried, Now now, Effects& out) {
 
 void LinkInbox::on_early_message(LinkId id, BytesView key, const Message& message, Now now, Effects& out) {
   if (const Link* link = at_.table.link(id)) return on_dialled_message(*link, message, now, out);
+  if (message.subtype == JoinCall::kSubtype && at_.invitations.is_invited(key))
+    return on_join_call(id, key, message, now, out);
   // A member's message may have been under way when its link was closed; a stranger's first message must be Hello.
   if (at_.table.by_key(key) != nullptr) return out.count("dropped.closed_link");
   at_.handshake.refuse(
       id, key, fail(Errc::unknown_peer_key, "a connection without a certificate sent " + message.subtype), now, out);
+}
+
+/// A node that has a code: it proves only that, and gets the one answer.
+void LinkInbox::on_join_call(LinkId id, BytesView key, const Message& message, Now now, Effects& out) {
+  const auto call = decode<JoinCall>(message.data);
+  const auto answer = call ? at_.invitations.call(key, *call, now, out) : Result<JoinAnswer>(call.error());
+  if (answer) return at_.handshake.say(id, *answer, out);
+  const std::string code(errc_name(answer.error().code));
+  out.count("refused.join_" + code);
+  at_.handshake.say(id, Goodbye{code}, out);
 }
 
 /// A dialled node sent something else than Hello: it refuses the link.
@@ -94,10 +106,18 @@ void LinkInbox::on_goodbye(const Link& link, const Goodbye& goodbye, Now now, Ef
 }
 
 void LinkInbox::on_request(const Link& link, const Message& message, Now now, Effects& out) {
-  const auto body = at_.answers.to_peer(*at_.table.find(link.peer), message, now);
+  const auto body = answer_to(*at_.table.find(link.peer), message, now, out);
   if (body) return answer(link, message, *body, out);
-  const bool full = body.error().code == Errc::queue_full;
-  deny(link, message, full ? body.error() : fail(Errc::not_permitted, body.error().what), out);
+  const bool named = body.error().code == Errc::queue_full || message.subtype == HoldInvitation::kSubtype;
+  deny(link, message, named ? body.error() : fail(Errc::not_permitted, body.error().what), out);
+}
+
+Result<Body> LinkInbox::answer_to(Peer& peer, const Message& message, Now now, Effects& out) {
+  if (message.subtype != HoldInvitation::kSubtype) return at_.answers.to_peer(peer, message, now);
+  const auto order = decode<HoldInvitation>(message.data);
+  if (!order) return order.error();
+  auto state = at_.invitations.hold(*order, now, out);
+  return state ? Result<Body>(Body{std::move(*state)}) : Result<Body>(state.error());
 }
 
 void LinkInbox::answer(const Link& link, const Message& request, const Body& body, Effects& out) {
@@ -167,7 +187,7 @@ void LinkInbox::deliver_relayed(Peer& source, BytesView frame, Now now, Effects&
 }
 
 void LinkInbox::answer_relayed(Peer& peer, const Message& request, Now now, Effects& out) {
-  const auto body = at_.answers.to_peer(peer, request, now);
+  const auto body = answer_to(peer, request, now, out);
   if (!body) return out.count("refused." + std::string(errc_name(body.error().code)));
   const auto message = at_.messages.make(peer.id, request.id, *body, out);
   if (!message) return;

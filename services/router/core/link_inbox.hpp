@@ -3,6 +3,7 @@
 
 #include "services/router/core/answers.hpp"
 #include "services/router/core/handshake.hpp"
+#include "services/router/core/invitations.hpp"
 #include "services/router/core/known_addresses.hpp"
 #include "services/router/core/lane_table.hpp"
 #include "services/router/core/reachable_peers.hpp"
@@ -29,12 +30,14 @@ struct LinkParts {
   RelayRoutes& relays;
   ReachablePeers& reachable;
   Answers& answers;
+  Invitations& invitations;
   MessageRouting& routing;
 };
 
 /// first message        | of                        | what follows
 /// ---------------------|---------------------------|---------------------------------------------------------------
 /// Hello                | any connection            | Handshake
+/// JoinCall             | an invited key            | Invitations: the answer is its last word
 /// another (invalid)    | a stranger                | refused: its first message must be Hello
 /// another              | a member, link just closed | dropped.closed_link
 /// TrustUpdate          | a link that is dialled    | a trust update: this node may need it to come back
@@ -51,11 +54,13 @@ class LinkInbox {
 
  private:
   void on_early_message(LinkId link, BytesView key, const Message& message, Now now, Effects& out);
+  void on_join_call(LinkId link, BytesView key, const Message& message, Now now, Effects& out);
   void on_dialled_message(const Link& link, const Message& message, Now now, Effects& out);
   void on_peer_message(Link& link, const Message& message, Now now, Effects& out);
   void on_body(Link& link, const Message& message, const Body& body, Now now, Effects& out);
   void on_goodbye(const Link& link, const Goodbye& goodbye, Now now, Effects& out);
   void on_request(const Link& link, const Message& message, Now now, Effects& out);
+  Result<Body> answer_to(Peer& peer, const Message& message, Now now, Effects& out);
   void on_profile(Peer& peer, BytesView data, Now now, Effects& out);
   void on_relayed(const Link& link, const Message& message, const Relayed& body, Now now, Effects& out);
   void deliver_relayed(Peer& source, BytesView frame, Now now, Effects& out);

@@ -10,6 +10,7 @@
 #include "services/router/core/beacons.hpp"
 #include "services/router/core/forwarding.hpp"
 #include "services/router/core/handshake.hpp"
+#include "services/router/core/invitations.hpp"
 #include "services/router/core/known_addresses.hpp"
 #include "services/router/core/lane_table.hpp"
 #include "services/router/core/link_inbox.hpp"
@@ -75,6 +76,7 @@ class RouterCore final : private LinkWatcher {
   ReachablePeers reachable_{node_, table_, messages_};
   TrustStore trust_{node_, table_, errors_};
   Admission admission_{node_, table_, trust_};
+  Invitations invitations_{node_, admission_};
   Links links_{node_, table_, messages_, seals_, errors_, bus_, trust_, *this};
   Beacons beacons_{node_, table_, trust_, links_, errors_};
   Membership membership_{node_, table_, trust_, links_, beacons_, admission_, errors_};

@@ -13,6 +13,7 @@ constexpr std::string_view kOwnSubtypes[] = {
     TrustUpdate::kSubtype,
     Goodbye::kSubtype,
     Hello::kSubtype,
+    HoldInvitation::kSubtype,
     KeepAlive::kSubtype,
     LinkErrorTableRequest::kSubtype,
     ReachablePeerList::kSubtype,
