@@ -38,6 +38,7 @@ struct Command {
   GROUP(model)                    \
   GROUP(simulate)                 \
   GROUP(robot_check)              \
+  GROUP(robot_try)                \
   GROUP(robot_conform)            \
   GROUP(sensor)                   \
   GROUP(alert)                    \

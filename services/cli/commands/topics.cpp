@@ -30,9 +30,12 @@ services/router/README.md.
     {"fleet",
      R"(A fleet is what one authority's key has signed. To add a node:
 
-  1. on the node:            trb fleet request NODE_DIR
-  2. where the authority is: trb fleet sign FLEET_DIR request.json
-  3. on the node:            put certificate.json into NODE_DIR/keys, then trb up NODE_DIR
+  1. on the node:            trb node new NODE_DIR
+  2. where the authority is: trb fleet invite FLEET_DIR NAME --via NODE_DIR_THERE   (prints a code, and waits)
+  3. on the node:            trb node join NODE_DIR CODE, then trb up NODE_DIR, trb robot try NAME
+
+Without a cloud node that is up, as for the first one: trb fleet request NODE_DIR, trb fleet sign FLEET_DIR request.json,
+put certificate.json into NODE_DIR/keys.
 
 The secret keys never leave the node; the authority's folder is on no node.
 
