@@ -124,6 +124,14 @@ def add_node(root, case):
     root.write("node/sensors/vm-tags.json", json.dumps(TAGS))
 
 
+def pack(root, image):
+    """The folder as an initramfs."""
+    with open(image, "wb") as file:
+        subprocess.run(["cpio", "-o", "-H", "newc", "--quiet"], cwd=root.path, input=run("find", ".", cwd=root.path).encode(),
+                       stdout=file, check=True)
+    return image
+
+
 def make(folder, version, case):
     """Writes the initramfs into the folder; its temporary files are removed with `case`."""
     root = Root(folder / "root")
@@ -141,8 +149,4 @@ def make(folder, version, case):
     root.write("etc/bus.conf", BUS)
     root.write("init", INIT, 0o755)
     add_node(root, case)
-    image = folder / "initramfs"
-    with open(image, "wb") as file:
-        subprocess.run(["cpio", "-o", "-H", "newc", "--quiet"], cwd=root.path, input=run("find", ".", cwd=root.path).encode(),
-                       stdout=file, check=True)
-    return image
+    return pack(root, folder / "initramfs")

@@ -33,22 +33,27 @@ class Lines:
 
 
 class Machine:
-    def __init__(self, folder, vmlinuz, image):
+    def __init__(self, folder, vmlinuz, image, disks=(), memory_mb=512, words="rdinit=/init", clock="utc"):
+        """disks: files, /dev/vda first; words: for the kernel; clock: what the machine believes at its start."""
         self.folder = folder
         self.count = 0
         self.log = folder / "console.log"
         self.events = []
         listeners = {name: self.listen(name) for name in ("qmp", "orders")}
-        command = ["qemu-system-x86_64", "-accel", "tcg", "-cpu", "max,la57=off", "-m", "512", "-display", "none", "-no-reboot",
-                   "-nodefaults", "-kernel", vmlinuz, "-initrd", image, "-append", "console=ttyS0 quiet panic=-1 mitigations=off rdinit=/init",
+        command = ["qemu-system-x86_64", "-accel", "tcg", "-cpu", "max,la57=off", "-m", str(memory_mb), "-display", "none", "-no-reboot",
+                   "-nodefaults", "-kernel", vmlinuz, "-initrd", image, "-append", f"console=ttyS0 quiet panic=-1 mitigations=off no_timer_check {words}", "-rtc", f"base={clock}",
                    "-device", "qemu-xhci,id=usb", "-serial", f"file:{self.log}", "-chardev", f"socket,id=orders,path={folder / 'orders'}",
                    "-serial", "chardev:orders", "-qmp", f"unix:{folder / 'qmp'}"]
+        # What the machine has written outlives its end; it need not reach our disk.
+        for disk in disks:
+            command += ["-drive", f"file={disk},format=raw,if=virtio,cache=unsafe"]
         self.child = subprocess.Popen([str(word) for word in command], stdin=subprocess.DEVNULL, preexec_fn=trb_fleet.end_with_parent)
         self.qmp, self.orders = (Lines(self.accept(listeners[name])) for name in ("qmp", "orders"))
         self.monitor("qmp_capabilities")
 
     def listen(self, name):
         listener = socket.socket(socket.AF_UNIX)
+        (self.folder / name).unlink(missing_ok=True)  # of a machine before it
         listener.bind(str(self.folder / name))
         listener.listen(1)
         listener.settimeout(20)
