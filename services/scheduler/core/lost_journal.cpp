@@ -15,7 +15,7 @@ void LostJournal::tick(const std::string& node, Now now, Outbox& out) {
   what.text = "its scheduler's journal was lost: nobody knows what of its tasks was done; look at the robot";
   what.since = now.utc.ns;
   what.by = "scheduler";
-  out.command(node, TakeOutOfUse{what});
+  out.command(node, TakeOutOfUse{what}, 0);  // its Ack ends this
 }
 
 void LostJournal::close(Now now, Outbox& out) {

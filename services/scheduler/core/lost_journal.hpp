@@ -16,9 +16,14 @@ namespace trb::scheduler {
 /// | restart | as the journal says | as the journal says | nothing |
 class LostJournal {
  public:
-  void restore(const JournalLost& fact) { open_ = !fact.over; }
+  void restore(const JournalLost& fact) {
+    open_ = !fact.over;
+    has_been_ = true;
+  }
   /// Nothing may be begun yet.
   [[nodiscard]] bool open() const { return open_; }
+  /// At any time: what others say is final may have been done here, without a record of it.
+  [[nodiscard]] bool has_been() const { return has_been_; }
   void tick(const std::string& node, Now now, Outbox& out);
   /// The robot is out of use, or there is none.
   void close(Now now, Outbox& out);
@@ -26,6 +31,7 @@ class LostJournal {
 
  private:
   bool open_ = false;
+  bool has_been_ = false;
   MonotonicTime next_{};
 };
 

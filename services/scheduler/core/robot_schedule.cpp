@@ -156,9 +156,23 @@ void RobotSchedule::start_next(Step step) {
   }
 }
 
+/// Without its journal this node does not know what it has done: the run's decider has the results. It is asked for all
+/// of this node's tasks at once: whichever of its answers has none is about each of them.
+bool RobotSchedule::is_surely_new(Run& run, TaskIndex task) const {
+  if (!lost_.has_been() || run.epochs().judges_here()) return true;
+  PendingRequests& requests = run.work().requests();
+  const std::string& decider = run.definition().rule().decider();
+  if (requests.holds_none(decider, task)) return true;
+  for (const TaskIndex own : run.epochs().own_tasks()) {
+    if (run.facts().current(own) == nullptr) requests.need_result(own, decider);
+  }
+  return false;
+}
+
 bool RobotSchedule::start_of(Run& run, Step step) {
   for (const TaskIndex task : run.open_tasks().startable()) {
     if (run.work().timers().waits(task)) continue;
+    if (!is_surely_new(run, task)) continue;
     if (executor_.obstacle(run.tasks()[task].skill).empty()) {
       start(run, task, step);
       return true;

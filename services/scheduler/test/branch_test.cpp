@@ -314,6 +314,36 @@ TEST_CASE("after its journal is lost a robot begins nothing before somebody has 
   CHECK(story.adapter("ur3").begun.size() == 3);
 }
 
+TEST_CASE("what a lost journal held is not done again if the run's decider has its result, also after a restart") {
+  BranchStory story({named_task("grip", "ur3", {}), named_task("fly", "drone", {0}), named_task("pack", "ur3", {1}),
+                     named_task("look", "ur3", {1})});
+  story.adapter("drone").skill_time = seconds(10);
+  REQUIRE(story.fleet.until([&] { return story.adapter("drone").begun.size() == 1; }));
+  story.fleet.stop("ur3");
+  story.fleet["ur3"].journal = {JournalLost{story.fleet.now().utc.ns, true}};
+  story.fleet.start("ur3");
+  REQUIRE(story.fleet.until([&] { return story.adapter("ur3").begun.size() == 2; }, seconds(60)));
+  story.fleet.stop("ur3");
+  story.fleet.start("ur3");
+  CHECK(story.ends(RunState::finished));
+  CHECK(story.adapter("ur3").begun.size() == 3);
+}
+
+TEST_CASE("after its journal is lost a robot does not begin what its run's decider cannot be asked about") {
+  BranchStory story({named_task("grip", "ur3", {}), named_task("fly", "drone", {0}), named_task("pack", "ur3", {1})});
+  story.adapter("drone").skill_time = seconds(10);
+  REQUIRE(story.fleet.until([&] { return story.adapter("drone").begun.size() == 1; }));
+  story.fleet.stop("ur3");
+  story.fleet["ur3"].journal = {JournalLost{story.fleet.now().utc.ns, true}};
+  story.fleet.stop("cloud");
+  story.fleet.start("ur3");
+  story.fleet.pass(seconds(60));
+  CHECK(story.adapter("ur3").begun.size() == 1);
+  story.fleet.start("cloud");
+  CHECK(story.ends(RunState::finished));
+  CHECK(story.adapter("ur3").begun.size() == 2);
+}
+
 TEST_CASE("a robot begins nothing that needs what is out of use, and the rest goes on") {
   BranchStory story;
   story.adapter("ur3").skills = {{"grip", "hands", false}, {"look", "eyes", false}};

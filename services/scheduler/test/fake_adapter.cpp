@@ -13,7 +13,7 @@ void FakeAdapter::hear(const Inbound& message, MonotonicTime now) {
   if (const auto* is = get_if<CancelExecution>(&message.body)) cancel(is->key, now);
   if (const auto* is = get_if<TakeOutOfUse>(&message.body)) {
     out_of_use.push_back(is->what);
-    said_.push_back({message.id, Ack{"out_of_use", ""}});
+    if (message.wants_answer()) said_.push_back({message.id, Ack{"out_of_use", ""}});
     tell_state();
   }
 }

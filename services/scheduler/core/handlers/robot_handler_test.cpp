@@ -157,12 +157,18 @@ TEST_CASE("what a peer refuses as expired is owed on, unless the run is over her
   CHECK_FALSE(pending.owes(DeliveryKind::results, "cloud"));
 }
 
-TEST_CASE("a journal that was lost keeps the robot from beginning until it is out of use") {
+TEST_CASE(
+    "a journal that was lost keeps the robot from beginning until it is out of use, and the decider has no result") {
   Working working;
   working.lost.restore({1, false});
   working.tell_online();
   CHECK(sent<Execute>(working.at_end_of_step()).empty());
   const Outbox out = working.known.send(working.robot, "ur3", Ack{"out_of_use", ""}, MessageType::information);
   CHECK(out.journal.size() == 1);
+  CHECK(sent<Execute>(working.at_end_of_step()).empty());
+  PendingRequests& requests = working.known.run().work().requests();
+  const std::string& decider = working.known.run().definition().rule().decider();
+  CHECK(requests.take_due_results(working.known.now.mono).at(decider) == std::vector<TaskIndex>{0});
+  requests.drop_results_of(decider);
   CHECK(sent<Execute>(working.at_end_of_step()).size() == 1);
 }

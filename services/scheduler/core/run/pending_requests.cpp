@@ -3,6 +3,9 @@
 namespace trb::scheduler {
 
 void PendingRequests::drop_results_of(const std::string& giver) {
+  for (const auto& [task, need] : results_) {
+    if (need.giver == giver) none_.insert({giver, task});
+  }
   std::erase_if(results_, [&](const auto& need) { return need.second.giver == giver; });
 }
 

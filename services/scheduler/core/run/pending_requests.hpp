@@ -17,10 +17,14 @@ class PendingRequests {
   /// A result that this node's next tasks need, and which `giver` should hold. The first giver stays.
   void need_result(TaskIndex task, const std::string& giver) { results_.try_emplace(task, Need{giver}); }
   void drop_result(TaskIndex task) { results_.erase(task); }
-  /// That giver does not hold what its baton spoke of.
+  /// That giver does not hold what it was asked for.
   void drop_results_of(const std::string& giver);
   void drop_results() { results_.clear(); }
   [[nodiscard]] bool needs_results() const { return !results_.empty(); }
+  /// It has answered that it has no result of the task.
+  [[nodiscard]] bool holds_none(const std::string& giver, TaskIndex task) const {
+    return none_.contains({giver, task});
+  }
   /// The results to be requested now, by giver; they count as requested.
   std::map<std::string, std::vector<TaskIndex>> take_due_results(MonotonicTime now);
 
@@ -42,6 +46,7 @@ class PendingRequests {
     ResendTimer timer = resend_timer();
   };
   std::map<TaskIndex, Need> results_;
+  std::set<std::pair<std::string, TaskIndex>> none_;
   std::set<std::string> decisions_;
   Pace end_;
 };

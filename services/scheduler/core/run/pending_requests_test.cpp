@@ -17,7 +17,10 @@ TEST_CASE("results are asked of whoever was first said to hold them, with back-o
   CHECK(first.at("pioneer") == std::vector<TaskIndex>{2});
   CHECK(requests.take_due_results(at(0.1).mono).empty());
   CHECK(requests.take_due_results(at(0.2).mono).size() == 2);
+  CHECK_FALSE(requests.holds_none("pioneer", 2));
   requests.drop_results_of("pioneer");
+  CHECK(requests.holds_none("pioneer", 2));
+  CHECK_FALSE(requests.holds_none("pioneer", 1));
   CHECK(requests.take_due_results(at(10).mono).size() == 1);
   requests.drop_result(1);
   CHECK_FALSE(requests.needs_results());
