@@ -7,7 +7,6 @@
 #include "common/base/hex.hpp"
 #include "common/base/ids.hpp"
 #include "common/security/issued.hpp"
-#include "common/security/raw.hpp"
 #include "proto/body.hpp"
 #include "proto/value.hpp"
 
@@ -23,26 +22,12 @@ std::string fleet_path(const std::string& dir) {
   return dir + "/fleet.json";
 }
 
-Result<Bytes> stretch(const std::string& passphrase, BytesView salt) {
-  Bytes key(crypto_secretbox_KEYBYTES, '\0');
-  if (crypto_pwhash(raw(key), key.size(), passphrase.data(), passphrase.size(), raw(salt),
-                    crypto_pwhash_OPSLIMIT_MODERATE, crypto_pwhash_MEMLIMIT_INTERACTIVE,
-                    crypto_pwhash_ALG_ARGON2ID13) != 0) {
-    return fail(Errc::io_error, "not enough memory to stretch the passphrase");
-  }
-  return key;
-}
-
 Status lock_secrets(const std::string& dir, const Authority& authority, const std::string& passphrase) {
-  const Bytes salt = random_bytes(crypto_pwhash_SALTBYTES);
-  auto key = stretch(passphrase, salt);
-  if (!key) return key.error();
-  const Bytes nonce = random_bytes(crypto_secretbox_NONCEBYTES);
   Bytes plain = authority.key.secret_key + authority.beacon.secret;
-  Bytes box(plain.size() + crypto_secretbox_MACBYTES, '\0');
-  crypto_secretbox_easy(raw(box), raw(plain), plain.size(), raw(nonce), raw(*key));
+  auto box = lock_with_passphrase(plain, passphrase);
   sodium_memzero(plain.data(), plain.size());
-  return write_file(key_path(dir), to_hex(salt + nonce + box) + "\n", 0600);
+  if (!box) return box.error();
+  return write_file(key_path(dir), to_hex(*box) + "\n", 0600);
 }
 
 Result<Bytes> unlock_secrets(const std::string& dir, const std::string& passphrase) {
@@ -55,14 +40,9 @@ Result<Bytes> unlock_secrets(const std::string& dir, const std::string& passphra
   auto text = read_file(path, 4096);
   if (!text) return text.error();
   auto bytes = from_hex(std::string_view(*text).substr(0, text->find('\n')));
-  constexpr std::size_t kHead = crypto_pwhash_SALTBYTES + crypto_secretbox_NONCEBYTES;
-  if (!bytes || bytes->size() != kHead + kSecretsSize + crypto_secretbox_MACBYTES)
-    return fail(Errc::malformed, path + ": damaged");
-  auto key = stretch(passphrase, BytesView(*bytes).substr(0, crypto_pwhash_SALTBYTES));
-  if (!key) return key.error();
-  Bytes plain(kSecretsSize, '\0');
-  if (crypto_secretbox_open_easy(raw(plain), raw(BytesView(*bytes).substr(kHead)), bytes->size() - kHead,
-                                 raw(BytesView(*bytes).substr(crypto_pwhash_SALTBYTES)), raw(*key)) != 0) {
+  if (!bytes || bytes->size() != kSecretsSize + kPassphraseBoxExtra) return fail(Errc::malformed, path + ": damaged");
+  auto plain = open_with_passphrase(*bytes, passphrase, path);
+  if (!plain && plain.error().code == Errc::not_permitted) {
     return fail(Errc::not_permitted, path + ": the passphrase is wrong",
                 "try again, or see README.md: The authority's key is lost");
   }

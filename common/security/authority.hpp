@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/security/certificate_file.hpp"
+#include "common/security/passphrase_box.hpp"
 #include "proto/bodies/link.hpp"
 
 namespace trb {
@@ -19,8 +20,6 @@ struct Authority {
   SignedRecord revocations;         ///< the newest list; an empty kind for none
   RevocationList list;              ///< its content
 };
-
-constexpr std::size_t kMinPassphrase = 12;
 
 /// May the node carry messages between members that cannot reach each other? By its role: a cloud may.
 enum class RelayRight : unsigned char { by_role, yes, no };

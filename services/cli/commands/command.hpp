@@ -21,6 +21,7 @@ struct Command {
   GROUP(node_new)                 \
   GROUP(node_join)                \
   GROUP(demo)                     \
+  GROUP(node_backup)              \
   GROUP(message)                  \
   GROUP(list)                     \
   GROUP(fault)                    \

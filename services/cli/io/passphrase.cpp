@@ -28,7 +28,7 @@ std::string ask_passphrase(const std::string& prompt) {
 
 }  // namespace
 
-Result<std::string> ask_for_passphrase(const Arguments& arguments, bool fresh) {
+Result<std::string> ask_for_passphrase(const Arguments& arguments, bool fresh, const std::string& what) {
   if (arguments.has("--passphrase-file")) {
     auto text = read_file(arguments.get("--passphrase-file"), 4096);
     if (!text) return fail(text.error().code, text.error().what, "name a file whose first line is the passphrase");
@@ -39,7 +39,7 @@ Result<std::string> ask_for_passphrase(const Arguments& arguments, bool fresh) {
     return fail(Errc::missing, "no passphrase",
                 "give --passphrase-file FILE, or set TRB_PASSPHRASE, or use a terminal");
   }
-  std::string first = ask_passphrase("passphrase of the fleet's authority");
+  std::string first = ask_passphrase(what);
   if (fresh && ask_passphrase("once more") != first)
     return fail(Errc::bad_value, "the two passphrases differ", "try again");
   return first;

@@ -1,0 +1,179 @@
+"""A node put on a new PC from a backup, also from one that is too old: peers take it, and nothing is done twice.
+
+Addresses 127.0.252.x, 127.0.253.x.
+"""
+import json
+import pathlib
+import shutil
+import signal
+import stat
+import unittest
+
+import gateway_case
+import support
+import trb_fleet
+from gateway_case import ADMIN
+from trb_fleet import CLOUD
+
+ROBOT, OTHER = "ridgeback", "pioneer1"
+TASKS = [{"id": "first", "robot": ROBOT, "skill": "load_out"},
+         {"id": "away", "robot": OTHER, "skill": "go_to", "data": {"place": "dock"}, "after": ["first"]},
+         {"id": "last", "robot": ROBOT, "skill": "go_to", "data": {"place": "dock"}, "after": ["away"]}]
+
+
+def has_processes(folder):
+    for path in pathlib.Path("/proc").glob("[0-9]*/cmdline"):
+        try:
+            if str(folder).encode() in path.read_bytes():
+                return True
+        except OSError:
+            pass  # it has just ended
+    return False
+
+
+def lose(fleet, node):
+    """The node's folder goes, once the last of its processes has ended."""
+    fleet.wait("its processes end", lambda: not has_processes(fleet.dir(node)), 20)
+    shutil.rmtree(fleet.dir(node))
+
+
+class Backup(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        robots = {name: trb_fleet.ROBOTS[name] for name in (ROBOT, OTHER)}
+        cls.fleet = support.make_fleet(cls, block=252, udp_port=50252, robots=robots, speed=5)
+        cls.folder = support.temporary_folder(cls)
+        cls.fleet.start()
+        cls.fleet.wait_formed()
+
+    def backup(self, node, file, **more):
+        return self.fleet.trb("node", "backup", self.fleet.dir(node), file, **more)
+
+    def restore(self, file, folder, **more):
+        return self.fleet.trb("node", "restore", file, folder, **more)
+
+    def stop_node(self, node, how=signal.SIGTERM):
+        self.fleet.nodes.pop(node).stop(how)
+
+    def start_node(self, node):
+        self.fleet.start_node(node)
+        self.fleet.nodes[node].wait_line("ready", 30)
+        self.fleet.wait_formed(30)
+
+    def boot(self, folder):
+        return int((folder / "state" / "boot").read_text())
+
+    def times_begun(self, skill):
+        self.fleet.pump()
+        return sum(line.split()[:2] == ["start", skill] for line in self.fleet.virtual[ROBOT].lines)
+
+    def task(self, run, name):
+        shown = self.fleet.json("run", "show", run, node=CLOUD)
+        return next(task for task in shown["tasks"] if task["id"] == name)
+
+    def wait_task(self, run, name, state):
+        self.fleet.wait(f"{name} {state}", lambda: self.task(run, name)["state"] == state, 60)
+
+    def out_of_use(self):
+        routes = self.fleet.json("route", "list", node=CLOUD)["routes"]
+        return next(route for route in routes if route["id"] == ROBOT)["profile"]["out_of_use"]
+
+    def release(self, robot):
+        self.fleet.trb("release", robot, node=CLOUD)
+
+    def test_a_restore_that_is_too_old(self):
+        file = self.folder / "ridgeback.backup"
+        refused = self.backup(ROBOT, file, check=False)
+        self.assertIn("is up: its router answers", refused.stderr)
+        self.stop_node(ROBOT)
+        self.backup(ROBOT, file)
+        self.assertEqual(stat.S_IMODE(file.stat().st_mode), 0o600)
+        self.start_node(ROBOT)
+
+        # What the backup does not know: a certificate, a list of revocations, further starts, half of a run.
+        old = self.serial_of(self.fleet.dir(ROBOT))
+        self.fleet.trb("fleet", "renew", self.fleet.authority_dir(), ROBOT, "--via", self.fleet.dir(CLOUD))
+        self.fleet.wait("it is renewed", lambda: self.serial_of(self.fleet.dir(ROBOT)) != old, 30)
+        serial = self.serial_of(self.fleet.dir(ROBOT))
+        self.fleet.trb("stop", OTHER, node=CLOUD)
+        path = self.folder / "s.json"
+        path.write_text(json.dumps({"name": "s", "tasks": TASKS}))
+        run = self.fleet.json("scenario", "run", path, node=CLOUD)["run"]
+        self.wait_task(run, "first", "FINISHED")
+        before = self.boot(self.fleet.dir(ROBOT))
+
+        # Its PC is lost; what was kept goes onto a new one.
+        self.stop_node(ROBOT, signal.SIGKILL)
+        lose(self.fleet, ROBOT)
+        self.assertIn("made ", self.restore(file, self.fleet.dir(ROBOT)).stdout)
+        self.assertEqual(self.serial_of(self.fleet.dir(ROBOT)), old)
+        self.start_node(ROBOT)
+        self.assertGreater(self.boot(self.fleet.dir(ROBOT)), before)
+        self.fleet.wait("its newest certificate comes back", lambda: self.serial_of(self.fleet.dir(ROBOT)) == serial, 30)
+
+        # Nothing is begun before a person has looked: neither what was done, nor what is new to it.
+        self.fleet.wait("out of use", self.out_of_use, 30)
+        self.assertIn("journal was lost", self.out_of_use()[0]["text"])
+        self.release(OTHER)
+        self.wait_task(run, "away", "FINISHED")
+        self.assertEqual((self.times_begun("load_out"), self.times_begun("go_to")), (1, 0))
+        self.fleet.trb("robot", "repaired", ROBOT, node=CLOUD)
+        self.release(ROBOT)
+        self.wait_task(run, "last", "FINISHED")
+        self.fleet.wait("the run is over", lambda: self.fleet.json("run", "show", run, node=CLOUD)["state"] == "FINISHED", 60)
+        self.assertEqual((self.times_begun("load_out"), self.times_begun("go_to")), (1, 1))
+
+    def serial_of(self, folder):
+        shown = self.fleet.json("fleet", "show", folder / "keys" / "certificate.json")
+        return shown["serial"]
+
+    def test_what_is_no_backup_of_ours(self):
+        self.stop_node(OTHER)
+        self.addCleanup(self.start_node, OTHER)
+        file, folder = self.folder / "other.backup", self.folder / "restored"
+        self.backup(OTHER, file)
+        self.assertIn("is there already", self.backup(OTHER, file, check=False).stderr)
+        whole = file.read_bytes()
+        secret = bytes.fromhex((self.fleet.dir(OTHER) / "keys" / "link.key").read_text().strip())
+        self.assertNotIn(secret, whole)
+        self.assertNotIn(secret.hex().encode(), whole)
+        cases = {"damaged": whole[:-1] + bytes([whole[-1] ^ 1]), "wrong": whole[:200], "no backup": b"PK" + whole,
+                 "a newer trb": whole.replace(b"backup 1\n", b"backup 2\n")}
+        for said, content in cases.items():
+            with self.subTest(said):
+                bad = self.folder / "bad.backup"
+                bad.write_bytes(content)
+                self.assertIn(said, self.restore(bad, folder, check=False).stderr)
+                self.assertFalse(folder.exists())
+        self.assertIn("is there already", self.restore(file, self.fleet.dir(OTHER), check=False).stderr)
+        self.restore(file, folder)
+        self.assertEqual(stat.S_IMODE((folder / "keys" / "link.key").stat().st_mode), 0o600)
+        self.assertEqual(self.fleet.trb("check", folder).returncode, 0)
+        self.assertFalse((folder / "state" / "journal.db").exists())
+
+
+class Cloud(gateway_case.GatewayCase):
+    block, udp_port = 252, 50253
+
+    def test_nobody_is_signed_in_on_the_new_pc(self):
+        made = self.admin.ask("POST", "/api/v1/tokens", {"name": "shop", "role": "viewer", "days": 1})
+        self.assertEqual(made.status, 201, made.bytes)
+        token = made.json["secret"]
+        self.assertEqual(self.client(token).ask("GET", "/api/v1/robots").status, 200)
+        self.fleet.nodes.pop(CLOUD).stop(signal.SIGKILL)
+        file = support.temporary_folder(self) / "cloud.backup"
+        folder = self.fleet.dir(CLOUD)
+        self.fleet.wait("its router ends", lambda: self.fleet.trb("node", "backup", folder, file, check=False).returncode == 0, 20)
+        lose(self.fleet, CLOUD)
+        self.fleet.trb("node", "restore", file, folder)
+        self.fleet.start_node(CLOUD)
+        self.fleet.wait("the gateway is ready", self.is_ready, 30)
+        self.assertEqual(self.admin.ask("GET", "/api/v1/robots").status, 401)
+        self.assertEqual(self.client(token).ask("GET", "/api/v1/robots").status, 401)
+        self.assertEqual(self.admin.sign_in("admin", ADMIN).status, 201)
+        self.assertEqual(self.client().sign_in("olga", gateway_case.GOOD).status, 201)
+        self.fleet.wait("the robot is shown online", self.is_online, 30)
+
+
+if __name__ == "__main__":
+    support.main()
