@@ -9,6 +9,7 @@
 #include "common/config/cloud_file.hpp"
 #include "common/config/interfaces.hpp"
 #include "common/config/json_file.hpp"
+#include "common/config/metrics_file.hpp"
 #include "common/config/ports.hpp"
 #include "common/config/readers.hpp"
 #include "common/config/resilience_file.hpp"
@@ -46,6 +47,7 @@ class NodeChecker {
     read_sensor_files(out_.config.dir, out_.faults);
     read_resilience_file(out_.config.dir, out_.faults);
     read_cloud_file(out_.config.dir, out_.faults);
+    read_metrics_file(out_.config.dir, out_.faults);
     if (node.usable) keys(running);
     if (!out_.config.bus.empty()) check_bus_keys(out_.config.dir, bus_names(out_.config), out_.faults);
     if (!running) ports();

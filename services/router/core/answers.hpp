@@ -37,10 +37,10 @@ class Answers {
   static void charge(Peer& peer, const Message& request, const Message& answer);
   /// A page of the table: this node first, then the peers whose ids sort after `after`.
   [[nodiscard]] RouteTable route_table(Now now, const std::string& after = {}) const;
+  [[nodiscard]] ServiceTable service_table(Now now) const;
 
  private:
   [[nodiscard]] Route route_of(const Peer& peer, Now now) const;
-  [[nodiscard]] ServiceTable service_table(Now now) const;
   [[nodiscard]] ServiceEntry entry_of(const std::string& name, Now now) const;
 
   const LocalNode& node_;

@@ -4,6 +4,7 @@
 
 #include "common/security/keys.hpp"
 #include "common/transport/signals.hpp"
+#include "services/router/core/metrics_text.hpp"
 #include "services/router/io/own_frame.hpp"
 
 namespace trb::router {
@@ -30,7 +31,9 @@ RouterShell::RouterShell(RouterConfig config, const ShellOptions& options)
       seals_(shell_),
       beacons_(shell_, options.beacon_key, options.beacon_port),
       address_(shell_, inbox_, lanes_, beacons_, options),
-      files_(shell_, beacons_, {options.link_keys.public_key, options.link_keys.secret_key}) {}
+      files_(shell_, beacons_, {options.link_keys.public_key, options.link_keys.secret_key}),
+      metrics_at_(options.metrics),
+      metrics_(shell_.loop(), [this] { return metrics(); }) {}
 
 RouterConfig RouterShell::with_ports(RouterConfig config) const {
   config.random = random_u64;
@@ -40,7 +43,26 @@ RouterConfig RouterShell::with_ports(RouterConfig config) const {
 
 Status RouterShell::open() {
   if (Status bus = bus_.open(); !bus) return bus;
+  // To stop the robot there must be a router, whether or not it is watched.
+  if (const Status metrics = metrics_at_ ? metrics_.open(*metrics_at_) : Done{}; !metrics) {
+    log_event(Level::error, "no_metrics", metrics.error().text());
+  }
   return address_.open();
+}
+
+std::string RouterShell::metrics() {
+  const Now now = read_clocks();
+  const Answers& answers = core_.answers();
+  NodeMetrics is;
+  is.services = answers.service_table(now);
+  for (RouteTable page = answers.route_table(now); !take_page(page, is);) {
+    page = answers.route_table(now, page.routes.back().id);
+  }
+  if (const auto own = decode<Certificate>(is.own.certificate.payload.bytes)) {
+    is.certificate_ends_s = own->not_after / 1'000'000'000;
+  }
+  is.counters = core_.counters().table(core_.config().id);
+  return metrics_text(is);
 }
 
 bool RouterShell::admit(BytesView domain, BytesView key) {

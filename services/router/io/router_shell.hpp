@@ -7,6 +7,7 @@
 #include "services/router/core/router_core.hpp"
 #include "services/router/io/frame_forwarder.hpp"
 #include "services/router/io/local_address.hpp"
+#include "services/router/io/metrics_port.hpp"
 #include "services/router/io/seal_verifier.hpp"
 #include "services/router/io/trust_files.hpp"
 
@@ -45,6 +46,7 @@ class RouterShell {
   void carry_out(StoreUtc& store) { files_.store(store); }
   void carry_out(Log& line) { shell_.log(static_cast<Level>(line.level), line.event, line.text); }
   void report_unsent();
+  [[nodiscard]] std::string metrics();
 
   RouterCore core_;
   ShellContext shell_;
@@ -64,6 +66,8 @@ class RouterShell {
   BeaconChannel beacons_;
   LocalAddress address_;
   TrustFiles files_;
+  std::optional<MetricsAddress> metrics_at_;
+  MetricsPort metrics_;
 };
 
 }  // namespace trb::router

@@ -3,8 +3,10 @@
 
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 
+#include "common/config/metrics_file.hpp"
 #include "common/security/beacon_key.hpp"
 #include "common/transport/socket.hpp"
 #include "services/router/core/pending_connections.hpp"
@@ -30,6 +32,7 @@ struct ShellOptions {
   PendingConnectionLimits pending_connections;
   std::uint64_t proof_log_bytes = 0;  ///< the bound of log/proof; 0: no proof log
   TcpBus bus;
+  std::optional<MetricsAddress> metrics;  ///< nothing: Prometheus is not answered
 };
 
 }  // namespace trb::router

@@ -10,6 +10,7 @@
 #include "common/base/files.hpp"
 #include "common/base/hex.hpp"
 #include "common/config/interfaces.hpp"
+#include "common/config/metrics_file.hpp"
 #include "common/config/node_config.hpp"
 #include "common/log/log.hpp"
 #include "common/security/bus_keys.hpp"
@@ -138,6 +139,8 @@ Result<ShellOptions> make_options(const NodeConfig& node, const NodeKeys& keys, 
   options.beacon_port = node.network.udp_port;
   options.beacon_key = keys.beacon;
   options.pending_connections = limits_for(descriptors);
+  ConfigFaults told;  // by service_main
+  options.metrics = read_metrics_file(".", told);
   options.proof_log_bytes = std::uint64_t{node.proof_log_mb} << 20U;
   options.bus = std::move(*bus);
   return options;
