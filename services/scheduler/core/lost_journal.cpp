@@ -4,8 +4,15 @@ namespace trb::scheduler {
 namespace {
 
 constexpr Duration kAgain = std::chrono::seconds(1);
+constexpr std::int64_t kSecond = 1'000'000'000;
+constexpr std::int64_t kClocksApart = 600 * kSecond;
+constexpr std::int64_t kClocksAreSet = 1'577'836'800 * kSecond;  ///< 2020: earlier it shows what a PC begins with
 
 }  // namespace
+
+bool LostJournal::may_have_held(std::int64_t created) const {
+  return has_been_ && (open_ || time_ < kClocksAreSet || created < time_ + kClocksApart);
+}
 
 void LostJournal::tick(const std::string& node, Now now, Outbox& out) {
   if (!open_ || next_ > now.mono) return;
@@ -21,6 +28,7 @@ void LostJournal::tick(const std::string& node, Now now, Outbox& out) {
 void LostJournal::close(Now now, Outbox& out) {
   if (!open_) return;
   open_ = false;
+  time_ = now.utc.ns;
   out.record(JournalLost{now.utc.ns, true});
 }
 

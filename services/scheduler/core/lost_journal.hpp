@@ -19,11 +19,13 @@ class LostJournal {
   void restore(const JournalLost& fact) {
     open_ = !fact.over;
     has_been_ = true;
+    time_ = fact.time;
   }
   /// Nothing may be begun yet.
   [[nodiscard]] bool open() const { return open_; }
-  /// At any time: what others say is final may have been done here, without a record of it.
-  [[nodiscard]] bool has_been() const { return has_been_; }
+  /// May tasks of a run that was created then (UTC ns) have been done here, without a record of it? Clocks of two nodes
+  /// may be apart by minutes; one that was not set when the journal was lost says nothing.
+  [[nodiscard]] bool may_have_held(std::int64_t created) const;
   void tick(const std::string& node, Now now, Outbox& out);
   /// The robot is out of use, or there is none.
   void close(Now now, Outbox& out);
@@ -32,6 +34,7 @@ class LostJournal {
  private:
   bool open_ = false;
   bool has_been_ = false;
+  std::int64_t time_ = 0;  ///< UTC ns, when it was lost or, later, when somebody was told
   MonotonicTime next_{};
 };
 

@@ -159,7 +159,7 @@ void RobotSchedule::start_next(Step step) {
 /// Without its journal this node does not know what it has done: the run's decider has the results. It is asked for all
 /// of this node's tasks at once: whichever of its answers has none is about each of them.
 bool RobotSchedule::is_surely_new(Run& run, TaskIndex task) const {
-  if (!lost_.has_been() || run.epochs().judges_here()) return true;
+  if (!lost_.may_have_held(run.definition().start().created) || run.epochs().judges_here()) return true;
   PendingRequests& requests = run.work().requests();
   const std::string& decider = run.definition().rule().decider();
   if (requests.holds_none(decider, task)) return true;

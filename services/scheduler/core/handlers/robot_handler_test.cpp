@@ -172,3 +172,18 @@ TEST_CASE(
   requests.drop_results_of(decider);
   CHECK(sent<Execute>(working.at_end_of_step()).size() == 1);
 }
+
+TEST_CASE("a run that was created after the journal was lost hides nothing, but for clocks that are apart or not set") {
+  constexpr std::int64_t kSecond = 1'000'000'000;
+  constexpr std::int64_t kLost = 1'800'000'000 * kSecond;
+  LostJournal lost;
+  CHECK_FALSE(lost.may_have_held(0));
+  lost.restore({kLost, true});
+  CHECK(lost.may_have_held(kLost - kSecond));
+  CHECK(lost.may_have_held(kLost + 599 * kSecond));
+  CHECK_FALSE(lost.may_have_held(kLost + 601 * kSecond));
+  lost.restore({kLost, false});
+  CHECK(lost.may_have_held(kLost + 601 * kSecond));
+  lost.restore({3600 * kSecond, true});
+  CHECK(lost.may_have_held(kLost));
+}
