@@ -10,6 +10,7 @@
 #include "common/service/version.hpp"
 #include "common/sqlite/sqlite_file.hpp"
 #include "common/transport/loop.hpp"
+#include "proto/value.hpp"
 
 namespace trb::cli {
 namespace {
@@ -61,16 +62,18 @@ Status add_folder(const std::string& dir, NodeBackup& backup) {
     const bool is_folder = !at->is_symlink() && at->is_directory();
     const bool may_have_kept = is_kept(path + "/x") || path == "state";
     if (is_folder && !may_have_kept) at.disable_recursion_pending();
-    if (is_folder || !is_kept(path)) continue;
+    // A state/ that lies elsewhere is not left out in silence.
+    if (is_folder || (!is_kept(path) && path != "state")) continue;
     if (Status added = add(*at, path, backup); !added) return added;
   }
   return problem ? Status(fail(Errc::io_error, dir + ": " + problem.message())) : Status(Done{});
 }
 
-bool has_adapter(const NodeBackup& backup) {
-  return std::ranges::any_of(backup.files, [](const BackupFile& file) {
-    return file.path == "node.json" && file.bytes.find("\"mode-adapter\"") != Bytes::npos;
-  });
+bool has_robot(const NodeBackup& backup) {
+  const auto file = std::ranges::find(backup.files, "node.json", &BackupFile::path);
+  const auto json = file == backup.files.end() ? Result<Value>(Value{}) : parse_json(file->bytes);
+  const Value* role = json ? json->find("role") : nullptr;
+  return role == nullptr || !role->is_text() || role->text() != "cloud";
 }
 
 std::string boot_text(std::uint64_t boot) {
@@ -83,7 +86,7 @@ Status write_state(const NodeBackup& backup, std::uint64_t boot, const std::stri
   if (Status done = write_file(dir + "/state/boot", boot_text(boot)); !done) return done;
   // With this file and no journal beside it, the scheduler takes its journal as lost.
   if (Status done = write_file(dir + "/state/journal.db.known", "This node comes from a backup.\n"); !done) return done;
-  if (!has_adapter(backup)) return Done{};
+  if (!has_robot(backup)) return Done{};
   return write_file(dir + "/state/fence", "fenced\n");  // whoever has stopped it since must not find it moving
 }
 
