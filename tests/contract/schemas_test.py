@@ -30,6 +30,7 @@ SHIPPED = {
     "sensor": sorted(path.relative_to(CONFIG) for path in (CONFIG / "sensors").glob("*.json")),
     "resilience": sorted(path.relative_to(CONFIG) for path in (CONFIG / "resilience").glob("*.json")),
     "cloud": sorted(path.relative_to(CONFIG) for path in (CONFIG / "cloud").glob("*.json")),
+    "metrics": sorted(path.relative_to(CONFIG) for path in (CONFIG / "metrics").glob("*.json")),
     "rank": sorted(path.relative_to(CONFIG) for path in (CONFIG / "rank").glob("*.json")),
     "scenario": sorted(path.relative_to(CONFIG) for path in (CONFIG / "scenarios").glob("*.json")),
 }
@@ -159,6 +160,9 @@ BAD = [
     ("cloud", "cloud/every-interface.json", ["names"], "hall.example"),
     ("cloud", "cloud/every-interface.json", ["names", 0], "Hall Example"),
     ("cloud", "cloud/every-interface.json", ["port"], 8443),
+    ("metrics", "metrics/this-machine.json", ["listen"], "0.0.0.0:9464"),
+    ("metrics", "metrics/this-machine.json", ["listen"], 9464),
+    ("metrics", "metrics/this-machine.json", ["port"], 9464),
     ("rank", "rank/paper-figure-8.json", ["goal"], None),
     ("rank", "rank/paper-figure-8.json", ["criteria", 1, "direction"], "less"),
     ("rank", "rank/paper-figure-8.json", ["judgments", "replace ridgeback", 0, 2], 0),
