@@ -8,9 +8,9 @@
 namespace trb {
 namespace {
 
-constexpr std::size_t kSalt = crypto_pwhash_SALTBYTES;
-constexpr std::size_t kHead = kSalt + crypto_secretbox_NONCEBYTES;
-static_assert(kHead + crypto_secretbox_MACBYTES == kPassphraseBoxExtra);
+constexpr std::size_t kSaltBytes = crypto_pwhash_SALTBYTES;
+constexpr std::size_t kBoxHead = kSaltBytes + crypto_secretbox_NONCEBYTES;
+static_assert(kBoxHead + crypto_secretbox_MACBYTES == kPassphraseBoxExtra);
 
 Result<Bytes> stretch(const std::string& passphrase, BytesView salt) {
   Bytes key(crypto_secretbox_KEYBYTES, '\0');
@@ -29,7 +29,7 @@ Result<Bytes> lock_with_passphrase(BytesView plain, const std::string& passphras
     return fail(Errc::bad_value, "passphrase: under " + std::to_string(kMinPassphrase) + " characters",
                 "take a longer one");
   }
-  const Bytes salt = random_bytes(kSalt);
+  const Bytes salt = random_bytes(kSaltBytes);
   const auto key = stretch(passphrase, salt);
   if (!key) return key.error();
   const Bytes nonce = random_bytes(crypto_secretbox_NONCEBYTES);
@@ -40,9 +40,9 @@ Result<Bytes> lock_with_passphrase(BytesView plain, const std::string& passphras
 
 Result<Bytes> open_with_passphrase(BytesView box, const std::string& passphrase, const std::string& what) {
   if (box.size() < kPassphraseBoxExtra) return fail(Errc::malformed, what + ": damaged: too short");
-  const BytesView salt = box.substr(0, kSalt);
-  const BytesView nonce = box.substr(kSalt, crypto_secretbox_NONCEBYTES);
-  const BytesView locked = box.substr(kHead);
+  const BytesView salt = box.substr(0, kSaltBytes);
+  const BytesView nonce = box.substr(kSaltBytes, crypto_secretbox_NONCEBYTES);
+  const BytesView locked = box.substr(kBoxHead);
   const auto key = stretch(passphrase, salt);
   if (!key) return key.error();
   Bytes plain(locked.size() - crypto_secretbox_MACBYTES, '\0');
