@@ -93,6 +93,7 @@ class Fleet:
         self.on_board = {}  # node: the program on its robot that takes fields
         self.ros_port = free_port() if self.ros_robots() else None
         self.ros_master = None
+        self.ros_master_inside = []  # the start of its command line, if it is to have a world of its own
         self.sensor_sides = {}  # node: its sensor_side.SensorSide
 
     # ---- paths and addresses
@@ -220,7 +221,8 @@ class Fleet:
 
     def start_ros_master(self):
         env = dict(os.environ, ROS_HOME=str(self.root / "ros"), ROS_IP=self.ros_address())  # binds that address alone
-        self.ros_master = Process(["/usr/bin/rosmaster", "--core", "-p", self.ros_port], self.root / "rosmaster.log", env=env)
+        self.ros_master = Process([*self.ros_master_inside, "/usr/bin/rosmaster", "--core", "-p", self.ros_port],
+                                  self.root / "rosmaster.log", env=env)
         self.wait("the ROS master listens", lambda: answers((self.ros_address(), self.ros_port)), 15)
 
     # ---- starting and stopping

@@ -4,6 +4,7 @@ import json
 import os
 import pathlib
 import signal
+import subprocess
 import unittest
 
 import support
@@ -145,6 +146,20 @@ class Ros(unittest.TestCase):
         self.fleet.start_ros_master()
         self.fleet.start_ros_robot()
         self.fleet.wait("a command arrives", self.arrives, 20)
+
+    def test_a_master_with_the_pid_of_the_one_before_is_noticed(self):
+        """As in a container, whose first process is always 1."""
+        own_pids = ["unshare", *([] if os.geteuid() == 0 else ["--map-root-user"]), "--pid", "--fork", "--kill-child"]
+        if subprocess.run([*own_pids, "true"], capture_output=True).returncode != 0:
+            self.skipTest("no pid namespace can be made here")
+        self.addCleanup(setattr, self.fleet, "ros_master_inside", [])
+        self.fleet.ros_master_inside = own_pids
+        for _ in range(2):
+            self.fleet.stop_ros_robot()
+            self.fleet.stop_master()
+            self.fleet.start_ros_master()
+            self.fleet.start_ros_robot()
+            self.fleet.wait("a command arrives", self.arrives, 20)
 
     def arrives(self):
         return self.fleet.send("command", "move", "[2,0,0,0,0,0]").returncode == 0

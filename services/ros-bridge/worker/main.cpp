@@ -112,9 +112,23 @@ class Worker {
     const int number = pid;
     if (node_ && number != pid_) return false;
     pid_ = number;
+    // In a container every master has the same pid; a new one has forgotten this node.
+    if (node_ && !remembers()) return false;
     if (!node_) node_ = std::make_unique<roscpp::NodeHandle>();
     send_word(Word::alive, {"up", ""});
     return true;
+  }
+
+  /// False once the master, which knew this node, knows it no more.
+  bool remembers() {
+    XmlRpc::XmlRpcValue request;
+    XmlRpc::XmlRpcValue response;
+    XmlRpc::XmlRpcValue address;
+    request[0] = request[1] = roscpp::this_node::getName();
+    const bool known = roscpp::master::execute("lookupNode", request, response, address, false);
+    const bool forgotten = was_known_ && !known;
+    was_known_ = known;
+    return !forgotten;
   }
 
   /// The master's call knows the topics that only have subscribers, too.
@@ -212,6 +226,7 @@ class Worker {
   WorkerReader reader_;
   std::unique_ptr<roscpp::NodeHandle> node_;
   int pid_ = 0;
+  bool was_known_ = false;  ///< the master knew this node when it was last asked
   Clock::time_point next_alive_;
   std::map<std::string, Publisher> publishers_;
   std::map<std::string, Subscription> subscriptions_;
