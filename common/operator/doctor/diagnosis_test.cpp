@@ -218,6 +218,9 @@ TEST_CASE("a fault of the node's files comes with its own cure, and no way to an
   check_only(ant.seen, "node_folder", "network.json");
   Ant alone;
   alone.seen.beacon = false;
+  CHECK(diagnose(alone.seen).empty());  // bee has dialled it
+  alone.seen.routes.routes.pop_back();
+  alone.seen.echoes.clear();
   check_only(alone.seen, "no_way", "node.json");
 }
 
