@@ -166,7 +166,7 @@ def wait_ended(report, composition, service, run, tasks, what):
     took = until(ended, 240, 1)
     states = {task["id"]: task["state"] for task in seen.get("tasks", [])}
     good = report.check(took is not None and seen["state"] == "FINISHED", f"{what}: the run is {seen.get('state')}, {states}, {seen.get('waits_for')}")
-    report.check(not good or list(states.values()) == ["DONE"] * tasks, f"{what}: {states}")
+    report.check(not good or list(states.values()) == ["FINISHED"] * tasks, f"{what}: {states}")
     return took
 
 
@@ -281,7 +281,7 @@ def kills(report, fleet, root, rounds):
     order = [*ROBOTS, *(f"robot-{name}" for name in ROBOTS), "on-board-pioneer2", "ros-master", "cloud"]
     report.check(sorted(order) == sorted(fleet.names), f"the containers are {sorted(fleet.names)}")
     for number, service in zip(range(1, rounds + 1), itertools.cycle(order)):
-        kill_one(report, fleet, service, f"demo, round {number}")
+        kill_one(report, fleet, root, service, f"demo, round {number}")
         if number % 10 == 0:
             report.say(f"demo: round {number} of {rounds}; so far {statistics.median(report.times):.1f} s median, {max(report.times):.1f} s at most")
         if number % len(order) == 0 or number == rounds:
@@ -290,9 +290,15 @@ def kills(report, fleet, root, rounds):
     report.check(until(lambda: formed(fleet)) is not None, f"demo: not formed after the cloud's end: {short(routes_of(fleet))}")
 
 
-def kill_one(report, fleet, service, what):
+def workers_of(root, node):
+    """How often its bridge to ROS has begun anew."""
+    return (root / "nodes" / node / "log" / "ros-bridge.log").read_text(errors="replace").count("worker_started")
+
+
+def kill_one(report, fleet, root, service, what):
     boots = {service: routes_of(fleet)[service]["boot"]} if service in (*ROBOTS, "cloud") else {}
     robot = service.removeprefix("robot-").removeprefix("on-board-")
+    workers = {name: workers_of(root, name) for name in ON_ROS}
 
     def missed():
         row = routes_of(fleet).get(robot)
@@ -302,6 +308,8 @@ def kill_one(report, fleet, service, what):
         return formed(fleet, boots)
     round_of(report, fleet, service, whole, missed, what)
     if service == "ros-master":  # it has forgotten who is there, and ROS' own programs do not tell it again
+        anew = until(lambda: all(workers_of(root, name) > count for name, count in workers.items()), 40)
+        report.check(anew is not None, f"{what}: the bridges to ROS do not see that the master is a new one")
         for name in ON_ROS:
             fleet.engine.docker("restart", "-t", "8", fleet.names[f"robot-{name}"])
         report.check(until(whole) is not None, f"{what}: not whole after the ROS robots were started again")
