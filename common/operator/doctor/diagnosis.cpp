@@ -57,11 +57,13 @@ class Doctor {
       const std::string key = fault.key.empty() ? "" : fault.key + ": ";
       problem(fault.key == "not_after" ? "cert_expired" : "node_folder", fault.file, key + fault.what, fault.hint);
     }
-    // A cloud behind a VPN names nobody: it is dialled.
+    if (seen_.beacon || seen_.seeds != 0) return;
+    const char* cure = "set \"beacon\" to true, or name a node in \"seeds\"";
     const bool is_linked = std::ranges::any_of(seen_.routes.routes, [](const Route& r) { return r.state == "ONLINE"; });
-    if (!seen_.beacon && seen_.seeds == 0 && !is_linked) {
-      problem("no_way", "node.json", "beacons are off and no seed is named: no other node can be found",
-              "set \"beacon\" to true, or name a node in \"seeds\"");
+    if (is_linked) {
+      note("no_way", "node.json", "beacons are off and no seed is named: who does not dial this node is not found", cure);
+    } else {
+      problem("no_way", "node.json", "beacons are off and no seed is named: no other node can be found", cure);
     }
   }
 
