@@ -61,7 +61,8 @@ class Doctor {
     const char* cure = "set \"beacon\" to true, or name a node in \"seeds\"";
     const bool is_linked = std::ranges::any_of(seen_.routes.routes, [](const Route& r) { return r.state == "ONLINE"; });
     if (is_linked) {
-      note("no_way", "node.json", "beacons are off and no seed is named: who does not dial this node is not found", cure);
+      note("no_way", "node.json", "beacons are off and no seed is named: who does not dial this node is not found",
+           cure);
     } else {
       problem("no_way", "node.json", "beacons are off and no seed is named: no other node can be found", cure);
     }
