@@ -349,6 +349,9 @@ def make_nodes(engine, which, root):
 def what_is_missing():
     if os.geteuid() != 0:
         return "needs root, for a Docker engine of its own"
+    # Without rules of iptables the host would forward from network to network, and nothing that is cut would be cut.
+    if pathlib.Path("/proc/sys/net/ipv4/ip_forward").read_text().strip() != "0":
+        return "needs a host that does not forward: sysctl net.ipv4.ip_forward=0"
     for program in ("dockerd", DOCKER, COMPOSE, "ip", "setpriv"):
         if shutil.which(program) is None:
             return f"needs the program {program}: apt-get install docker.io docker-compose"
