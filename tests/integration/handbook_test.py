@@ -175,6 +175,12 @@ class Codes(unittest.TestCase):
         self.assertEqual(headings("on-call/refusals.md", level=3), codes)
 
 
+    def test_every_alert_of_the_rules_for_prometheus(self):
+        rules = (support.REPO / "deploy/monitoring/talkrobots-rules.yml").read_text()
+        told = re.findall(r"^## (TalkRobots\w+)$", (BOOK / "on-call/prometheus.md").read_text(), re.M)
+        self.assertEqual(sorted(told), sorted(re.findall(r"^\s*- alert: (\w+)$", rules, re.M)))
+
+
 class Blocks(unittest.TestCase):
     """The helper itself: it must be able to fail."""
 
