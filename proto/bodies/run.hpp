@@ -15,6 +15,7 @@ constexpr std::uint32_t kMaxMembers = 1000;
 constexpr std::uint32_t kMaxPriority = 9;
 /// Orders that count for a run: one to hold it or let it continue, one to abort it.
 constexpr std::uint32_t kMaxOrders = 2;
+constexpr std::uint32_t kMaxShortForm = 1U << 19U;
 /// Start, end, 64 decisions, the orders, and a choice and a result for each task are fewer.
 constexpr std::uint32_t kMaxRunRecords = 4000;
 
@@ -247,6 +248,9 @@ struct Baton {
   std::vector<SignedRecord> choices;   ///< for those tasks
   Blob skipped_tasks;                  ///< those of `final_tasks` that are known to be SKIPPED
   std::vector<SignedRecord> orders{};  ///< that the giver knows: they apply before any of the tasks begins
+  /// Run, digest, epoch, what is final, and results, as services/scheduler/core/run/short_form.hpp writes them for who
+  /// has the run's definition; those fields are empty then, but for results that have no short form. Else empty.
+  Blob short_form{};
   template <class T = Baton>
   static FieldTable fields() {
     return FieldTable{field("run", &T::run, 64),
@@ -257,7 +261,8 @@ struct Baton {
                       field("tasks", &T::tasks, kMaxTasks),
                       field("choices", &T::choices, kMaxTasks),
                       field("skipped_tasks", &T::skipped_tasks, 128),
-                      field("orders", &T::orders, kMaxOrders)};
+                      field("orders", &T::orders, kMaxOrders),
+                      field("short_form", &T::short_form, kMaxShortForm)};
   }
 };
 
@@ -268,9 +273,11 @@ struct BatonJournaled {
   std::string run;
   std::uint32_t epoch = 1;
   std::vector<std::uint16_t> tasks;  ///< the tasks of the baton
+  bool reads_short = false;          ///< the sender understands short forms
   template <class T = BatonJournaled>
   static FieldTable fields() {
-    return FieldTable{field("run", &T::run, 64), field("epoch", &T::epoch), field("tasks", &T::tasks, kMaxTasks)};
+    return FieldTable{field("run", &T::run, 64), field("epoch", &T::epoch), field("tasks", &T::tasks, kMaxTasks),
+                      field("reads_short", &T::reads_short)};
   }
 };
 
@@ -279,10 +286,12 @@ struct NeedDefinition {
   static constexpr Travel kTravel = between_nodes(CostPhase::forward);
   std::string run;
   Blob digest;
-  bool compact = false;  ///< the requester knows the members' certificates
+  bool compact = false;      ///< the requester knows the members' certificates
+  bool reads_short = false;  ///< the requester understands short forms, and a compact definition that counts on
   template <class T = NeedDefinition>
   static FieldTable fields() {
-    return FieldTable{field("run", &T::run, 64), field("digest", &T::digest, 32), field("compact", &T::compact)};
+    return FieldTable{field("run", &T::run, 64), field("digest", &T::digest, 32), field("compact", &T::compact),
+                      field("reads_short", &T::reads_short)};
   }
 };
 
@@ -294,10 +303,14 @@ struct Definition {
   std::vector<SignedRecord> orders{};     ///< that the giver knows, as in Baton
   /// The start's payload without the members' certificates, in zlib's form; empty: not asked for, or not to be had.
   Blob compact{};
+  /// In `compact` a task that has no id bears the id before it, counted on by one, and `after` says how many tasks
+  /// before it each one is.
+  bool counts_on = false;
   template <class T = Definition>
   static FieldTable fields() {
     return FieldTable{field("start", &T::start), field("decisions", &T::decisions, 64),
-                      field("orders", &T::orders, kMaxOrders), field("compact", &T::compact, 1U << 19U)};
+                      field("orders", &T::orders, kMaxOrders), field("compact", &T::compact, 1U << 19U),
+                      field("counts_on", &T::counts_on)};
   }
 };
 
@@ -320,10 +333,11 @@ struct Results {
   std::string run;
   std::vector<SignedRecord> results;
   std::vector<SignedRecord> choices;  ///< for the tasks of these results
+  Blob short_form{};                  ///< run and results, as in Baton
   template <class T = Results>
   static FieldTable fields() {
     return FieldTable{field("run", &T::run, 64), field("results", &T::results, kMaxTasks),
-                      field("choices", &T::choices, kMaxTasks)};
+                      field("choices", &T::choices, kMaxTasks), field("short_form", &T::short_form, kMaxShortForm)};
   }
 };
 
@@ -331,9 +345,10 @@ struct ResultsJournaled {
   static constexpr std::string_view kSubtype = "results_journaled";
   static constexpr Travel kTravel = between_nodes(CostPhase::upkeep);
   std::vector<AttemptKey> keys;
+  bool reads_short = false;  ///< the sender understands short forms
   template <class T = ResultsJournaled>
   static FieldTable fields() {
-    return FieldTable{field("keys", &T::keys, kMaxTasks)};
+    return FieldTable{field("keys", &T::keys, kMaxTasks), field("reads_short", &T::reads_short)};
   }
 };
 

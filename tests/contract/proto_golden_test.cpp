@@ -133,9 +133,9 @@ TEST_CASE("the start of a run") {
 }
 
 TEST_CASE("a baton and a task's result") {
-  CHECK(to_hex(encode(Baton{"r", {"d"}, 3, {"\x05"}, {kRecord}, {1, 2}, {kRecord}, {"\x04"}, {kRecord}})) ==
-        std::string("99a172c4016403c4010591") + kRecordHex + "92010291" + kRecordHex + "c4010491" + kRecordHex);
-  CHECK(to_hex(encode(Results{"r", {}, {kRecord}})) == std::string("93a1729091") + kRecordHex);
+  CHECK(to_hex(encode(Baton{"r", {"d"}, 3, {"\x05"}, {kRecord}, {1, 2}, {kRecord}, {"\x04"}, {kRecord}, {"\x07"}})) ==
+        std::string("9aa172c4016403c4010591") + kRecordHex + "92010291" + kRecordHex + "c4010491" + kRecordHex + "c40107");
+  CHECK(to_hex(encode(Results{"r", {}, {kRecord}, {"\x07"}})) == std::string("94a1729091") + kRecordHex + "c40107");
   const TaskResult result{{"r", "t", 1, 2}, {"d"}, 3, "ur3", TaskOutcome::failed, "why", "7", 10, 20, -0.0, true};
   CHECK(to_hex(encode(result)) ==
         "9b"
@@ -270,5 +270,5 @@ TEST_CASE("the JSON of a message, with text, with bytes, with a body") {
   CHECK(to_json(RobotFault{"grab", Severity::fatal, "t"}) ==
         R"({"capability":"grab","severity":"FATAL","text":"t","ended":false})");
   CHECK(to_json(AbortOrder{"r", "b", "", -1}) == R"({"run":"r","by":"b","reason":"","time":-1})");
-  CHECK(to_json(NeedDefinition{"r", {"\xab"}}) == R"({"run":"r","digest":"ab","compact":false})");
+  CHECK(to_json(NeedDefinition{"r", {"\xab"}}) == R"({"run":"r","digest":"ab","compact":false,"reads_short":false})");
 }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "services/scheduler/core/run/short_form.hpp"
 #include "services/scheduler/core/scheduler_core.hpp"
 #include "services/scheduler/test/memory_archive.hpp"
 #include "tests/fuzz/run_proof.hpp"
@@ -92,6 +93,19 @@ class Node {
   std::optional<SignRequest> sign_;
   std::optional<Execute> execute_;
 };
+
+const scheduler::RunDefinition& definition() {
+  static scheduler::Certificates certificates(Keys::get().authority);
+  static const auto out = scheduler::RunDefinition::open(Keys::get().start, certificates);
+  require(out.ok(), "the run's start is good");
+  return *out;
+}
+
+template <class Message>
+Message shortened(Message message) {
+  scheduler::shorten(message, definition());
+  return message;
+}
 
 /// Reads the input byte by byte; 0 when it is used up.
 class Bits {
@@ -272,8 +286,10 @@ class Script {
   void step() {
     const std::size_t kind = bits_.below(20);
     const std::string from = bits_.mostly() ? "cloud" : somebody();
-    if (kind < 4) node_.hear(from, baton());
-    if (kind == 4 || kind == 5) node_.hear(from, Results{kRun, results(), choices()}, bits_.below(2));
+    if (kind < 3) node_.hear(from, baton());
+    if (kind == 3) node_.hear(from, changed(shortened(baton())));
+    if (kind == 4) node_.hear(from, Results{kRun, results(), choices()}, bits_.below(2));
+    if (kind == 5) node_.hear(from, changed(shortened(Results{kRun, results(), choices()})), bits_.below(2));
     if (kind == 6 || kind == 7) node_.hear(from, RunDecision{decision()});
     if (kind == 8) node_.hear(from, definition(), 9);
     if (kind == 9) order(from);
@@ -288,6 +304,17 @@ class Script {
     if (kind == 17) bits_.mostly() ? node_.ready(bits_.below(4) != 3) : flood();
     if (kind == 18) node_.hear("a", routes());
     if (kind == 19) node_.hear(bits_.mostly() ? "b" : from, reading(static_cast<double>(10 * bits_.below(4))));
+  }
+
+  /// A byte of its short form, sometimes.
+  template <class Message>
+  Message changed(Message message) {
+    Bytes& form = message.short_form.bytes;
+    if (!bits_.mostly()) {
+      char& byte = form[bits_.below(form.size())];
+      byte = static_cast<char>(byte ^ (1U << bits_.below(8)));
+    }
+    return message;
   }
 
   Node& node_;
@@ -351,6 +378,8 @@ std::vector<Bytes> seeds() {
   const SignedRecord chosen = keys.sign("b", kSignedChoice, encode(choice));
   std::vector<Bytes> out = {encode(Baton{kRun, keys.digest, 1, {"\x01"}, {result}, {1, 2}, {chosen}, {}}),
                             encode(Results{kRun, {result}, {chosen}}),
+                            encode(shortened(Baton{kRun, keys.digest, 1, {"\x01"}, {result}, {1, 2}, {chosen}, {}})),
+                            encode(shortened(Results{kRun, {result}, {chosen}})),
                             encode(RunDecision{decided}),
                             encode(Definition{keys.start, {decided}}),
                             encode(good_result()),

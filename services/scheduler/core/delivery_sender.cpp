@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <set>
 
+#include "services/scheduler/core/run/short_form.hpp"
+
 namespace trb::scheduler {
 namespace {
 
@@ -39,12 +41,19 @@ Baton baton_for(const Run& run, const std::vector<TaskIndex>& tasks) {
   return baton;
 }
 
+/// In short form to who understands it; what is sent again has the form that everybody does.
+template <class Message>
+void send(const Run& run, const PendingDelivery& delivery, Message message, Step step) {
+  if (!delivery.is_again && run.deliveries().reads_short(delivery.to)) shorten(message, run.definition());
+  step.out.command(delivery.to, std::move(message));
+}
+
 void send(const Run& run, const PendingDelivery& delivery, Step step) {
   switch (delivery.kind) {
     case DeliveryKind::baton:
-      return step.out.command(delivery.to, baton_for(run, delivery.tasks));
+      return send(run, delivery, baton_for(run, delivery.tasks), step);
     case DeliveryKind::results:
-      return step.out.command(delivery.to, pack_results(run, delivery.tasks));
+      return send(run, delivery, pack_results(run, delivery.tasks), step);
     case DeliveryKind::abort:
       return step.out.command(delivery.to, RunAbort{run.orders().abort_record()});
     case DeliveryKind::decision:

@@ -27,7 +27,7 @@ Run* RunLookup::find_or_defer(const std::string& run, const Blob& digest, const 
                 "end some of its " + std::to_string(runs_.runs().size()) + " open runs: trb run list"),
            step);
   } else {
-    step.out.request(from.source, NeedDefinition{run, digest, true});
+    step.out.request(from.source, NeedDefinition{run, digest, true, true});
   }
   return nullptr;
 }
@@ -43,7 +43,7 @@ bool RunLookup::defer_for_decisions(Run& run, std::uint32_t epoch, const Inbound
     return true;
   }
   run.work().requests().await_decisions(from.source);
-  step.out.request(from.source, NeedDefinition{run.id(), run.definition().start().digest});
+  step.out.request(from.source, NeedDefinition{run.id(), run.definition().start().digest, false, true});
   return true;
 }
 

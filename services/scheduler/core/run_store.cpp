@@ -45,6 +45,11 @@ Run* RunStore::find(const std::string& run) const {
   return found == runs_.end() ? nullptr : found->second.get();
 }
 
+Run* RunStore::find_by_tag(BytesView tag) const {
+  const auto found = std::ranges::find_if(by_age_, [&](const Run* one) { return one->definition().tag() == tag; });
+  return found == by_age_.end() ? nullptr : *found;
+}
+
 void RunStore::remove(const std::string& run) {
   std::erase_if(by_age_, [&](const Run* one) { return one->id() == run; });
   runs_.erase(run);

@@ -30,6 +30,8 @@ class RunStore {
   Run& add(std::unique_ptr<Run> run);
   [[nodiscard]] bool full() const { return runs_.size() >= kMaxRuns; }
   [[nodiscard]] Run* find(const std::string& run) const;
+  /// By RunDefinition::tag; the oldest of those that bear it.
+  [[nodiscard]] Run* find_by_tag(BytesView tag) const;
   /// Oldest first.
   [[nodiscard]] const std::vector<Run*>& runs() const { return by_age_; }
 

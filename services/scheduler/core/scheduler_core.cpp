@@ -2,6 +2,7 @@
 
 #include "services/scheduler/core/delivery_sender.hpp"
 #include "services/scheduler/core/refusal.hpp"
+#include "services/scheduler/core/short_messages.hpp"
 
 namespace trb {
 
@@ -78,7 +79,11 @@ void SchedulerCore::on_welcome(const NodeIdentity& node, Now now, Outbox& out) {
 
 void SchedulerCore::on(const Inbound& message, Now now, Outbox& out) {
   const Step step = step_at(now, out);
-  dispatch(message, step);
+  if (!is_short(message.body)) {
+    dispatch(message, step);
+  } else if (const auto whole = lengthened(message, runs_, step)) {
+    dispatch(*whole, step);
+  }
   advance(step);
 }
 

@@ -70,13 +70,14 @@ void BatonHandler::handle(const Baton& body, const Inbound& from, Step step) {
   if (auto kept = journal_.keep_orders(*run, body.orders, step); !kept) return refuse(from, kept.error(), step);
   for (HeldResult& held : content->results) journal_.keep_result(*run, std::move(held), step);
   for (HeldChoice& held : content->choices) journal_.keep_choice(*run, std::move(held), step);
-  step.out.information(from.source, BatonJournaled{body.run, body.epoch, body.tasks});
+  step.out.information(from.source, BatonJournaled{body.run, body.epoch, body.tasks, true});
   if (!run->orders().is_aborted()) run->receive(content->final_tasks, content->skipped_tasks, from.source);
 }
 
 void BatonHandler::handle(const BatonJournaled& body, const Inbound& from, Step step) {
   Run* run = lookup_.find(body.run, from, step);
   if (run == nullptr) return;
+  run->deliveries().note_reads_short(from.source, body.reads_short);
   if (body.epoch == 0 || body.epoch > run->epochs().current()) {
     return refuse(from, fail(Errc::conflict, "run " + body.run + ": of another epoch"), step);
   }
@@ -99,7 +100,7 @@ void BatonHandler::request_decisions(Run& run, const Inbound& from, Step step) {
   const std::vector<std::string> owed = run.deliveries().pending().creditors(DeliveryKind::baton);
   if (std::ranges::find(owed, from.source) == owed.end()) return;
   run.work().requests().await_decisions(from.source);
-  step.out.request(from.source, NeedDefinition{run.id(), run.definition().start().digest});
+  step.out.request(from.source, NeedDefinition{run.id(), run.definition().start().digest, false, true});
 }
 
 }  // namespace trb::scheduler

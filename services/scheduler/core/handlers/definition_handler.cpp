@@ -56,14 +56,16 @@ Status DefinitionHandler::submit(std::unique_ptr<Run> run, Run* known, Step step
 }
 
 void DefinitionHandler::handle(const NeedDefinition& body, const Inbound& from, Step step) {
-  const Run* run = lookup_.find(body.run, from, step);
+  Run* run = lookup_.find(body.run, from, step);
   if (run == nullptr) return;
+  run->deliveries().note_reads_short(from.source, body.reads_short);
   if (!body.digest.bytes.empty() && body.digest != run->definition().start().digest) {
     return refuse(from, fail(Errc::conflict, "run " + body.run + " has another definition"), step);
   }
   Definition answer{run->definition().record(), run->epochs().records(), run->orders().records()};
-  if (auto compact = body.compact ? compact_start(answer.start) : std::nullopt) {
+  if (auto compact = body.compact ? compact_start(answer.start, body.reads_short) : std::nullopt) {
     answer.compact = std::move(*compact);
+    answer.counts_on = body.reads_short;
     answer.start.payload = {};
   }
   step.out.reply(from, std::move(answer));
@@ -80,7 +82,7 @@ void DefinitionHandler::handle(const Definition& body, const Inbound& from, Step
 /// `may_wait`: the own router has not been asked since it came.
 void DefinitionHandler::handle_compact(const Inbound& from, Step step, bool may_wait) {
   Definition whole = get<Definition>(from.body);
-  auto claimed = open_compact_start(std::exchange(whole.compact, {}));
+  auto claimed = open_compact_start(std::exchange(whole.compact, {}), whole.counts_on);
   if (!claimed) return refuse(from, claimed.error(), step);
   // Of a run that is known by now nothing is missing: its later decisions are requested by themselves.
   if (!lookup_.awaits_definition(claimed->run, from.source) || runs_.find(claimed->run) != nullptr) {
@@ -95,7 +97,8 @@ void DefinitionHandler::handle_compact(const Inbound& from, Step step, bool may_
 void DefinitionHandler::wait_for_routes(const std::string& run, const Inbound& from, Step step) {
   // Bounded as what waits for a definition is: another one of the same sender takes the older one's place.
   std::erase_if(waiting_, [&](const Inbound& one) {
-    const auto older = open_compact_start(get<Definition>(one.body).compact);
+    const auto& waits = get<Definition>(one.body);
+    const auto older = open_compact_start(waits.compact, waits.counts_on);
     return !older || !lookup_.awaits_definition(older->run, one.source) ||
            (older->run == run && one.source == from.source);
   });
@@ -114,7 +117,7 @@ void DefinitionHandler::on_routes(const RouteTable& table, Step step) {
 
 void DefinitionHandler::request_whole(const std::string& run, const Inbound& from, Step step) {
   step.out.count("definition.whole");
-  step.out.request(from.source, NeedDefinition{run, {}, false});
+  step.out.request(from.source, NeedDefinition{run, {}, false, true});
 }
 
 /// A whole definition that a message waits for.

@@ -103,7 +103,7 @@ struct Compact {
     requester.known.lookup.find_or_defer(kNewRun, {}, requester.known.from("drone", MessageType::command, baton),
                                          requester.known.step(asked));
     answer.start.payload = {};
-    answer.compact = *compact_start(start);
+    answer.compact = *compact_start(start, false);
   }
   Outbox hear(const Definition& body) {
     return requester.known.send(requester.handler, "drone", body, MessageType::information, 5);

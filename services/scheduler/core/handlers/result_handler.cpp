@@ -61,7 +61,7 @@ Status ResultHandler::keep_results(Run& run, const Results& body, std::vector<At
 void ResultHandler::handle(const Results& body, const Inbound& from, Step step) {
   Run* run = lookup_.find_or_defer(body.run, {}, from, step);
   if (run == nullptr) return;
-  ResultsJournaled journaled;
+  ResultsJournaled journaled{{}, true};
   const Status choices = keep_choices(*run, body, step);
   const Status results = keep_results(*run, body, journaled.keys, step);
   if (!results) {
@@ -80,7 +80,8 @@ void ResultHandler::handle(const Results& body, const Inbound& from, Step step) 
 void ResultHandler::handle(const ResultsJournaled& body, const Inbound& from, Step step) {
   std::map<std::string, std::vector<TaskIndex>> by_run;
   for (const AttemptKey& key : body.keys) {
-    const Run* run = runs_.find(key.run);
+    Run* run = runs_.find(key.run);
+    if (run != nullptr) run->deliveries().note_reads_short(from.source, body.reads_short);
     const auto task = run == nullptr ? std::nullopt : run->index_of(key.task);
     // A result that was replaced by another attempt's since it was sent is still owed.
     const bool current = task && run->results().of(*task) != nullptr && run->results().of(*task)->result.key == key;

@@ -26,10 +26,11 @@ class KnownCertificates {
 };
 
 /// Nullopt, and it travels whole: this program would not build the payload as it is, byte for byte, for another version
-/// has; or it becomes more than 32 times shorter, which its reader refuses.
-std::optional<Blob> compact_start(const SignedRecord& start);
+/// has; or it becomes more than 32 times shorter (512 if it counts on), which its reader refuses. `counts_on`: see
+/// Definition.
+std::optional<Blob> compact_start(const SignedRecord& start, bool counts_on);
 
 /// What travelled; complete() it before use. Errors: malformed, too_large, those of decode.
-Result<RunStart> open_compact_start(const Blob& compact);
+Result<RunStart> open_compact_start(const Blob& compact, bool counts_on);
 
 }  // namespace trb::scheduler

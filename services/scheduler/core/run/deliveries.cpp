@@ -106,6 +106,14 @@ void Deliveries::note_passed(const std::vector<TaskIndex>& tasks, const std::str
   for (const TaskIndex task : tasks) passed_[{task, to}] = epoch;
 }
 
+void Deliveries::note_reads_short(const std::string& node, bool reads) {
+  if (!reads) {
+    short_readers_.erase(node);
+  } else if (members_.contains(node)) {
+    short_readers_.insert(node);
+  }
+}
+
 bool Deliveries::has_passed(TaskIndex task) const {
   const auto passed = passed_.find({task, next_actor(task)});
   return passed != passed_.end() && passed->second >= epochs_.since(task);

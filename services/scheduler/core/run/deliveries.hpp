@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -51,6 +52,10 @@ class Deliveries {
   /// Tasks that nobody is known to have passed on, though the decider, this node, holds every result before them.
   [[nodiscard]] std::vector<TaskIndex> unpassed() const;
 
+  /// That node has said whether it understands short forms: it may have another version since.
+  void note_reads_short(const std::string& node, bool reads);
+  [[nodiscard]] bool reads_short(const std::string& node) const { return short_readers_.contains(node); }
+
   /// Who does not take its baton, and why.
   void note_refusal(const std::string& node, const std::string& why) { refusals_[node] = why; }
   void forget_refusal(const std::string& node) { refusals_.erase(node); }
@@ -71,6 +76,7 @@ class Deliveries {
   bool submitted_here_ = false;
   std::map<std::pair<TaskIndex, std::string>, std::uint32_t> passed_;
   std::map<std::string, std::string> refusals_;
+  std::set<std::string> short_readers_;
 };
 
 }  // namespace trb::scheduler

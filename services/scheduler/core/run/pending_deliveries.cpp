@@ -60,6 +60,7 @@ PendingDelivery PendingDeliveries::gather_results(const std::string& to, Monoton
                        (delivery.timer.is_due(now) || is_slow(delivery.timer));
     if (!taken) continue;
     all.tasks.insert(all.tasks.end(), delivery.tasks.begin(), delivery.tasks.end());
+    all.is_again = all.is_again || delivery.timer.times() > 0;
     delivery.timer.on_sent(now);
   }
   return all;
@@ -72,8 +73,9 @@ std::vector<PendingDelivery> PendingDeliveries::take_due(MonotonicTime now) {
     if (delivery.kind == DeliveryKind::results) {
       out.push_back(gather_results(delivery.to, now));
     } else {
-      delivery.timer.on_sent(now);
       out.push_back(delivery);
+      out.back().is_again = delivery.timer.times() > 0;
+      delivery.timer.on_sent(now);
     }
   }
   return out;

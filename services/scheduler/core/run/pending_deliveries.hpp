@@ -48,6 +48,7 @@ struct PendingDelivery {
   std::string to;
   std::vector<TaskIndex> tasks;  ///< baton: those it is for; results: those that ended; else none
   ResendTimer timer = resend_timer();
+  bool is_again = false;  ///< of what take_due() gives: some of it has been sent before
 };
 
 class PendingDeliveries {

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "common/scenario/run_start.hpp"
+#include "common/security/keys.hpp"
 #include "proto/body.hpp"
 #include "services/scheduler/core/run/members.hpp"
 
@@ -39,7 +40,11 @@ Result<RunDefinition> RunDefinition::open(const SignedRecord& record, Certificat
 }
 
 RunDefinition::RunDefinition(const SignedRecord& record, RunStart start)
-    : record_(record), start_(std::move(start)), rule_(start_), successors_(successors_of(start_.scenario)) {
+    : record_(record),
+      start_(std::move(start)),
+      tag_(digest(start_.run + start_.digest.bytes).substr(0, kTagSize)),
+      rule_(start_),
+      successors_(successors_of(start_.scenario)) {
   for (std::size_t i = 0; i < tasks().size(); ++i) {
     const OnFailure then = tasks()[i].on_failure;
     index_.emplace(tasks()[i].id, static_cast<TaskIndex>(i));

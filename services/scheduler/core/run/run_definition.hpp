@@ -26,6 +26,9 @@ class RunDefinition {
   [[nodiscard]] const std::string& id() const { return start_.run; }
   [[nodiscard]] const RunStart& start() const { return start_; }
   [[nodiscard]] const SignedRecord& record() const { return record_; }
+  static constexpr std::size_t kTagSize = 8;
+  /// Names run and digest in a short form.
+  [[nodiscard]] const Bytes& tag() const { return tag_; }
   [[nodiscard]] const std::vector<Task>& tasks() const { return start_.scenario.tasks; }
   [[nodiscard]] const DecisionRule& rule() const { return rule_; }
   [[nodiscard]] std::optional<TaskIndex> index_of(const std::string& task) const;
@@ -52,6 +55,7 @@ class RunDefinition {
 
   SignedRecord record_;
   RunStart start_;
+  Bytes tag_;
   DecisionRule rule_;
   std::map<std::string, TaskIndex> index_;
   std::vector<std::vector<TaskIndex>> successors_;
