@@ -44,7 +44,9 @@ TEST_CASE("what is cut, or has more than 64 bits, is no number") {
 }
 
 TEST_CASE("what is behind a number is left; nothing is read behind a fault") {
-  VarintReader reader("\x05""abc");
+  VarintReader reader(
+      "\x05"
+      "abc");
   CHECK(reader.number() == 5);
   CHECK(reader.bytes(2) == "ab");
   CHECK(reader.bytes(2).empty());

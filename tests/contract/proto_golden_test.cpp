@@ -134,7 +134,8 @@ TEST_CASE("the start of a run") {
 
 TEST_CASE("a baton and a task's result") {
   CHECK(to_hex(encode(Baton{"r", {"d"}, 3, {"\x05"}, {kRecord}, {1, 2}, {kRecord}, {"\x04"}, {kRecord}, {"\x07"}})) ==
-        std::string("9aa172c4016403c4010591") + kRecordHex + "92010291" + kRecordHex + "c4010491" + kRecordHex + "c40107");
+        std::string("9aa172c4016403c4010591") + kRecordHex + "92010291" + kRecordHex + "c4010491" + kRecordHex +
+            "c40107");
   CHECK(to_hex(encode(Results{"r", {}, {kRecord}, {"\x07"}})) == std::string("94a1729091") + kRecordHex + "c40107");
   const TaskResult result{{"r", "t", 1, 2}, {"d"}, 3, "ur3", TaskOutcome::failed, "why", "7", 10, 20, -0.0, true};
   CHECK(to_hex(encode(result)) ==

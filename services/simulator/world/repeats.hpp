@@ -22,8 +22,8 @@ class Repeats {
     if (!header) return;
     const std::string body = sending.subtype == Baton::kSubtype ? content_of(decode<Baton>(header->data))
                                                                 : content_of(decode<Results>(header->data));
-    const std::string what = std::string(sending.from) + "\n" + std::string(sending.to) + "\n" +
-                             std::string(sending.subtype) + "\n" + body;
+    const std::string what =
+        std::string(sending.from) + "\n" + std::string(sending.to) + "\n" + std::string(sending.subtype) + "\n" + body;
     if (!seen_.insert(what).second && first_.empty())
       first_ = std::string(sending.from) + " has sent " + std::string(sending.to) + " the same " +
                std::string(sending.subtype) + " again";

@@ -113,7 +113,8 @@ TEST_CASE("numbered tasks one behind the other travel in a few bytes each, and c
   REQUIRE(compact);
   CHECK(compact->bytes.size() < 700);
   CHECK(compact->bytes.size() * 3 < compact_start(start, false)->bytes.size());
-  CHECK((encode(open_compact_start(*compact, true)->scenario) == encode(decode<RunStart>(start.payload.bytes)->scenario)));
+  CHECK((encode(open_compact_start(*compact, true)->scenario) ==
+         encode(decode<RunStart>(start.payload.bytes)->scenario)));
 }
 
 TEST_CASE("ids that count on in other ways, or not at all, come back") {

@@ -6,9 +6,9 @@
 //   final, skipped = count *length                          ; tasks in turn not so and so; 0: as in the body's bitmap
 //   result     = task robot bits [ attempt epoch ] [ size reason size data ] started lasted duration signature
 //   robot      = its place among the start's members
-//   bits       = OCTET ; 0 to 3: outcome, 4: goes on, 5: reason and data, 6: attempt and epoch, else 1; 7: duration whole
+//   bits       = OCTET ; 0-3: outcome, 4: goes on, 5: with reason and data, 6: attempt or epoch is not 1, 7: 8 bytes
 //   started    = ns from the run's creation; lasted = ns from then to `ended`
-//   duration   = how many ns it is more than `lasted`; whole: 8 bytes, as in memory of a little-endian machine
+//   duration   = ns that it is more than `lasted`; with bit 7 as it is in memory, the lowest byte first
 //   signature  = 64OCTET                                    ; all other numbers are varints
 #pragma once
 
