@@ -53,7 +53,7 @@ class Parser {
     ++number_;
     const std::string_view clean = trim(line.substr(0, line.find('#')));
     if (clean.empty()) return Done{};
-    if (message.fields.size() + message.constants.size() >= kMaxFields) {
+    if (message_.fields.size() + message_.constants.size() >= kMaxFields) {
       return refuse(Errc::too_large, "more than " + std::to_string(kMaxFields) + " fields");
     }
     const std::size_t blank = clean.find_first_of(kBlank);
@@ -64,7 +64,7 @@ class Parser {
     return constant(type, trim(type == "string" ? trim(line).substr(blank) : clean.substr(blank)));
   }
 
-  MessageText message;
+  [[nodiscard]] MessageText take() { return std::move(message_); }
 
  private:
   [[nodiscard]] Error refuse(Errc code, std::string_view what) const {
@@ -97,7 +97,7 @@ class Parser {
       if (fixed) out.length = *number;
     }
     if (auto named = take_name(name); !named) return named;
-    message.fields.push_back(std::move(out));
+    message_.fields.push_back(std::move(out));
     return Done{};
   }
 
@@ -111,10 +111,11 @@ class Parser {
     const std::string_view value = trim(rest.substr(sign + 1));
     if (value.empty() && primitive != Primitive::string) return refuse(Errc::malformed, "a constant without a value");
     if (auto named = take_name(name); !named) return named;
-    message.constants.push_back({std::string(type), std::string(name), std::string(value)});
+    message_.constants.push_back({std::string(type), std::string(name), std::string(value)});
     return Done{};
   }
 
+  MessageText message_;
   std::size_t number_ = 0;
   std::set<std::string, std::less<>> names_;
 };
@@ -134,7 +135,7 @@ Result<MessageText> parse_message_text(std::string_view text) {
     if (auto read = parser.line(text.substr(0, end)); !read) return read.error();
     text.remove_prefix(std::min(end + 1, text.size()));
   }
-  return std::move(parser.message);
+  return parser.take();
 }
 
 std::string full_type_name(std::string_view package, std::string_view type) {

@@ -60,7 +60,8 @@ class Writer {
     return Done{};
   }
 
-  Bytes out;
+  [[nodiscard]] std::size_t size() const { return out_.size(); }
+  [[nodiscard]] Bytes take() { return std::move(out_); }
 
  private:
   [[nodiscard]] Error refuse(Errc code, const std::string& what, std::string hint = {}) const {
@@ -91,7 +92,7 @@ class Writer {
 
   /// A field with its array, if it is one; none: zeros.
   Status any(const Field& field, const Value* json) {
-    if (out.size() > kMaxMessage) return refuse(Errc::too_large, "the message is over 1 MiB");
+    if (out_.size() > kMaxMessage) return refuse(Errc::too_large, "the message is over 1 MiB");
     if (!field.array) return one(field, json);
     if (json == nullptr) return zeros(field);
     if (field.primitive == Primitive::uint8 && json->is_text()) return bytes(field, json->text());
@@ -103,7 +104,7 @@ class Writer {
       path_ += "[" + std::to_string(i) + "]";
       if (auto put = one(field, &list[i]); !put) return put;
       path_.resize(before);
-      if (out.size() > kMaxMessage) return refuse(Errc::too_large, "the message is over 1 MiB");
+      if (out_.size() > kMaxMessage) return refuse(Errc::too_large, "the message is over 1 MiB");
     }
     return Done{};
   }
@@ -114,15 +115,15 @@ class Writer {
       return refuse(Errc::bad_value,
                     std::to_string(size) + " values, where " + std::to_string(*field.length) + " are needed");
     }
-    if (!field.length) put_little(out, static_cast<std::uint32_t>(size));
+    if (!field.length) put_little(out_, static_cast<std::uint32_t>(size));
     return Done{};
   }
 
   Status zeros(const Field& field) {
-    if (!field.length) put_little(out, std::uint32_t{0});
+    if (!field.length) put_little(out_, std::uint32_t{0});
     for (std::uint32_t i = 0; i < field.length.value_or(0); ++i) {
       if (auto put = one(field, nullptr); !put) return put;
-      if (out.size() > kMaxMessage) return refuse(Errc::too_large, "the message is over 1 MiB");
+      if (out_.size() > kMaxMessage) return refuse(Errc::too_large, "the message is over 1 MiB");
     }
     return Done{};
   }
@@ -161,7 +162,7 @@ class Writer {
     const auto decoded = from_base64(text);
     if (!decoded) return decoded.error();
     if (auto fits = length(field, decoded->size()); !fits) return fits;
-    out += *decoded;
+    out_ += *decoded;
     return Done{};
   }
 
@@ -173,8 +174,8 @@ class Writer {
     return decoded ? put_text(*decoded) : decoded.error();
   }
   Status put_text(BytesView text) {
-    put_little(out, static_cast<std::uint32_t>(text.size()));
-    out += text;
+    put_little(out_, static_cast<std::uint32_t>(text.size()));
+    out_ += text;
     return Done{};
   }
 
@@ -183,7 +184,7 @@ class Writer {
       case Primitive::boolean: {
         const bool number = json.is_integer() && (json.integer() == 0 || json.integer() == 1);
         if (!json.is_bool() && !number) return wrong(json, "true or false");
-        out.push_back(static_cast<char>(number ? json.integer() : json.boolean()));
+        out_.push_back(static_cast<char>(number ? json.integer() : json.boolean()));
         return Done{};
       }
       case Primitive::int8:
@@ -241,7 +242,7 @@ class Writer {
     } else {
       return wrong(json, range);
     }
-    put_little(out, static_cast<std::make_unsigned_t<T>>(number));
+    put_little(out_, static_cast<std::make_unsigned_t<T>>(number));
     return Done{};
   }
 
@@ -257,7 +258,7 @@ class Writer {
     } else {
       return wrong(json, "a number");
     }
-    put_little(out, std::bit_cast<Bits>(number));
+    put_little(out_, std::bit_cast<Bits>(number));
     return Done{};
   }
 
@@ -278,6 +279,7 @@ class Writer {
     return Done{};
   }
 
+  Bytes out_;
   std::string path_;
 };
 
@@ -304,8 +306,8 @@ Result<Bytes> to_wire(const RosType& type, const Value& json) {
     put = writer.flat(type, values);
   }
   if (!put) return put.error();
-  if (writer.out.size() > kMaxMessage) return fail(Errc::too_large, type.name + ": the message is over 1 MiB");
-  return std::move(writer.out);
+  if (writer.size() > kMaxMessage) return fail(Errc::too_large, type.name + ": the message is over 1 MiB");
+  return writer.take();
 }
 
 }  // namespace trb::ros

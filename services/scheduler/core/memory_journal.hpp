@@ -19,7 +19,7 @@ class MemoryArchive final : public Archive {
   /// How many runs are known to be over.
   [[nodiscard]] std::size_t known() const { return over_.size(); }
 
-  std::size_t most = 100'000;  ///< records that are kept; the oldest go
+  static constexpr std::size_t kMost = 100'000;  ///< records that are kept; the oldest go
 
   [[nodiscard]] std::optional<Over> over(const std::string& run) const override;
   [[nodiscard]] std::optional<JournalArchive> record(const std::string& run) const override;
