@@ -31,12 +31,12 @@ std::string number(std::size_t i) {
 }  // namespace
 
 Hall::Hall(std::uint64_t seed) : dice_(seed), fleet_(seed), decider_(fleet_, policy()) {
-  fleet_.add("cloud", Role::cloud).archive->most = 2'000;
+  fleet_.add("cloud", Role::cloud).archive->keep_most(2'000);
   for (std::size_t i = 1; i <= kRobots; ++i) {
     const std::string id = "r" + number(i);
     robots_.push_back(id);
     Node& node = fleet_.add(id, Role::robot);
-    node.archive->most = 500;
+    node.archive->keep_most(500);
     node.profile.robot = "ONLINE";
     node.profile.capabilities = {"hands", "wheels"};
     node.profile.skills = {{"grip", "hands", {}, false, 60}, {"drive", "wheels", {}, true, 60}};

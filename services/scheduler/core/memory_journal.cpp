@@ -7,7 +7,7 @@ namespace trb::scheduler {
 void MemoryArchive::put(JournalArchive record) {
   over_[record.view.run] = {{record.view.state, record.end}, record.until, ++count_};
   records_.emplace(count_, std::move(record));
-  if (records_.size() <= kMost) return;
+  if (records_.size() <= most_) return;
   over_[records_.begin()->second.view.run].record = 0;
   records_.erase(records_.begin());
 }

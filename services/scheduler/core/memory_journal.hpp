@@ -18,8 +18,8 @@ class MemoryArchive final : public Archive {
   [[nodiscard]] std::size_t size() const { return records_.size(); }
   /// How many runs are known to be over.
   [[nodiscard]] std::size_t known() const { return over_.size(); }
-
-  static constexpr std::size_t kMost = 100'000;  ///< records that are kept; the oldest go
+  /// How many records are kept: the oldest go.
+  void keep_most(std::size_t most) { most_ = most; }
 
   [[nodiscard]] std::optional<Over> over(const std::string& run) const override;
   [[nodiscard]] std::optional<JournalArchive> record(const std::string& run) const override;
@@ -34,6 +34,7 @@ class MemoryArchive final : public Archive {
   };
   std::map<std::uint64_t, JournalArchive> records_;  ///< in the order in which they came
   std::map<std::string, Known> over_;
+  std::size_t most_ = 100'000;
   std::uint64_t count_ = 0;
 };
 
