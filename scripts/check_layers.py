@@ -175,17 +175,18 @@ def is_test(path):
 
 
 def check_document(faults):
-    """Every file that a row of ARCHITECTURE.md's "Where would I change ...?" names is there."""
+    """Every file that ARCHITECTURE.md names under "Where would I change ...?" is below its row's folder, or the root."""
     text = (REPO / "ARCHITECTURE.md").read_text()
     rows = text.partition("## Where would I change")[2].partition("\n## ")[0].splitlines()
     there = {name for path in REPO.rglob("*") if not IGNORED & set(path.relative_to(REPO).parts)
              for name in (path.relative_to(REPO).as_posix(), path.relative_to(REPO).with_suffix("").as_posix())}
-    ends = {"/".join(name.split("/")[-length:]) for name in there for length in range(1, 7)}
+    folder = ""
     for row in rows:
-        where = row.rstrip("| ").rpartition("|")[2] if row.startswith("| ") else ""
+        what, _, where = row.rstrip("| ").rpartition("|") if row.startswith("| ") else ("", "", "")
+        folder = (re.findall(r"\*\* `([\w/-]+/)`", what) or [folder])[0]
         for name in re.findall(r"`([\w/.-]+)`", where):
-            if ("/" in name or "_" in name) and "NAME" not in name and name.rstrip("/") not in ends:
-                faults.append(f"ARCHITECTURE.md: '{name}' names no file")
+            if "NAME" not in name and not {(folder + name).rstrip("/"), name.rstrip("/")} & there:
+                faults.append(f"ARCHITECTURE.md: '{name}' names no file in {folder or 'the repository'}")
 
 
 def main():
