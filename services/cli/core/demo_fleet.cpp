@@ -1,5 +1,6 @@
 #include "services/cli/core/demo_fleet.hpp"
 
+#include <cmath>
 #include <optional>
 
 #include "common/base/number_text.hpp"
@@ -58,11 +59,10 @@ Result<DemoFleet> demo_fleet(const std::string& network, double page_port, doubl
                 "--network: " + in_quotes(network) + " is not the beginning of an address of this computer",
                 "three numbers, as 127.0.42");
   }
-  const auto port = static_cast<unsigned>(page_port);
-  const bool good = page_port == 0 || (page_port >= 1024 && page_port <= 65535 && page_port == port);
+  const bool good = page_port == 0 || (page_port >= 1024 && page_port <= 65535 && page_port == std::floor(page_port));
   if (!good) return fail(Errc::bad_value, "--page: it must be a port from 1024 to 65535", "8443 is usual");
   if (!(speed >= 0.1 && speed <= 100)) return fail(Errc::bad_value, "--speed: from 0.1 to 100", "1 is a real robot's");
-  return DemoFleet{network, port, speed};
+  return DemoFleet{network, static_cast<unsigned>(page_port), speed};
 }
 
 std::string demo_json(const DemoFleet& fleet) {
