@@ -114,7 +114,10 @@ class Worker {
     pid_ = number;
     // In a container every master has the same pid; a new one has forgotten this node.
     if (node_ && !remembers()) return false;
-    if (!node_) node_ = std::make_unique<roscpp::NodeHandle>();
+    if (!node_) {
+      node_ = std::make_unique<roscpp::NodeHandle>();
+      (void)remembers();  // at once: the next look may already find another master
+    }
     send_word(Word::alive, {"up", ""});
     return true;
   }
@@ -162,6 +165,7 @@ class Worker {
       give_up(topic, "cannot be published");
       return refuse(parts[0], "robot_error", topic + ": ROS refuses to publish " + parts[2] + " there", "");
     }
+    was_known_ = true;  // ROS has registered the topic
     waiting_.push_back({parts[0], topic, parts[6], Clock::now() + milliseconds(std::stoll(parts[5]))});
   }
 
