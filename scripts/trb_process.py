@@ -26,6 +26,16 @@ def run_main(main, name):
         sys.exit(f"{name}: {problem}")
 
 
+def wait_until(condition, timeout, step=0.05):
+    """Seconds until the condition held, looked at every `step`; None: it has not in time."""
+    start = time.monotonic()
+    while not condition():
+        if time.monotonic() - start > timeout:
+            return None
+        time.sleep(step)
+    return time.monotonic() - start
+
+
 class Process:
     """A child whose standard output is read line by line, with deadlines."""
 

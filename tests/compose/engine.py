@@ -6,9 +6,9 @@ import shutil
 import signal
 import subprocess
 import tempfile
-import time
 
 import trb_fleet
+from trb_process import wait_until
 
 DOCKER, COMPOSE = "/usr/bin/docker", "/usr/bin/docker-compose"  # Debian's, whatever else lies on the path
 UP_S = 60
@@ -29,15 +29,16 @@ class Engine:
         self.process = subprocess.Popen([str(word) for word in command], stdin=subprocess.DEVNULL, stdout=self.log,
                                         stderr=self.log, preexec_fn=self.apart)
         try:
-            end = time.monotonic() + UP_S
-            while self.docker("version", check=False).returncode != 0:
-                if self.process.poll() is not None or time.monotonic() > end:
-                    raise RuntimeError(f"dockerd does not start: {(self.folder / 'log').read_text()[-600:]}")
-                time.sleep(0.2)
+            wait_until(lambda: self.process.poll() is not None or self.answers(), UP_S, 0.2)
+            if self.process.poll() is not None or not self.answers():
+                raise RuntimeError(f"dockerd does not start: {(self.folder / 'log').read_text()[-600:]}")
         except BaseException:
             self.__exit__()
             raise
         return self
+
+    def answers(self):
+        return self.docker("version", check=False).returncode == 0
 
     @staticmethod
     def apart():

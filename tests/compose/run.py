@@ -8,7 +8,6 @@ import json
 import os
 import pathlib
 import shutil
-import socket
 import ssl
 import statistics
 import subprocess
@@ -23,6 +22,7 @@ sys.path[:0] = [str(HERE), str(REPO / "scripts"), str(HERE.parent / "support")]
 import skips  # noqa: E402
 import trb_fleet  # noqa: E402
 from engine import COMPOSE, DOCKER, Composition, Engine  # noqa: E402
+from trb_process import wait_until  # noqa: E402
 
 DEPLOY = REPO / "deploy" / "compose"
 IMAGES = ("node", "cloud", "robots", "ros")
@@ -52,12 +52,7 @@ class Report:
 
 def until(condition, timeout=LONG_S, step=0.3):
     """Seconds until it held; None: it has not in time."""
-    start = time.monotonic()
-    while not condition():
-        if time.monotonic() - start > timeout:
-            return None
-        time.sleep(step)
-    return time.monotonic() - start
+    return wait_until(condition, timeout, step)
 
 
 # ---- the images

@@ -7,7 +7,8 @@ import statistics
 import time
 
 from lab import Lab
-from net_fleet import FAKE_TIME, WITHIN_S, NetFleet, trb_fleet, wait_until  # noqa: F401
+from net_fleet import FAKE_TIME, WITHIN_S, NetFleet, trb_fleet  # noqa: F401
+from trb_process import wait_until
 
 NODES = ["ant", "bee", "cat", "dog"]
 LEASE_S = 10.0

@@ -4,7 +4,8 @@ import subprocess
 import time
 
 from cases import NODES, case, four
-from net_fleet import PROGRAMS, wait_until
+from net_fleet import PROGRAMS
+from trb_process import wait_until
 
 
 def findings(fleet, node, *peer):

@@ -14,22 +14,13 @@ sys.path.insert(0, str(REPO / "scripts"))
 
 import trb_fleet  # noqa: E402
 import lab as lab_of  # noqa: E402
+from trb_process import wait_until  # noqa: E402
 from witness import Witness  # noqa: E402
 
 PROGRAMS = pathlib.Path(os.environ.get("TRB_BIN_DIR", REPO / "build" / "dev" / "bin"))
 PORT = 45000
 WITHIN_S = 5.0  # every table is right this long after the healing
 FAKE_TIME = "/usr/lib/x86_64-linux-gnu/faketime/libfaketime.so.1"
-
-
-def wait_until(condition, timeout, step=0.05):
-    """Seconds until the condition held, or None."""
-    start = time.monotonic()
-    while not condition():
-        if time.monotonic() - start > timeout:
-            return None
-        time.sleep(step)
-    return time.monotonic() - start
 
 
 def seed_of(folder, host):

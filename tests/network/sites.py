@@ -4,7 +4,8 @@ import time
 from cases import LEASE_S, NODES, case, fleet_with_seeds
 from doctor_cases import expect, findings
 from lab import Lab
-from net_fleet import NetFleet, wait_until
+from net_fleet import NetFleet
+from trb_process import wait_until
 
 HERE, THERE = NODES[:2], NODES[2:]
 

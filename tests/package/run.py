@@ -6,7 +6,6 @@ import shutil
 import subprocess
 import sys
 import tempfile
-import time
 
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), str(HERE.parent / "support"), str(HERE.parent / "integration")]
@@ -14,6 +13,7 @@ sys.path[:0] = [str(HERE), str(HERE.parent / "support"), str(HERE.parent / "inte
 import sbom_check  # noqa: E402
 import shell_blocks  # noqa: E402
 from root import REPO, Failed, Root  # noqa: E402
+from steps import Steps  # noqa: E402
 
 ROAD_S = 60  # of a processor: from `apt install` to a `trb` that answers
 STATE = "var/lib/talkrobots"
@@ -44,12 +44,7 @@ runuser -u trbots -- trb service list --node node
 runuser -u trbots -- trb down node
 wait $node
 """
-STEPS = []
-
-
-def step(function):
-    STEPS.append(function)
-    return function
+step = Steps()
 
 
 def check(holds, what):
@@ -232,19 +227,6 @@ def the_packages_judged_by_lintian(story):
     check(done.returncode in (0, 2) and not [line for line in told if line.startswith("E: ")], "lintian has errors: see above")
 
 
-def play(story):
-    for each in STEPS:
-        began = time.monotonic()
-        try:
-            each(story)
-        except (Failed, OSError, subprocess.SubprocessError) as fault:
-            print(f"FAILED {time.monotonic() - began:6.1f} s  {each.__doc__}\n  {fault}", flush=True)
-            return 1
-        print(f"ok     {time.monotonic() - began:6.1f} s  {each.__doc__}", flush=True)
-    print("\n".join(story.figures) + f"\nall {len(STEPS)} steps are good")
-    return 0
-
-
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("packages", type=pathlib.Path)
@@ -252,7 +234,7 @@ def main():
     words = parser.parse_args()
     folder = pathlib.Path(tempfile.mkdtemp(prefix="test-", dir=REPO / "build/package"))
     try:
-        return play(Story(folder, words.packages))
+        return step.play(Story(folder, words.packages), (Failed, OSError, subprocess.SubprocessError))
     except Failed as fault:
         print(f"scripts/test-package: {fault}", file=sys.stderr)
         return 1

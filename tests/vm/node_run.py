@@ -11,13 +11,14 @@ import tempfile
 import time
 
 HERE = pathlib.Path(__file__).resolve().parent
-for folder in (HERE, HERE.parent / "integration"):
+for folder in (HERE, HERE.parent / "integration", HERE.parent / "support"):
     sys.path.insert(0, str(folder))
 
 import debian_image  # noqa: E402
 import image  # noqa: E402
 from machine import Machine  # noqa: E402
 from run import Cleanups, check  # noqa: E402
+from steps import Steps  # noqa: E402
 
 NODE = "/var/lib/talkrobots/node"
 MOST_EXPOSED = 3.0
@@ -41,12 +42,7 @@ JOIN = [
     f"install -o trbots -g trbots -m 0600 /root/certificate.json {NODE}/keys/certificate.json",
     f"runuser -u trbots -- trb check {NODE}",
 ]
-STEPS = []
-
-
-def step(function):
-    STEPS.append(function)
-    return function
+step = Steps()
 
 
 class Story:
@@ -117,6 +113,12 @@ class Story:
 
     def wait_finished(self, *runs):
         self.wait(f"{runs} are FINISHED", lambda: (now := self.runs()) and all(now.get(run) == "FINISHED" for run in runs))
+
+    def goes_on(self):
+        """It is well again, and takes a run to its end."""
+        self.wait_well()
+        run = self.wait("it takes a run", lambda: (taken := self.submit())[0] and taken[1])
+        self.wait_finished(run)
 
     def pid(self, program):
         said, code = self.machine.sh(f"pidof {program}")
@@ -259,16 +261,6 @@ def a_clock_of_1999(story):
     check(story.kept in story.runs(), "the run that was acknowledged is there")
 
 
-def goes_on(story):
-    """It is well again, and takes a run to its end."""
-    story.wait_well()
-    run = story.wait("it takes a run", lambda: (taken := story.submit())[0] and taken[1])
-    story.wait_finished(run)
-
-
-Story.goes_on = goes_on
-
-
 def tell(story):
     """What helps to find the fault."""
     try:
@@ -276,20 +268,6 @@ def tell(story):
     except (AttributeError, OSError, TimeoutError):
         log = story.folder / "console.log"
         print(log.read_text(errors="replace")[-3000:] if log.exists() else "the machine said nothing")
-
-
-def play(story):
-    for each in STEPS:
-        began = time.monotonic()
-        try:
-            each(story)
-        except (AssertionError, OSError, RuntimeError, ValueError) as fault:
-            print(f"FAILED {time.monotonic() - began:6.1f} s  {each.__doc__}\n  {fault}", flush=True)
-            tell(story)
-            return 1
-        print(f"ok     {time.monotonic() - began:6.1f} s  {each.__doc__}", flush=True)
-    print("\n".join(story.figures) + f"\nall {len(STEPS)} steps are good")
-    return 0
 
 
 def main():
@@ -308,7 +286,7 @@ def main():
         disks = [debian_image.disk(folder, words.packages, store), debian_image.state_disk(folder)]
         story = Story(folder, vmlinuz, debian_image.starter(folder, version), disks)
         cleanups.addCleanup(lambda: story.machine and story.machine.stop())
-        return play(story)
+        return step.play(story, (AssertionError, OSError, RuntimeError, ValueError), tell)
     except (OSError, RuntimeError) as fault:
         print(f"scripts/test-vm: {fault}", file=sys.stderr)
         return 1

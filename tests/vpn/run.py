@@ -8,8 +8,6 @@ import json
 import os
 import pathlib
 import shutil
-import signal
-import socket
 import statistics
 import subprocess
 import sys
@@ -24,7 +22,8 @@ import trb_fleet  # noqa: E402
 import tunnels as recipes  # noqa: E402
 from lab import Lab  # noqa: E402
 from trb_fleet import CLOUD  # noqa: E402
-from vpn_fleet import VpnFleet, until  # noqa: E402
+from trb_process import wait_until  # noqa: E402
+from vpn_fleet import VpnFleet  # noqa: E402
 
 PROGRAMS = pathlib.Path(os.environ.get("TRB_BIN_DIR", HERE.parents[1] / "build/plain/bin"))
 HOST = "hub"  # the cloud's host
@@ -172,12 +171,12 @@ def cut_and_back(world, rounds):
         fleet.wait("ant fetches", lambda b=before: "fetch" in fleet.begun()["ant"][len(b["ant"]):], 60)
         world.lab.pull_cable("ant-nat")
         cut = time.monotonic()
-        world.check(until(lambda: fleet.routes(CLOUD)["ant"]["state"] == "OFFLINE", CUT_S + 10), "the cut is not seen")
-        until(lambda c=cut: time.monotonic() - c >= CUT_S, CUT_S + 1)
+        world.check(wait_until(lambda: fleet.routes(CLOUD)["ant"]["state"] == "OFFLINE", CUT_S + 10) is not None, "the cut is not seen")
+        wait_until(lambda c=cut: time.monotonic() - c >= CUT_S, CUT_S + 1)
         world.check(fleet.view(run)["state"] not in ("FINISHED", "FAILED"), "the run ended in the cut")
         world.lab.plug_cable("ant-nat")
         back = time.monotonic()
-        online = until(lambda: fleet.routes(CLOUD)["ant"]["state"] == "ONLINE", 60)
+        online = wait_until(lambda: fleet.routes(CLOUD)["ant"]["state"] == "ONLINE", 60) is not None
         times.append(time.monotonic() - back)
         world.check(online, f"round {number}: ant is not back after 60 s")
         view = fleet.wait_ended(run)
@@ -191,11 +190,11 @@ def foreign_client(world):
     """Who has no key of the tunnel does not get in; who has one and no certificate of the fleet gets no further."""
     tunnels = world.tunnels
     tenant = tunnels.stranger(world.north, "eve", world.cloud)
-    time_up = until(lambda: world.dial("eve", world.north.cloud, timeout=1), 10)
+    time_up = wait_until(lambda: world.dial("eve", world.north.cloud, timeout=1), 10) is not None
     world.check(not time_up, "a foreign client of the VPN reaches the fleet's port")
     world.say(f"a foreign client: refused ({tunnels.wait_refused(world.north).strip()[-90:]})")
     if tunnels.let_in(world.north):
-        world.check(until(lambda: world.dial("eve", world.north.cloud, timeout=1), 20), "a client that was let in gets nowhere")
+        world.check(wait_until(lambda: world.dial("eve", world.north.cloud, timeout=1), 20) is not None, "a client that was let in gets nowhere")
     tunnels.stop_robot(tenant, "eve")
     # The tunnel falls open: whoever sits in it still is no member.
     fleet, stranger = world.fleets[0], world.fleets[1]
@@ -206,7 +205,7 @@ def foreign_client(world):
     add_way(world, "cow", world.north.cloud)
     done = subprocess.run(world.lab.inside("cow", PROGRAMS / "trb", "reload", stranger.dir("cow")), capture_output=True, text=True)
     world.check(done.returncode == 0, f"trb reload: {done.stdout}{done.stderr}")
-    seen = until(lambda: fleet.counters(CLOUD).get("refused.foreign_fleet", 0) > before, 40)
+    seen = wait_until(lambda: fleet.counters(CLOUD).get("refused.foreign_fleet", 0) > before, 40) is not None
     world.check(seen, "north's cloud does not refuse a node of south by name (refused.foreign_fleet)")
     world.check("cow" not in fleet.routes(CLOUD), "a node of south is in north's table")
     world.load_firewall()
@@ -284,7 +283,7 @@ def revoked_client(world):
     profile = again.root / "south" / "client-cow" / "talkrobots.conf"
     again.raise_robot(world.south, "cow", "cow", world.cloud, profile.read_text())
     again.wait_refused(world.south)
-    world.check(until(lambda: fleet.routes(CLOUD)["cow"]["state"] == "OFFLINE", 40), "a revoked client is still in the fleet")
+    world.check(wait_until(lambda: fleet.routes(CLOUD)["cow"]["state"] == "OFFLINE", 40) is not None, "a revoked client is still in the fleet")
     world.say("a revoked client: refused")
 
 

@@ -7,10 +7,10 @@ import pathlib
 import re
 import shutil
 import subprocess
-import time
 
 import lab as lab_of
 import trb_fleet
+from trb_process import wait_until
 
 RECIPES = pathlib.Path(__file__).resolve().parents[2] / "deploy" / "vpn"
 UP_S = 30  # a deadline, not a measurement
@@ -56,12 +56,10 @@ class Tenant:
 
 
 def wait(what, condition, timeout=UP_S):
-    start = time.monotonic()
-    while not condition():
-        if time.monotonic() - start > timeout:
-            raise TimeoutError(f"{what}: not within {timeout} s")
-        time.sleep(0.05)
-    return time.monotonic() - start
+    took = wait_until(condition, timeout)
+    if took is None:
+        raise TimeoutError(f"{what}: not within {timeout} s")
+    return took
 
 
 def address_of(lab, host, device):
@@ -71,13 +69,28 @@ def address_of(lab, host, device):
     return found[1] if found else None
 
 
-class OpenVpn:
-    kind = "openvpn"
-    robot_device = "tun0"
+class Tunnels:
+    """The processes that carry a recipe's tunnels, by "TENANT-HOST"."""
 
     def __init__(self, lab, root, cloud_host):
         self.lab, self.root, self.cloud_host = lab, root, cloud_host
         self.processes = {}
+
+    def pump(self):
+        for process in self.processes.values():
+            process.pump(0)
+
+    def stop_robot(self, tenant, host):
+        self.processes.pop(f"{tenant.name}-{host}").stop()
+
+    def stop(self):
+        for process in self.processes.values():
+            process.stop()
+
+
+class OpenVpn(Tunnels):
+    kind = "openvpn"
+    robot_device = "tun0"
 
     @staticmethod
     def device(tenant):
@@ -158,26 +171,15 @@ class OpenVpn:
         """Nothing to show here: the server has said itself what was wrong."""
         return False
 
-    def pump(self):
-        for process in self.processes.values():
-            process.pump(0)
 
-    def stop_robot(self, tenant, host):
-        self.processes.pop(f"{tenant.name}-{host}").stop()
-
-    def stop(self):
-        for process in self.processes.values():
-            process.stop()
-
-
-class WireGuard:
+class WireGuard(Tunnels):
     """By wireguard-go, where the kernel has no WireGuard: the same files as for wg-quick."""
     kind = "wireguard"
     robot_device = "wg0"
 
     def __init__(self, lab, root, cloud_host):
-        self.lab, self.root, self.cloud_host = lab, root, cloud_host
-        self.processes, self.keys = {}, {}
+        super().__init__(lab, root, cloud_host)
+        self.keys = {}
 
     @staticmethod
     def device(tenant):
@@ -251,17 +253,6 @@ class WireGuard:
         done = self.wg(f"{tenant.name}-cloud", "set", self.device(tenant), "peer", self.keys["stranger"][1], "allowed-ips",
                        f"{tenant.network}.99/32")
         return done.returncode == 0
-
-    def pump(self):
-        for process in self.processes.values():
-            process.pump(0)
-
-    def stop_robot(self, tenant, host):
-        self.processes.pop(f"{tenant.name}-{host}").stop()
-
-    def stop(self):
-        for process in self.processes.values():
-            process.stop()
 
 
 KINDS = {one.kind: one for one in (OpenVpn, WireGuard)}

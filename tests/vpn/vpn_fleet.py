@@ -7,7 +7,6 @@ import shutil
 import sqlite3
 import subprocess
 import sys
-import time
 
 REPO = pathlib.Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(REPO / "scripts"), str(REPO / "tests/network"), str(REPO / "tests/integration"), str(REPO / "tests/support")]
@@ -136,13 +135,3 @@ class VpnFleet(trb_fleet.Fleet):
     def log_lines(self, node, service="router", count=10):
         path = self.dir(node) / "log" / f"{service}.log"
         return path.read_text(errors="replace").splitlines()[-count:] if path.exists() else []
-
-
-def until(condition, timeout, step=0.1):
-    """True once it holds; False if it has not in time."""
-    end = time.monotonic() + timeout
-    while not condition():
-        if time.monotonic() > end:
-            return False
-        time.sleep(step)
-    return True
