@@ -151,8 +151,13 @@ Result<SignedRecord> read_result(VarintReader& from, const RunDefinition& defini
   }
   out.outcome = static_cast<TaskOutcome>(bits & kOutcome);
   out.goes_on = (bits & kGoesOn) != 0;
-  if ((bits & kIsLater) != 0) out.key.attempt = static_cast<std::uint32_t>(from.number());
-  if ((bits & kIsLater) != 0) out.epoch = static_cast<std::uint32_t>(from.number());
+  if ((bits & kIsLater) != 0) {
+    const std::uint64_t attempt = from.number();
+    const std::uint64_t epoch = from.number();
+    if (attempt > UINT32_MAX || epoch > UINT32_MAX) return malformed();
+    out.key.attempt = static_cast<std::uint32_t>(attempt);
+    out.epoch = static_cast<std::uint32_t>(epoch);
+  }
   if ((bits & kHasText) != 0) out.reason = from.bytes(from.number());
   if ((bits & kHasText) != 0) out.data = from.bytes(from.number());
   read_times(from, (bits & kHasDuration) != 0, definition, out);

@@ -5,6 +5,7 @@
 #include <limits>
 #include <random>
 
+#include "common/base/varint.hpp"
 #include "proto/body.hpp"
 #include "services/scheduler/test/known_run.hpp"
 
@@ -153,4 +154,24 @@ TEST_CASE("what is cut, or names no task or robot, is refused") {
     baton.short_form.bytes = definition.tag() + behind;
     CHECK(lengthened(baton, definition).error().code == Errc::malformed);
   }
+}
+
+TEST_CASE("an attempt or epoch of more than 32 bits is refused, and never another one") {
+  const KnownRun known{chain({"drone", "ur3", "pioneer"})};
+  const RunDefinition& definition = known.run().definition();
+  Results shorter = results_of({sign(known, usual(known, "task-1", "ur3"))});
+  shorten(shorter, definition);
+  const Bytes form = shorter.short_form.bytes;
+  const std::size_t bits = RunDefinition::kTagSize + 2;  // behind the numbers of task and robot
+  const auto is_read = [&](std::uint64_t attempt, std::uint64_t epoch) {
+    Bytes& later = shorter.short_form.bytes;
+    later = form.substr(0, bits) + static_cast<char>(form[bits] | 0x40);
+    put_varint(later, attempt);
+    put_varint(later, epoch);
+    later += form.substr(bits + 1);
+    return lengthened(shorter, definition).ok();
+  };
+  CHECK(is_read(2, UINT32_MAX));
+  CHECK_FALSE(is_read(1ULL << 32U, 1));
+  CHECK_FALSE(is_read(1, 1ULL << 32U));
 }
