@@ -1,1 +1,0 @@
-import{aE as c,aF as t,aG as f}from"./index-BxcTQIMs.js";const i=Symbol("NaN");function y(e,r,n){var o=new f(e),s=!c();t(()=>{var a=r();a!==a&&(a=i),s&&a!==null&&typeof a=="object"&&(a={}),o.ensure(a,n)})}export{y as k};
