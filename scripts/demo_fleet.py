@@ -5,6 +5,7 @@ import json
 import os
 import pathlib
 import shlex
+import shutil
 import signal
 import subprocess
 import sys
@@ -205,6 +206,14 @@ def take_lock(root):
     except OSError:
         sys.exit(f"scripts/demo: another demonstration is running in {root}; stop it first (Ctrl-C there)")
     return lock
+
+
+def take_root(folder):
+    """The folder of a fleet, and the lock that makes it this process's, without the evidence of an earlier one."""
+    root = pathlib.Path(folder).resolve()
+    lock = take_lock(root)
+    shutil.rmtree(root / "evidence", ignore_errors=True)
+    return root, lock
 
 
 def parse():

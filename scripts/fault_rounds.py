@@ -290,9 +290,7 @@ def parse():
 
 def main():
     arguments = parse()
-    root = pathlib.Path(arguments.root).resolve()
-    lock = demo_fleet.take_lock(root)
-    shutil.rmtree(root / "evidence", ignore_errors=True)
+    root, lock = demo_fleet.take_root(arguments.root)
     rows, tally = play_all(arguments, root)
     print_tally(tally)
     if arguments.json:

@@ -3,7 +3,6 @@ import argparse
 import json
 import pathlib
 import random
-import shutil
 import time
 
 import demo_fleet
@@ -89,9 +88,7 @@ def parse():
 
 def main():
     arguments = parse()
-    root = pathlib.Path(arguments.root).resolve()
-    lock = demo_fleet.take_lock(root)
-    shutil.rmtree(root / "evidence", ignore_errors=True)
+    root, lock = demo_fleet.take_root(arguments.root)
     place = demo_place.take(None, None, root, say)
     soak = Soak(arguments, root)
     with SoakFleet(root / "fleet", arguments.programs, block=place.block, udp_port=place.udp_port, speed=arguments.speed, name="soak",

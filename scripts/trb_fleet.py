@@ -137,16 +137,20 @@ class Fleet:
 
     def make(self):
         """Folders, keys and certificates of every node."""
+        self.make_authority()
+        for node in self.node_names:
+            self.make_node(node)
+        requests = [self.dir(node) / "keys" / "request.json" for node in self.node_names]
+        self.trb("fleet", "sign", self.authority_dir(), *requests)
+
+    def make_authority(self):
+        """An empty folder for the fleet, with its authority and the passphrase of that."""
         shutil.rmtree(self.root, ignore_errors=True)
         self.root.mkdir(parents=True)
         path = self.root / "passphrase"
         path.touch(mode=0o600)
         path.write_text(secrets.token_urlsafe(24) + "\n")
         self.trb("fleet", "init", self.authority_dir(), "--name", self.name)
-        for node in self.node_names:
-            self.make_node(node)
-        requests = [self.dir(node) / "keys" / "request.json" for node in self.node_names]
-        self.trb("fleet", "sign", self.authority_dir(), *requests)
 
     def make_node(self, node):
         folder = self.dir(node)

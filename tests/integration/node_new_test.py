@@ -6,7 +6,6 @@ Addresses 127.0.242.x, 127.0.243.x.
 import json
 import os
 import pty
-import secrets
 import select
 import shutil
 import subprocess
@@ -47,12 +46,7 @@ class NewFleet(trb_fleet.Fleet):
             return super().make_node(node)
 
     def make(self):
-        shutil.rmtree(self.root, ignore_errors=True)
-        self.root.mkdir(parents=True)
-        path = self.root / "passphrase"
-        path.touch(mode=0o600)
-        path.write_text(secrets.token_urlsafe(24) + "\n")
-        self.trb("fleet", "init", self.authority_dir(), "--name", self.name)
+        self.make_authority()
         self.make_node("cloud")
         self.trb("fleet", "sign", self.authority_dir(), self.dir("cloud") / "keys" / "request.json")
 

@@ -7,7 +7,6 @@ import argparse
 import json
 import os
 import pathlib
-import shutil
 import signal
 import subprocess
 import sys
@@ -17,6 +16,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
 
 import crowd  # noqa: F401  adds its case
 import doctor_cases  # noqa: F401  adds its case
+import hosts
 import sites  # noqa: F401  adds its cases
 import skips
 from cases import CASES, Report, trb_fleet
@@ -98,18 +98,6 @@ def print_table(results):
             print(f"{result['case']}: FAULT {fault}")
 
 
-def what_is_missing():
-    """Why hosts cannot be built here; empty: they can."""
-    if os.geteuid() != 0:
-        return "needs root, for network namespaces; run it with sudo"
-    for program in ("ip", "nft", "unshare"):
-        if shutil.which(program) is None:
-            return f"needs the program {program}: apt-get install iproute2 nftables"
-    if subprocess.run(["unshare", "--net", "--mount", "true"], capture_output=True).returncode != 0:
-        return "may not make network namespaces here: a container needs CAP_SYS_ADMIN"
-    return None
-
-
 def main():
     parser = argparse.ArgumentParser(usage=__doc__)
     parser.add_argument("cases", nargs="*")
@@ -129,7 +117,7 @@ def main():
     if arguments.one:
         # Two runs on one machine must not meet: the tag is made of this process's number.
         return run_one(arguments.one, arguments.rounds, f"{os.getpid() % 100000}")
-    if missing := what_is_missing():
+    if missing := hosts.why_not():
         skips.leave(f"scripts/test-network {missing}")
     unknown = [name for name in arguments.cases if name not in CASES]
     if unknown:

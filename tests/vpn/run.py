@@ -17,6 +17,7 @@ import time
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), str(HERE.parent / "network"), str(HERE.parents[1] / "scripts"), str(HERE.parent / "support"),
                 str(HERE.parent / "integration")]
+import hosts  # noqa: E402
 import skips  # noqa: E402
 import trb_fleet  # noqa: E402
 import tunnels as recipes  # noqa: E402
@@ -299,16 +300,9 @@ def run_kind(kind, cuts):
 
 
 def what_is_missing():
-    if os.geteuid() != 0:
-        return "needs root, for network namespaces; run it with sudo"
     if not pathlib.Path("/dev/net/tun").exists():
         return "needs /dev/net/tun"
-    for program in ("ip", "nft", "openvpn", "wireguard-go", "wg", "setpriv", "nsenter"):
-        if shutil.which(program) is None:
-            return f"needs the program {program}"
-    if subprocess.run(["unshare", "--net", "--mount", "true"], capture_output=True).returncode != 0:
-        return "may not make network namespaces here: a container needs CAP_SYS_ADMIN"
-    return None
+    return hosts.why_not("openvpn", "wireguard-go", "wg", "setpriv", "nsenter")
 
 
 def main():
