@@ -15,16 +15,6 @@ namespace {
 constexpr std::size_t kShortId = 8;
 constexpr std::size_t kMostShown = 10;
 
-std::string or_dash(const std::string& text) {
-  return text.empty() ? "-" : text;
-}
-
-std::string joined(const std::vector<std::string>& words) {
-  std::string out;
-  for (const std::string& word : words) out += (out.empty() ? "" : ",") + word;
-  return or_dash(out);
-}
-
 std::string shown(double number, const char* format = "%.3f") {
   char out[32];
   std::snprintf(out, sizeof out, format, number);
@@ -56,7 +46,7 @@ void print_table(const AlertTable& table) {
     rows.push_back({or_dash(alert.id.substr(0, kShortId)), to_iso8601({alert.time}), std::string(name_of(alert.state)),
                     alert.run.empty() ? "-" : alert.run.substr(0, kShortId) + " " + alert.name, or_dash(alert.robot),
                     lost_of(alert), alert.cause == "robot_wanted" ? "-" : std::string(name_of(alert.severity)),
-                    joined(alert.tasks)});
+                    joined(alert.tasks, ",")});
   }
   print(format_table(rows));
 }
@@ -106,7 +96,7 @@ void print_open(const Alert& alert) {
   if (!alert.waits_for.empty()) print_line("waits for: " + alert.waits_for);
 }
 
-int run_list(const Arguments& arguments) {
+int run_alert_list(const Arguments& arguments) {
   auto probe = open_probe(arguments);
   if (!probe) return kFailed;
   auto table = probe->ask_node<AlertTable>(AlertListRequest{arguments.has("--all")});
@@ -195,19 +185,19 @@ int run_decide(const Arguments& arguments) {
   return kGood;
 }
 
-const std::string kNode = "--node DIR|the node that decides, the cloud's (else TRB_NODE, else this folder)";
+const std::string kDecidingNode = "--node DIR|the node that decides, the cloud's (else TRB_NODE, else this folder)";
 
-const std::vector<Command> kCommands = {
+const std::vector<Command> kAlertCommands = {
     {{"alert", "list"},
      {"alert list",
       "Lists what robots cannot do any more, who could take over and why in this order; behind them, without an id, "
       "the\n"
       "WARNING and URGENT faults of the last 15 minutes.",
-      {"--all|those that are over as well", kNode, "--json|for programs: everything that is known of each"},
+      {"--all|those that are over as well", kDecidingNode, "--json|for programs: everything that is known of each"},
       {"trb alert list", "trb alert list --all --json"},
       0,
       0},
-     run_list},
+     run_alert_list},
     {{"alert", "decide"},
      {"alert decide [ALERT]",
       "Decides on an alert; without a verdict the best proposal is accepted. ALERT is a unique beginning of its id; "
@@ -222,7 +212,7 @@ const std::vector<Command> kCommands = {
        "--retry|the same robot tries again: it is repaired, and its node is told so; after a decision too",
        "--skip|what has failed is left out", "--abort|the run ends",
        "--stands|I have seen that the failed robot stands", "--reason TEXT|why; an override needs one",
-       "--person NAME|who decides ($USER)", kNode, "--json|for programs"},
+       "--person NAME|who decides ($USER)", kDecidingNode, kJson},
       {"trb alert decide 3f2a", "trb alert decide 3f2a --robot pioneer2",
        "trb alert decide 3f2a --override turtlebot --reason 'it stands next to it' --stands",
        "trb alert decide --run 71c0 --task fetch,carry --robot pioneer1"},
@@ -234,7 +224,7 @@ const std::vector<Command> kCommands = {
 }  // namespace
 
 std::vector<Command> alert_commands() {
-  return kCommands;
+  return kAlertCommands;
 }
 
 }  // namespace trb::cli

@@ -8,20 +8,23 @@
 namespace trb::cli {
 namespace {
 
-constexpr std::size_t kMaxFile = 256U << 20U;  ///< some 600,000 records
+constexpr std::size_t kMaxAuditFile = 256U << 20U;  ///< some 600,000 records
 
-Value number(std::uint64_t value) {
+Value count_value(std::uint64_t value) {
   return Value{static_cast<std::int64_t>(value)};
 }
 
 void print_report_json(const AuditCheck& check) {
-  Value::Object out{{"node", Value{check.node}},         {"records", number(check.records)},
-                    {"good", number(check.report.good)}, {"covered", number(check.report.covered)},
-                    {"heads", number(check.heads)},      {"other_heads", number(check.other_heads)}};
+  Value::Object out{{"node", Value{check.node}},
+                    {"records", count_value(check.records)},
+                    {"good", count_value(check.report.good)},
+                    {"covered", count_value(check.report.covered)},
+                    {"heads", count_value(check.heads)},
+                    {"other_heads", count_value(check.other_heads)}};
   if (check.report.fault) {
     const AuditFault& fault = *check.report.fault;
     out.emplace_back("fault", Value{Value::Object{{"kind", Value{std::string(name_of(fault.kind))}},
-                                                  {"number", number(fault.number)},
+                                                  {"number", count_value(fault.number)},
                                                   {"what", Value{fault.what}}}});
   }
   print_json(Value{std::move(out)});
@@ -50,10 +53,10 @@ void print_report(const AuditCheck& check) {
 Result<std::string> text_of(const std::vector<std::string>& names) {
   std::string out;
   for (const std::string& name : names) {
-    const auto file = read_file(name, kMaxFile - out.size());
+    const auto file = read_file(name, kMaxAuditFile - out.size());
     if (!file) return fail(file.error().code, file.error().what, "name the files that the gateway exported");
     out += *file;
-    if (!out.ends_with('\n') && out.size() < kMaxFile) out += '\n';
+    if (!out.ends_with('\n') && out.size() < kMaxAuditFile) out += '\n';
   }
   return out;
 }
@@ -70,15 +73,14 @@ int run_verify(const Arguments& arguments) {
   return check->report.fault ? kFailed : kGood;
 }
 
-const std::vector<Command> kCommands = {
+const std::vector<Command> kAuditCommands = {
     {{"audit", "verify"},
      {"audit verify FILE ...",
       "Checks an exported audit log of a cloud's gateway: no record is changed, missing or inserted, and which of "
       "them\n"
       "the node's signed heads prove. FILE is what GET /api/v1/audit/export gave (several pages in their order).\n"
       "Exit status 0: all records fit; 1: one does not, and it says which.",
-      {"--fleet FLEET_DIR|the fleet's public half, fleet.json", "--key HEX|the authority's public key instead",
-       "--json|for programs"},
+      {"--fleet FLEET_DIR|the fleet's public half, fleet.json", "--key HEX|the authority's public key instead", kJson},
       {"trb audit verify audit.jsonl --fleet ~/hall-3-authority"},
       1,
       1000},
@@ -88,7 +90,7 @@ const std::vector<Command> kCommands = {
 }  // namespace
 
 std::vector<Command> audit_commands() {
-  return kCommands;
+  return kAuditCommands;
 }
 
 }  // namespace trb::cli

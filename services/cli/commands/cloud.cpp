@@ -44,12 +44,12 @@ int run_password(const Arguments& arguments) {
   return kGood;
 }
 
-const std::vector<Command> kCommands = {
+const std::vector<Command> kCloudCommands = {
     {{"cloud", "password"},
      {"cloud password NODE_DIR",
       "Makes a password for an admin of the cloud's gateway: for the first sign-in, or if nobody remembers one.\n"
       "There is none by default. Whoever can write to the node's folder can do this.",
-      {"--user NAME|whose (admin)", "--json|for programs"},
+      {"--user NAME|whose (admin)", kJson},
       {"trb cloud password nodes/cloud"},
       1,
       1},
@@ -59,7 +59,7 @@ const std::vector<Command> kCommands = {
 }  // namespace
 
 std::vector<Command> cloud_commands() {
-  return kCommands;
+  return kCloudCommands;
 }
 
 }  // namespace trb::cli

@@ -15,6 +15,13 @@ struct Command {
   int (*run)(const Arguments&) = nullptr;
 };
 
+// Options of several groups.
+inline constexpr const char* kJson = "--json|for programs";
+inline constexpr const char* kAskedNode = "--node DIR|the node to ask (else TRB_NODE, else this folder)";
+inline constexpr const char* kSendingNode = "--node DIR|the node to send from (else TRB_NODE, else this folder)";
+inline constexpr const char* kPassphrase =
+    "--passphrase-file FILE|its first line (else TRB_PASSPHRASE, else the terminal)";
+
 // A line a group, in the order of `trb help`; a group is a file here, which defines GROUP_commands().
 #define TRB_COMMAND_GROUPS(GROUP) \
   GROUP(node)                     \

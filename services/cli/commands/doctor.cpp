@@ -79,12 +79,12 @@ int run_doctor(const Arguments& arguments) {
   return report(arguments, examination.seen, examination.findings);
 }
 
-const std::vector<Command> kCommands = {
+const std::vector<Command> kDoctorCommands = {
     {{"doctor"},
      {"doctor [PEER]",
       "Looks at the node's files, services, links and robot, and names what is wrong and the cure. PEER is an id or\n"
       "HOST:PORT: looks at that one alone, also if it is not known. Exit status 0: no problem found.",
-      {"--node DIR|the node to look at (else TRB_NODE, else this folder)", "--json|for programs"},
+      {"--node DIR|the node to look at (else TRB_NODE, else this folder)", kJson},
       {"trb doctor --node nodes/ur3", "trb doctor ridgeback", "trb doctor 10.0.2.7:45000 --json"},
       0,
       1},
@@ -94,7 +94,7 @@ const std::vector<Command> kCommands = {
 }  // namespace
 
 std::vector<Command> doctor_commands() {
-  return kCommands;
+  return kDoctorCommands;
 }
 
 }  // namespace trb::cli

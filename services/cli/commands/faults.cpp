@@ -48,14 +48,13 @@ int run_fault(const Arguments& arguments) {
   return kGood;
 }
 
-const std::vector<Command> kCommands = {
+const std::vector<Command> kFaultCommands = {
     {{"robot", "fault"},
      {"robot fault ROBOT [CAPABILITY]",
       "Lets a virtual robot fail as its maker's robot would, or ends that; a real robot refuses it.\n"
       "The virtual robot needs --control, and its node.json \"robot\": {\"fault_injection\": \"HOST:PORT\"}.",
       {"--severity S|WARNING, URGENT, CRITICAL or FATAL (CRITICAL)", "--text T|what the robot says of it",
-       "--clear|the fault is over", "--node DIR|the node to send from (else TRB_NODE, else this folder)",
-       "--json|for programs"},
+       "--clear|the fault is over", "--node DIR|the node to send from (else TRB_NODE, else this folder)", kJson},
       {"trb robot fault ridgeback mobile", "trb robot fault ur3 grab --severity FATAL --text 'gripper jammed'",
        "trb robot fault ur3 --clear"},
       1,
@@ -66,7 +65,7 @@ const std::vector<Command> kCommands = {
 }  // namespace
 
 std::vector<Command> fault_commands() {
-  return kCommands;
+  return kFaultCommands;
 }
 
 }  // namespace trb::cli

@@ -47,7 +47,7 @@ Status make_keys_of_bus(const std::string& dir) {
   return bus->empty() ? Status(Done{}) : make_bus_keys(dir, bus_names(check_node_dir(dir, true).config));
 }
 
-int run_request(const Arguments& arguments) {
+int run_fleet_request(const Arguments& arguments) {
   init_crypto();
   const std::string dir = arguments.words[0];
   auto file = read_file(dir + "/node.json");
@@ -192,10 +192,7 @@ int run_show(const Arguments& arguments) {
   return kGood;
 }
 
-const std::string kPassphrase = "--passphrase-file FILE|its first line (else TRB_PASSPHRASE, else the terminal)";
-const std::string kJson = "--json|for programs";
-
-const std::vector<Command> kCommands = {
+const std::vector<Command> kFleetCommands = {
     {{"fleet", "init"},
      {"fleet init FLEET_DIR",
       "Makes a fleet: its authority's key, encrypted with a passphrase, and its beacon key.",
@@ -211,7 +208,7 @@ const std::vector<Command> kCommands = {
       {"trb fleet request nodes/ur3"},
       1,
       1},
-     run_request},
+     run_fleet_request},
     {{"fleet", "sign"},
      {"fleet sign FLEET_DIR REQUEST ...",
       "Signs requests; writes the certificate beside each, as certificate.json.",
@@ -233,7 +230,7 @@ const std::vector<Command> kCommands = {
 }  // namespace
 
 std::vector<Command> fleet_commands() {
-  return kCommands;
+  return kFleetCommands;
 }
 
 }  // namespace trb::cli

@@ -41,14 +41,13 @@ int run_history(const Arguments& arguments) {
   return kGood;
 }
 
-const std::vector<Command> kCommands = {
+const std::vector<Command> kHistoryCommands = {
     {{"robot", "history"},
      {"robot history [ROBOT]",
       "What happened to the fleet's robots, newest first: who joined or went, lost its robot, was stopped, failed or "
       "was\n"
       "mended, as this node's trb-resilience saw it. 30 days and 10,000 events are kept.",
-      {"--most N|so many events, 1 to 500 (50)", "--node DIR|the node to ask (else TRB_NODE, else this folder)",
-       "--json|for programs"},
+      {"--most N|so many events, 1 to 500 (50)", "--node DIR|the node to ask (else TRB_NODE, else this folder)", kJson},
       {"trb robot history", "trb robot history ridgeback --most 10", "trb robot history --json"},
       0,
       1},
@@ -58,7 +57,7 @@ const std::vector<Command> kCommands = {
 }  // namespace
 
 std::vector<Command> history_commands() {
-  return kCommands;
+  return kHistoryCommands;
 }
 
 }  // namespace trb::cli

@@ -36,7 +36,7 @@ struct Doors {
   std::vector<FleetSeed> seeds;  ///< every cloud node that is there
 };
 
-Result<Wish> wish_of(const Arguments& arguments) {
+Result<Wish> invite_wish_of(const Arguments& arguments) {
   Wish wish;
   wish.dir = std::filesystem::absolute(arguments.words[0]).string();
   wish.name = arguments.words[1];
@@ -178,7 +178,7 @@ int wait_for_node(const Arguments& arguments, const Wish& wish, const Authority&
 int run_invite(const Arguments& arguments) {
   init_crypto();
   block_signals();
-  const auto wish = wish_of(arguments);
+  const auto wish = invite_wish_of(arguments);
   if (!wish) return print_error(arguments, wish.error());
   const auto authority = open_authority(wish->dir, wish->passphrase);
   if (!authority) return print_error(arguments, authority.error());
@@ -205,20 +205,19 @@ int run_invite(const Arguments& arguments) {
 }  // namespace
 
 std::vector<Command> invite_commands() {
-  return {
-      {{"fleet", "invite"},
-       {"fleet invite FLEET_DIR NAME",
-        "Prints a code with which the new node NAME gets its certificate through a cloud node: once, within ten\n"
-        "minutes. Waits for it, for the authority's key signs here and lies on no node.",
-        {"--via NODE_DIR|a node that is up on this computer (else TRB_NODE, else this folder)",
-         "--through CLOUD|the cloud node that the new one calls (the first that is reached)",
-         "--at HOST:PORT|where the new node dials that cloud node, if another address leads there",
-         "--role ROLE|robot or cloud (robot)", "--days N|how long the certificate is valid (365)",
-         "--passphrase-file FILE|its first line (else TRB_PASSPHRASE, else the terminal)", "--json|an object a line"},
-        {"trb fleet invite ~/hall-3-authority arm1 --via nodes/cloud"},
-        2,
-        2},
-       run_invite}};
+  return {{{"fleet", "invite"},
+           {"fleet invite FLEET_DIR NAME",
+            "Prints a code with which the new node NAME gets its certificate through a cloud node: once, within ten\n"
+            "minutes. Waits for it, for the authority's key signs here and lies on no node.",
+            {"--via NODE_DIR|a node that is up on this computer (else TRB_NODE, else this folder)",
+             "--through CLOUD|the cloud node that the new one calls (the first that is reached)",
+             "--at HOST:PORT|where the new node dials that cloud node, if another address leads there",
+             "--role ROLE|robot or cloud (robot)", "--days N|how long the certificate is valid (365)", kPassphrase,
+             "--json|an object a line"},
+            {"trb fleet invite ~/hall-3-authority arm1 --via nodes/cloud"},
+            2,
+            2},
+           run_invite}};
 }
 
 }  // namespace trb::cli

@@ -22,10 +22,6 @@ std::string short_seconds(double s) {
   return out;
 }
 
-std::string or_dash(const std::string& text) {
-  return text.empty() ? "-" : text;
-}
-
 Result<RouteTable> ask_routes(Probe& probe) {
   return probe.routes();
 }
@@ -165,14 +161,11 @@ int run_counters(const Arguments& arguments) {
   return print_error(arguments, fail(Errc::bad_value, "SERVICE: '" + service + "'", "use router or mode-adapter"));
 }
 
-const std::string kNode = "--node DIR|the node to ask (else TRB_NODE, else this folder)";
-const std::string kJson = "--json|for programs";
-
-const std::vector<Command> kCommands = {
+const std::vector<Command> kListCommands = {
     {{"robot", "list"},
      {"robot list",
       "The fleet's robots: are they there, can they be commanded, what can they do?",
-      {kNode, kJson},
+      {kAskedNode, kJson},
       {"trb robot list"},
       0,
       0},
@@ -180,7 +173,7 @@ const std::vector<Command> kCommands = {
     {{"route", "list"},
      {"route list",
       "The node's routing table: every node of the fleet that it has heard of.",
-      {kNode, kJson},
+      {kAskedNode, kJson},
       {"trb route list --json"},
       0,
       0},
@@ -188,7 +181,7 @@ const std::vector<Command> kCommands = {
     {{"service", "list"},
      {"service list",
       "The node's services: which run, since when, what they take.",
-      {kNode, kJson},
+      {kAskedNode, kJson},
       {"trb service list --node nodes/ur3"},
       0,
       0},
@@ -196,7 +189,7 @@ const std::vector<Command> kCommands = {
     {{"service", "counters"},
      {"service counters SERVICE",
       "What a router or mode-adapter has counted: messages, refusals.",
-      {kNode, kJson},
+      {kAskedNode, kJson},
       {"trb service counters router"},
       1,
       1},
@@ -206,7 +199,7 @@ const std::vector<Command> kCommands = {
 }  // namespace
 
 std::vector<Command> list_commands() {
-  return kCommands;
+  return kListCommands;
 }
 
 }  // namespace trb::cli

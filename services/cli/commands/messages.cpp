@@ -158,17 +158,15 @@ int run_release(const Arguments& arguments) {
   return order(arguments, Release{arguments.get("--reason", "trb release")}, "RELEASE");
 }
 
-const std::string kNode = "--node DIR|the node to send from (else TRB_NODE, else this folder)";
-const std::string kJson = "--json|for programs";
 const std::string kTimeout = "--timeout S|how long to wait for an answer (5)";
 
-const std::vector<Command> kCommands = {
+const std::vector<Command> kMessageCommands = {
     {{"send"},
      {"send TARGET TYPE SUBTYPE [DATA]",
       "Sends one message and prints the answer. TYPE is command, request or information.\n"
       "A robot is commanded by one node at a time, until 10 s after its last command; another is refused\n"
       "(control_held, naming the holder) unless it takes control over by word.",
-      {kNode, kTimeout, "--take|take the control lease over from whoever commands the robot", kJson},
+      {kSendingNode, kTimeout, "--take|take the control lease over from whoever commands the robot", kJson},
       {"trb send ur3 command move '[0.5,-1.2,1.0,-1.4,-1.57,0]'", "trb send pioneer1 information greeting 'hello'",
        "trb send ur3 command move '[0,-1.57,0,-1.57,0,0]' --take"},
       3,
@@ -177,7 +175,7 @@ const std::vector<Command> kCommands = {
     {{"request"},
      {"request TARGET SUBTYPE [DATA]",
       "Asks a robot and prints what it answers.",
-      {kNode, kTimeout, kJson},
+      {kSendingNode, kTimeout, kJson},
       {"trb request ur3 position", "trb request pioneer1 battery --json"},
       2,
       3},
@@ -185,7 +183,7 @@ const std::vector<Command> kCommands = {
     {{"tap"},
      {"tap",
       "Shows the messages that pass a node's router: < in, > out, = within the node.",
-      {kNode, kJson, "--subtype WORD|this subtype alone", "--all|also keep-alives, lists, proofs of delivery",
+      {kSendingNode, kJson, "--subtype WORD|this subtype alone", "--all|also keep-alives, lists, proofs of delivery",
        "--count N|end after N messages", "--timeout S|end after S seconds"},
       {"trb tap --node nodes/ur3", "trb tap --subtype baton --json"},
       0,
@@ -198,8 +196,7 @@ const std::vector<Command> kCommands = {
       {"--speeds S,S...|of the part's axes, in m/s and rad/s; those that are left out are 0",
        "--part P|base, joints, tool or belt (the first that the robot has)", "--for S|how long, in seconds (2)",
        "--take|takes control from who has it", "--person NAME|who drives ($USER)",
-       "--node DIR|the node to send from: a cloud's, or the robot's own (else TRB_NODE, else this folder)",
-       "--json|for programs"},
+       "--node DIR|the node to send from: a cloud's, or the robot's own (else TRB_NODE, else this folder)", kJson},
       {"trb drive pioneer --speeds 0.2,0", "trb drive ur3 --part tool --speeds 0,0,0.05 --for 1",
        "trb drive conveyor --speeds=-0.1 --take"},
       1,
@@ -208,7 +205,7 @@ const std::vector<Command> kCommands = {
     {{"stop"},
      {"stop [ROBOT ...]",
       "Stops robots and fences them until `trb release`. A software stop is no safety function (ISO 13850).",
-      {kNode, "--all|every robot of the fleet", "--reason TEXT|for the record",
+      {kSendingNode, "--all|every robot of the fleet", "--reason TEXT|for the record",
        "--timeout S|how long to wait for confirmations (3)", kJson},
       {"trb stop --all", "trb stop ur3 --reason 'hand in the cell'"},
       0,
@@ -217,7 +214,7 @@ const std::vector<Command> kCommands = {
     {{"release"},
      {"release [ROBOT ...]",
       "Lifts the fence of robots that were stopped.",
-      {kNode, "--all|every robot of the fleet", "--reason TEXT|for the record",
+      {kSendingNode, "--all|every robot of the fleet", "--reason TEXT|for the record",
        "--timeout S|how long to wait for confirmations (3)", kJson},
       {"trb release --all", "trb release ur3"},
       0,
@@ -228,7 +225,7 @@ const std::vector<Command> kCommands = {
 }  // namespace
 
 std::vector<Command> message_commands() {
-  return kCommands;
+  return kMessageCommands;
 }
 
 }  // namespace trb::cli

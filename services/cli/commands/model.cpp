@@ -136,7 +136,7 @@ std::vector<std::string> options_of(std::vector<std::string> options) {
   return with_model_options(std::move(options));
 }
 
-const std::vector<Command> kCommands = {
+const std::vector<Command> kModelCommands = {
     {{"model"},
      {"model",
       "How many messages a run takes by the paper's Equations 1 to 12, term by term. Needs no node.\n"
@@ -161,7 +161,7 @@ const std::vector<Command> kCommands = {
 }  // namespace
 
 std::vector<Command> model_commands() {
-  return kCommands;
+  return kModelCommands;
 }
 
 }  // namespace trb::cli

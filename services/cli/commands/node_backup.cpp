@@ -158,13 +158,13 @@ int run_restore(const Arguments& arguments) {
   return kGood;
 }
 
-const std::vector<Command> kCommands = {
+const std::vector<Command> kNodeBackupCommands = {
     {{"node", "backup"},
      {"node backup DIR FILE",
       "Writes what a stopped node must have to run on another PC: its files, keys and certificate, revocations, users "
       "of "
       "a cloud. The file holds secret keys, and is locked with a passphrase.",
-      {"--passphrase-file FILE|its first line (else TRB_PASSPHRASE, else it is asked for)", "--json|for programs"},
+      {"--passphrase-file FILE|its first line (else TRB_PASSPHRASE, else it is asked for)", kJson},
       {"trb node backup nodes/arm1 arm1.backup"},
       2,
       2},
@@ -174,7 +174,7 @@ const std::vector<Command> kCommands = {
       "Makes a node's folder from a backup. What the node did since then is not in it: its robot stays out of use "
       "until "
       "a person has looked at it (trb robot repaired) and releases it.",
-      {"--passphrase-file FILE|its first line (else TRB_PASSPHRASE, else it is asked for)", "--json|for programs"},
+      {"--passphrase-file FILE|its first line (else TRB_PASSPHRASE, else it is asked for)", kJson},
       {"trb node restore arm1.backup nodes/arm1"},
       2,
       2},
@@ -184,7 +184,7 @@ const std::vector<Command> kCommands = {
 }  // namespace
 
 std::vector<Command> node_backup_commands() {
-  return kCommands;
+  return kNodeBackupCommands;
 }
 
 }  // namespace trb::cli

@@ -203,21 +203,21 @@ int run_join(const Arguments& arguments) {
 }  // namespace
 
 std::vector<Command> node_join_commands() {
-  return {{{"node", "join"},
-           {"node join DIR [CODE ...]",
-            "Gets the node's certificate and its seeds with a code of trb fleet invite, through the cloud node in it. "
-            "DIR is a\n"
-            "folder of trb node new; of a cloud node it is made. Without CODE it is asked for, or read from the input. "
-            "May be\n"
-            "stopped and repeated.",
-            {"--at HOST:PORT|where the cloud node is dialled, if not where the code says",
-             "--timeout S|how long to try until the cloud node answers (30)",
-             "--network NAME|of a cloud node's folder that is made: interface or address on the fleet's network",
-             "--json|for programs"},
-            {"trb node join nodes/arm1 3F2KQ-...", "trb node join nodes/arm1"},
-            1,
-            40},
-           run_join}};
+  return {
+      {{"node", "join"},
+       {"node join DIR [CODE ...]",
+        "Gets the node's certificate and its seeds with a code of trb fleet invite, through the cloud node in it. "
+        "DIR is a\n"
+        "folder of trb node new; of a cloud node it is made. Without CODE it is asked for, or read from the input. "
+        "May be\n"
+        "stopped and repeated.",
+        {"--at HOST:PORT|where the cloud node is dialled, if not where the code says",
+         "--timeout S|how long to try until the cloud node answers (30)",
+         "--network NAME|of a cloud node's folder that is made: interface or address on the fleet's network", kJson},
+        {"trb node join nodes/arm1 3F2KQ-...", "trb node join nodes/arm1"},
+        1,
+        40},
+       run_join}};
 }
 
 }  // namespace trb::cli

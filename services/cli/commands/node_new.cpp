@@ -153,7 +153,7 @@ std::vector<Command> node_new_commands() {
         "that says where to find it, and the node's keys. What is missing is asked for at a terminal.",
         {"--robot NAME|its name in the fleet", "--like KIND|ur, abb, kuka, pioneer, drone, mir, plc, ros or fields",
          "--address HOST|the robot's IPv4 address", "--network NAME|interface or address on the fleet's network",
-         "--interface NAME|interface or address towards the robot (by this computer's routes)", "--json|for programs"},
+         "--interface NAME|interface or address towards the robot (by this computer's routes)", kJson},
         {"trb node new nodes/arm1 --robot arm1 --like ur --address 192.168.1.5", "trb node new nodes/arm1"},
         1,
         1},

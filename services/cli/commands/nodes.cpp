@@ -221,9 +221,7 @@ int run_logs(const Arguments& arguments) {
   return arguments.has("--follow") ? follow(files) : kGood;
 }
 
-const std::string kJson = "--json|for programs";
-
-const std::vector<Command> kCommands = {
+const std::vector<Command> kNodeCommands = {
     {{"up"},
      {"up NODE_DIR",
       "Checks a node's folder, starts its services and keeps them running until Ctrl-C or SIGTERM.\nSays 'ID: ready' "
@@ -275,7 +273,7 @@ const std::vector<Command> kCommands = {
 }  // namespace
 
 std::vector<Command> node_commands() {
-  return kCommands;
+  return kNodeCommands;
 }
 
 }  // namespace trb::cli

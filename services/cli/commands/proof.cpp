@@ -15,7 +15,7 @@
 namespace trb::cli {
 namespace {
 
-constexpr std::size_t kMaxFile = 128U << 20U;  ///< a router's are of 64 MiB at most
+constexpr std::size_t kMaxProofFile = 128U << 20U;  ///< a router's are of 64 MiB at most
 /// The files named, and those of the folders named, in the order of their names.
 std::vector<std::string> files_of(const std::vector<std::string>& words) {
   std::vector<std::string> out;
@@ -193,7 +193,7 @@ int run_proof(const Arguments& arguments) {
   if (files.empty())
     return print_error(arguments, fail(Errc::missing, "no proof log there", "name NODE_DIR/log/proof or a file of it"));
   for (const std::string& name : files) {
-    auto file = read_file(name, kMaxFile);
+    auto file = read_file(name, kMaxProofFile);
     if (!file)
       return print_error(arguments,
                          fail(file.error().code, file.error().what, "name NODE_DIR/log/proof, or its files"));
@@ -209,7 +209,7 @@ int run_proof(const Arguments& arguments) {
   return report.faults.empty() ? kGood : kFailed;
 }
 
-const std::vector<Command> kCommands = {
+const std::vector<Command> kProofCommands = {
     {{"proof"},
      {"proof LOG ...",
       "Shows which messages a node's log proves, and by whom, to anybody who has the fleet's public key.\n"
@@ -218,7 +218,7 @@ const std::vector<Command> kCommands = {
       "behind its last seal; 1: something is not what it was, and it says in which file, record and byte. More:\n"
       "trb help proof.",
       {"--fleet FLEET_DIR|the fleet's public half, fleet.json", "--key HEX|the authority's public key instead",
-       "--summary|no list of messages", "--json|for programs"},
+       "--summary|no list of messages", kJson},
       {"trb proof nodes/ur3/log/proof --fleet ~/hall-3-authority",
        "trb proof proof-0000000007.log --key 5f0c... --summary"},
       1,
@@ -229,7 +229,7 @@ const std::vector<Command> kCommands = {
 }  // namespace
 
 std::vector<Command> proof_commands() {
-  return kCommands;
+  return kProofCommands;
 }
 
 }  // namespace trb::cli

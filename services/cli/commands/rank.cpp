@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t kMostRows = 20;
 
-std::string shown(double number) {
+std::string shown_share(double number) {
   char out[32];
   std::snprintf(out, sizeof out, "%.3f", number);
   return out;
@@ -41,13 +41,13 @@ Result<RankingAnswer> rank_file(const std::string& path) {
 void print_weights(const RankingAnswer& answer) {
   std::vector<std::vector<std::string>> rows{{"CRITERION", "WEIGHT", "OF ALL"}};
   for (const CriterionWeight& one : answer.criteria) {
-    rows.push_back({std::string(2 * (one.level - 1), ' ') + one.name, shown(one.local), shown(one.global)});
+    rows.push_back({std::string(2 * (one.level - 1), ' ') + one.name, shown_share(one.local), shown_share(one.global)});
   }
   print(format_table(rows) + "\n");
   if (answer.consistency.empty()) return;
   rows = {{"JUDGMENTS OF", "LAMBDA MAX", "INDEX", "RATIO"}};
   for (const NodeConsistency& one : answer.consistency) {
-    rows.push_back({one.node, shown(one.of.lambda_max), shown(one.of.ci), shown(one.of.cr)});
+    rows.push_back({one.node, shown_share(one.of.lambda_max), shown_share(one.of.ci), shown_share(one.of.cr)});
   }
   print(format_table(rows) + "\n");
 }
@@ -57,8 +57,8 @@ void print_ranking(const RankingAnswer& answer) {
   for (const std::string& leaf : answer.leaves) rows.front().push_back(leaf);
   for (std::size_t i = 0; i < answer.ranking.size() && i < kMostRows; ++i) {
     const RankedAlternative& one = answer.ranking[i];
-    std::vector<std::string> row{std::to_string(i + 1), one.id, shown(one.score)};
-    for (const double part : one.contributions) row.push_back(shown(part));
+    std::vector<std::string> row{std::to_string(i + 1), one.id, shown_share(one.score)};
+    for (const double part : one.contributions) row.push_back(shown_share(part));
     rows.push_back(std::move(row));
   }
   print(format_table(rows));
@@ -80,7 +80,7 @@ int run_rank(const Arguments& arguments) {
   return kGood;
 }
 
-const std::vector<Command> kCommands = {
+const std::vector<Command> kRankCommands = {
     {{"rank"},
      {"rank FILE|-",
       "Ranks alternatives by criteria (the analytic hierarchy process), and says why. Needs no node.\n"
@@ -96,7 +96,7 @@ const std::vector<Command> kCommands = {
 }  // namespace
 
 std::vector<Command> rank_commands() {
-  return kCommands;
+  return kRankCommands;
 }
 
 }  // namespace trb::cli

@@ -10,12 +10,6 @@
 namespace trb::cli {
 namespace {
 
-std::string joined(const std::vector<std::string>& words) {
-  std::string out;
-  for (const std::string& word : words) out += (out.empty() ? "" : ", ") + word;
-  return out.empty() ? "-" : out;
-}
-
 std::string short_number(double number) {
   char text[32];
   std::snprintf(text, sizeof text, "%g", number);
@@ -30,7 +24,7 @@ std::string parameters_of(const Skill& skill) {
     if (!parameter.unit.empty()) word += " " + parameter.unit;
     words.push_back(parameter.required ? word : "[" + word + "]");
   }
-  return joined(words);
+  return joined(words, ", ");
 }
 
 std::string end_of(const SkillEnd& end) {
@@ -52,7 +46,7 @@ std::string spoken_text(const RobotCheck& check) {
   for (const SpokenTo& one : check.spoken_to) {
     words.push_back(one.framework + " (" + std::string(name_of(one.mode)) + ", " + one.transport + ")");
   }
-  return joined(words);
+  return joined(words, ", ");
 }
 
 std::string channel_text(const Description& description) {
@@ -67,7 +61,7 @@ void print_good(const std::string& file, const RobotCheck& check) {
   const Description& robot = check.description;
   print_line(file + ": no faults\n");
   print(format_table({{"robot", robot.maker + " " + robot.model},
-                      {"capabilities", joined(robot.capabilities)},
+                      {"capabilities", joined(robot.capabilities, ", ")},
                       {"spoken to as", spoken_text(check)},
                       {"in fields", channel_text(robot)},
                       {"places", std::to_string(robot.places.size()) + " of its own, " +
@@ -128,14 +122,14 @@ int run_robot_check(const Arguments& arguments) {
   return kGood;
 }
 
-const std::vector<Command> kCommands = {
+const std::vector<Command> kRobotCheckCommands = {
     {{"robot", "check"},
      {"robot check FILE",
       "Reads a robot's description and tells every fault at once: file, key, cure; or else what the robot can do.\n"
       "profile.json, commands.json and places.json are taken from beside it or from the folder above.",
       {"--framework NAME|whose words of commands.json are meant (any that fit)",
        "--commands FILE|another commands.json", "--places FILE|another places.json",
-       "--profile FILE|another profile.json", "--json|for programs"},
+       "--profile FILE|another profile.json", kJson},
       {"trb robot check config/robots/ur3.json", "trb robot check my-robot.json --framework lines"},
       1,
       1},
@@ -144,7 +138,7 @@ const std::vector<Command> kCommands = {
 }  // namespace
 
 std::vector<Command> robot_check_commands() {
-  return kCommands;
+  return kRobotCheckCommands;
 }
 
 }  // namespace trb::cli

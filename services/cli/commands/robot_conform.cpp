@@ -236,7 +236,7 @@ int run_conform(const Arguments& arguments) {
   return play_plan(arguments, *plan, *cases);
 }
 
-const std::vector<Command> kCommands = {
+const std::vector<Command> kRobotConformCommands = {
     {{"robot", "conform"},
      {"robot conform ROBOT",
       "Plays the middleware against a robot that you have programmed to speak proto/FIELD_CHANNEL.md, and tells "
@@ -251,7 +251,7 @@ const std::vector<Command> kCommands = {
        "--echo SUBTYPE|the request that comes back with its data (echo)",
        "--timeout S|how long to wait for an answer, or until the robot dials again (5)",
        "--wait S|how long to wait until the robot dials first (60)", "--only CASE|one case",
-       "--list|which cases there are", "--json|for programs"},
+       "--list|which cases there are", kJson},
       {"trb robot conform config/robots/field-example.json --listen 127.0.0.1:40000",
        "trb robot conform nodes/mine --run 'go_to 1 0 0'", "trb robot conform --list"},
       0,
@@ -261,7 +261,7 @@ const std::vector<Command> kCommands = {
 }  // namespace
 
 std::vector<Command> robot_conform_commands() {
-  return kCommands;
+  return kRobotConformCommands;
 }
 
 }  // namespace trb::cli

@@ -41,16 +41,15 @@ int run_repaired(const Arguments& arguments) {
 }
 
 const std::string kPerson = "--person NAME|who says so ($USER)";
-const std::string kNode =
+const std::string kUseNode =
     "--node DIR|the node to send from: the robot's or the cloud's (else TRB_NODE, else this folder)";
-const std::string kJson = "--json|for programs";
 
-const std::vector<Command> kCommands = {
+const std::vector<Command> kRobotUseCommands = {
     {{"robot", "retire"},
      {"robot retire ROBOT",
       "Takes a robot out of service: it finishes what it is at and is given no task until trb robot return.\n"
       "This stops nothing: trb stop does. Your own commands (trb send) still go.",
-      {"--reason TEXT|why, for everybody who looks", kPerson, kNode, kJson},
+      {"--reason TEXT|why, for everybody who looks", kPerson, kUseNode, kJson},
       {"trb robot retire pioneer2 --reason 'new wheels are coming'"},
       1,
       1},
@@ -58,7 +57,7 @@ const std::vector<Command> kCommands = {
     {{"robot", "return"},
      {"robot return ROBOT",
       "Brings a retired robot back.",
-      {kPerson, kNode, kJson},
+      {kPerson, kUseNode, kJson},
       {"trb robot return pioneer2"},
       1,
       1},
@@ -67,7 +66,7 @@ const std::vector<Command> kCommands = {
      {"robot repaired ROBOT",
       "Says that what a CRITICAL or FATAL fault took is whole again; trb robot list shows what is out of use.\n"
       "Needed where the robot cannot tell it itself; refused while the robot still tells the fault.",
-      {"--capability C|that one alone; else every one", kPerson, kNode, kJson},
+      {"--capability C|that one alone; else every one", kPerson, kUseNode, kJson},
       {"trb robot repaired ridgeback", "trb robot repaired ridgeback --capability carry"},
       1,
       1},
@@ -77,7 +76,7 @@ const std::vector<Command> kCommands = {
 }  // namespace
 
 std::vector<Command> robot_use_commands() {
-  return kCommands;
+  return kRobotUseCommands;
 }
 
 }  // namespace trb::cli

@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::size_t kMaxProof = 64U << 20U;
 
-std::string seconds_text(double s) {
+std::string took_text(double s) {
   char out[32];
   std::snprintf(out, sizeof out, "%.2f s", s);
   return out;
@@ -28,10 +28,6 @@ std::string seconds_text(double s) {
 
 std::string time_or_dash(std::int64_t ns) {
   return ns == 0 ? "-" : to_iso8601({ns});
-}
-
-std::string or_dash(const std::string& text) {
-  return text.empty() ? "-" : text;
 }
 
 std::vector<std::vector<std::string>> run_rows(const RunTable& table) {
@@ -62,7 +58,7 @@ void print_tasks(const RunView& view) {
   for (const TaskView& task : view.tasks) {
     rows.push_back({task.id, or_dash(task.robot), task.skill, std::string(name_of(task.state)),
                     std::to_string(task.attempt), time_or_dash(task.started),
-                    task.ended == 0 ? "-" : seconds_text(task.duration_s), why_of(task)});
+                    task.ended == 0 ? "-" : took_text(task.duration_s), why_of(task)});
   }
   print(format_table(rows));
   for (const TaskView& task : view.tasks) {
@@ -87,7 +83,7 @@ void print_view(const RunView& view) {
              (view.over == 0 ? "" : ", over since " + to_iso8601({view.over})));
   print_line("submitted by " + view.submitter + " " + to_iso8601({view.created}) + ", priority " +
              std::to_string(view.priority) + ", epoch " + std::to_string(view.epoch));
-  if (view.over == 0 && view.left_s > 0) print_line("nothing of it begins later than in " + seconds_text(view.left_s));
+  if (view.over == 0 && view.left_s > 0) print_line("nothing of it begins later than in " + took_text(view.left_s));
   if (!view.paused_by.empty()) print_line("held by " + view.paused_by);
   if (!view.waits_for.empty()) print_line("waits for: " + view.waits_for);
   print_tasks(view);
@@ -165,9 +161,6 @@ int verify_run(const Arguments& arguments) {
   return proof.faults.empty() ? kGood : kFailed;
 }
 
-const std::string kNode = "--node DIR|the node to ask (else TRB_NODE, else this folder)";
-const std::string kJson = "--json|for programs";
-
 }  // namespace
 
 int list_runs(const Arguments& arguments) {
@@ -190,7 +183,7 @@ std::vector<Command> run_commands() {
       {{"run", "list"},
        {"run list",
         "The runs that are not over on this node; with --all also its archive, newest first.",
-        {"--all|those that are over as well", kNode, kJson},
+        {"--all|those that are over as well", kAskedNode, kJson},
         {"trb run list", "trb run list --all --json"},
         0,
         0},
@@ -200,7 +193,7 @@ std::vector<Command> run_commands() {
         "A run whole, also one that is over: its tasks, who did them, in which attempt, why not, their results, and "
         "what "
         "was decided.\nRUN is a unique beginning of its id.",
-        {kNode, kJson},
+        {kAskedNode, kJson},
         {"trb run show 3f2a", "trb run show 3f2a --json"},
         1,
         1},
@@ -209,7 +202,7 @@ std::vector<Command> run_commands() {
        {"run proof RUN",
         "What is signed of a run, as a file for a third party: its start, decisions, results, its end. Also of a run "
         "that\nis over. trb run verify checks it.",
-        {kNode},
+        {kAskedNode},
         {"trb run proof 3f2a > run.json"},
         1,
         1},

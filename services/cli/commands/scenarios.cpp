@@ -190,16 +190,14 @@ int run_resume(const Arguments& arguments) {
   return run_hold(arguments, op::resume_run, "trb scenario resume");
 }
 
-const std::string kNode = "--node DIR|the node to ask (else TRB_NODE, else this folder)";
-const std::string kJson = "--json|for programs";
 const std::string kUntilPaused = "--until-paused|also end when the run waits for a person";
 
-const std::vector<Command> kCommands = {
+const std::vector<Command> kScenarioCommands = {
     {{"scenario", "check"},
      {"scenario check FILE",
       "Tells every fault of a scenario; with a node also unknown robots, skills, places, sensors and wrong "
       "parameters,\nand the preflight: the tasks that nobody else in the fleet could take over now.",
-      {kNode, kJson},
+      {kAskedNode, kJson},
       {"trb scenario check config/scenarios/paper-nine-tasks.json"},
       1,
       1},
@@ -211,7 +209,7 @@ const std::vector<Command> kCommands = {
       "if\nno cloud node decides.",
       {"--watch|follow it to its end", kUntilPaused, "--expires-h H|nothing of it starts later than that (24)",
        "--priority N|of two runs that want a robot the higher one begins: 0 to 9 (0)",
-       "--timeout S|stop following after S seconds", kNode, kJson},
+       "--timeout S|stop following after S seconds", kAskedNode, kJson},
       {"trb scenario run config/scenarios/paper-nine-tasks.json --watch"},
       1,
       1},
@@ -219,7 +217,7 @@ const std::vector<Command> kCommands = {
     {{"scenario", "list"},
      {"scenario list",
       "The runs that are not over on this node; trb run list --all has its archive, too.",
-      {kNode, kJson},
+      {kAskedNode, kJson},
       {"trb scenario list"},
       0,
       0},
@@ -227,7 +225,8 @@ const std::vector<Command> kCommands = {
     {{"scenario", "watch"},
      {"scenario watch [RUN]",
       "Follows a run (the newest, or by the beginning of its id) to its end; exit 0 only if it FINISHED.",
-      {"--once|show it as it is and end", kUntilPaused, "--timeout S|stop following after S seconds", kNode, kJson},
+      {"--once|show it as it is and end", kUntilPaused, "--timeout S|stop following after S seconds", kAskedNode,
+       kJson},
       {"trb scenario watch", "trb scenario watch 3f2a --once --json"},
       0,
       1},
@@ -235,7 +234,7 @@ const std::vector<Command> kCommands = {
     {{"scenario", "abort"},
      {"scenario abort RUN",
       "Ends a run for good; waits until every member has confirmed.",
-      {"--reason TEXT|for the record", "--timeout S|how long to wait (5)", kNode, kJson},
+      {"--reason TEXT|for the record", "--timeout S|how long to wait (5)", kAskedNode, kJson},
       {"trb scenario abort 3f2a --reason 'wrong box'"},
       1,
       1},
@@ -244,7 +243,7 @@ const std::vector<Command> kCommands = {
      {"scenario pause RUN",
       "Holds a run: what runs is finished, nothing is begun, on every node that can be reached; the others when they "
       "come back. This stops no robot: trb stop does.",
-      {"--reason TEXT|for the record", kNode, kJson},
+      {"--reason TEXT|for the record", kAskedNode, kJson},
       {"trb scenario pause 3f2a --reason 'the hall is being cleaned'"},
       1,
       1},
@@ -252,7 +251,7 @@ const std::vector<Command> kCommands = {
     {{"scenario", "resume"},
      {"scenario resume RUN",
       "Lets a run go on that was held.",
-      {"--reason TEXT|for the record", kNode, kJson},
+      {"--reason TEXT|for the record", kAskedNode, kJson},
       {"trb scenario resume 3f2a"},
       1,
       1},
@@ -262,7 +261,7 @@ const std::vector<Command> kCommands = {
 }  // namespace
 
 std::vector<Command> scenario_commands() {
-  return kCommands;
+  return kScenarioCommands;
 }
 
 }  // namespace trb::cli

@@ -15,10 +15,6 @@ namespace {
 
 constexpr double kReadWait_s = 20;
 
-std::string or_dash(const std::string& text) {
-  return text.empty() ? "-" : text;
-}
-
 // ---- list
 
 void print_sensors(const RouteTable& table) {
@@ -54,7 +50,7 @@ void print_unknown(const SensorTable& table) {
   }
 }
 
-int run_list(const Arguments& arguments) {
+int run_sensor_list(const Arguments& arguments) {
   auto probe = open_probe(arguments);
   if (!probe) return kFailed;
   if (arguments.has("--unknown")) {
@@ -71,7 +67,7 @@ int run_list(const Arguments& arguments) {
 
 // ---- read
 
-op::SensorWish wish_of(const Arguments& arguments) {
+op::SensorWish sensor_wish_of(const Arguments& arguments) {
   return {arguments.words.empty() ? "" : arguments.words[0], arguments.get("--of"), arguments.get("--identity")};
 }
 
@@ -142,7 +138,7 @@ int read_picture(const Arguments& arguments, Probe& probe, const op::FoundSensor
 }
 
 int run_read(const Arguments& arguments) {
-  const op::SensorWish wish = wish_of(arguments);
+  const op::SensorWish wish = sensor_wish_of(arguments);
   if (Status clear = check_wish(wish); !clear) {
     print_error(arguments, clear.error());
     return kWrongUse;
@@ -179,8 +175,8 @@ int watch(const Arguments& arguments, Probe& probe, op::WatchedSensor& sensor, c
   return told > 0 || most > 1e8 ? kGood : kFailed;
 }
 
-int run_watch(const Arguments& arguments) {
-  const op::SensorWish wish = wish_of(arguments);
+int run_sensor_watch(const Arguments& arguments) {
+  const op::SensorWish wish = sensor_wish_of(arguments);
   if (Status clear = check_wish(wish); !clear) {
     print_error(arguments, clear.error());
     return kWrongUse;
@@ -204,24 +200,22 @@ int run_watch(const Arguments& arguments) {
   return watch(arguments, *probe, sensor, told, *count, seconds(*time));
 }
 
-const std::string kNode = "--node DIR|the node to send from (else TRB_NODE, else this folder)";
-const std::string kJson = "--json|for programs";
 const std::string kOf = "--of NODE|of this node (else of any that has it)";
 const std::string kIdentity = "--identity SERIAL|the device with this serial number, wherever it is plugged in";
 
-const std::vector<Command> kCommands = {
+const std::vector<Command> kSensorCommands = {
     {{"sensor", "list"},
      {"sensor list",
       "Sensors that are plugged into the nodes' computers, or fed by programs there.",
-      {kNode, "--unknown|devices of this node that no rule knows, each with a rule to edit", kJson},
+      {kSendingNode, "--unknown|devices of this node that no rule knows, each with a rule to edit", kJson},
       {"trb sensor list", "trb sensor list --unknown --node nodes/conveyor"},
       0,
       0},
-     run_list},
+     run_sensor_list},
     {{"sensor", "read"},
      {"sensor read [NAME]",
       "Asks for one value, the next that the sensor tells. NAME is a sensor's name or its kind.",
-      {kNode, kOf, kIdentity, "--save FILE|a picture, of a camera",
+      {kSendingNode, kOf, kIdentity, "--save FILE|a picture, of a camera",
        "--timeout S|how long to wait for a value (three of its periods, 3 s at least)", kJson},
       {"trb sensor read temperature", "trb sensor read temperature --of conveyor --json",
        "trb sensor read --identity 28-0316a2795b8c", "trb sensor read camera --save hall.jpg"},
@@ -233,18 +227,18 @@ const std::vector<Command> kCommands = {
       "Prints values as they come, until it is ended. A sensor with a serial number is followed to the node that it "
       "is\n"
       "plugged into next.",
-      {kNode, kOf, kIdentity, "--every S|at most so often (1)", "--count N|end after N values",
+      {kSendingNode, kOf, kIdentity, "--every S|at most so often (1)", "--count N|end after N values",
        "--timeout S|end after S seconds", kJson},
       {"trb sensor watch temperature", "trb sensor watch humidity --of hall --every 0.2 --count 10"},
       0,
       1},
-     run_watch},
+     run_sensor_watch},
 };
 
 }  // namespace
 
 std::vector<Command> sensor_commands() {
-  return kCommands;
+  return kSensorCommands;
 }
 
 }  // namespace trb::cli

@@ -194,7 +194,7 @@ int run_simulate(const Arguments& arguments) {
   return kGood;
 }
 
-const std::vector<Command> kCommands = {
+const std::vector<Command> kSimulateCommands = {
     {{"simulate"},
      {"simulate",
       "Plays a fleet in virtual time and counts its messages and bytes. Needs no node.\n"
@@ -241,7 +241,7 @@ const std::vector<Command> kCommands = {
 }  // namespace
 
 std::vector<Command> simulate_commands() {
-  return kCommands;
+  return kSimulateCommands;
 }
 
 }  // namespace trb::cli

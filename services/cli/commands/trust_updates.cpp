@@ -199,15 +199,14 @@ int run_tell(const Arguments& arguments) {
   return hand_on(arguments);
 }
 
-const std::string kPassphrase = "--passphrase-file FILE|its first line (else TRB_PASSPHRASE, else the terminal)";
 const std::string kVia = "--via NODE_DIR|hand it to the fleet by this node, which is up";
-const std::string kJson = "--json|errors for programs";
+const std::string kErrorsJson = "--json|errors for programs";
 
-const std::vector<Command> kCommands = {
+const std::vector<Command> kTrustUpdateCommands = {
     {{"fleet", "renew"},
      {"fleet renew FLEET_DIR ID|SERIAL|CERTIFICATE ...",
       "Signs new certificates for the same keys; a fleet that is up takes them without a restart.",
-      {"--days N|how long the certificate is valid (365)", kRelay, kNoRelay, kVia, kPassphrase, kJson},
+      {"--days N|how long the certificate is valid (365)", kRelay, kNoRelay, kVia, kPassphrase, kErrorsJson},
       {"trb fleet renew ~/hall-3-authority ur3 ur5 --via nodes/cloud"},
       2,
       1000},
@@ -215,7 +214,7 @@ const std::vector<Command> kCommands = {
     {{"fleet", "revoke"},
      {"fleet revoke FLEET_DIR ID|SERIAL|CERTIFICATE ...",
       "Ends nodes' membership: the next revocation list, and a new beacon key for those that stay.",
-      {"--reason TEXT|for the list, which every node reads (revoked)", kVia, kPassphrase, kJson},
+      {"--reason TEXT|for the list, which every node reads (revoked)", kVia, kPassphrase, kErrorsJson},
       {"trb fleet revoke ~/hall-3-authority ur3 --reason stolen --via nodes/cloud"},
       2,
       1000},
@@ -224,7 +223,7 @@ const std::vector<Command> kCommands = {
      {"fleet tell FLEET_DIR",
       "Hands the folder's news to the fleet: list, renewed certificates. Needs no passphrase. A folder that was put\n"
       "back from an older copy first takes over what the node knows.",
-      {kVia, kJson},
+      {kVia, kErrorsJson},
       {"trb fleet tell ~/hall-3-authority --via nodes/cloud"},
       1,
       1},
@@ -234,7 +233,7 @@ const std::vector<Command> kCommands = {
 }  // namespace
 
 std::vector<Command> trust_update_commands() {
-  return kCommands;
+  return kTrustUpdateCommands;
 }
 
 }  // namespace trb::cli
