@@ -9,13 +9,27 @@
 namespace trb::cli {
 namespace {
 
+void print_row(const Command& command) {
+  std::string left = "  trb " + command.usage.words;
+  left.resize(std::max<std::size_t>(left.size() + 2, 42), ' ');
+  print_line(left + first_sentence(command.usage.summary));
+}
+
+/// The commands whose first word is `group`; false if there is none.
+bool print_group(const std::vector<Command>& commands, const std::string& group) {
+  bool has = false;
+  for (const Command& command : commands) {
+    if (command.name[0] != group) continue;
+    print_row(command);
+    has = true;
+  }
+  if (has) print_line("\n`trb " + group + " COMMAND --help` has options and examples.");
+  return has;
+}
+
 void print_overview(const std::vector<Command>& commands) {
   print_line("trb: probes and controls for a TalkRoBots fleet\n");
-  for (const Command& command : commands) {
-    std::string left = "  trb " + command.usage.words;
-    left.resize(std::max<std::size_t>(left.size() + 2, 42), ' ');
-    print_line(left + command.usage.summary.substr(0, command.usage.summary.find_first_of(".\n")));
-  }
+  for (const Command& command : commands) print_row(command);
   print_line("\n`trb COMMAND --help` has options and examples; `trb help TOPIC` explains. " + topic_text(""));
 }
 
@@ -41,6 +55,7 @@ int help(const std::vector<Command>& commands, const std::vector<std::string>& w
     print(text);
     return kGood;
   }
+  if (print_group(commands, words[0])) return kGood;
   const std::string near = nearest(words[0], topic_names());
   print_problem("trb: no topic '" + words[0] + "'\n" +
                 (near.empty() ? topic_text("") : "did you mean: trb help " + near + "?\n"));
@@ -84,6 +99,7 @@ int main_of(const std::vector<std::string>& given) {
     return help(commands, given.empty() ? given : std::vector<std::string>(given.begin() + 1, given.end()));
   }
   const Command* command = find_command(commands, given);
+  if (command == nullptr && given.back() == "--help" && print_group(commands, given[0])) return kGood;
   if (command == nullptr) return unknown(commands, given);
   const std::vector<std::string> rest(given.begin() + static_cast<std::ptrdiff_t>(command->name.size()), given.end());
   for (const std::string& word : rest) {

@@ -307,6 +307,13 @@ class Words(Case):
         self.assertIn("no topic 'robots'", done.stderr)
         self.assertIn("Topics: errors fleet", done.stderr)
 
+    def test_help_for_a_group_of_commands_lists_them(self):
+        for asked in (["route", "--help"], ["help", "route"]):
+            done = run(*asked)
+            self.assertEqual((done.returncode, done.stderr), (0, ""))
+            self.assertRegex(done.stdout, r"(?s)  trb route list.*\n`trb route COMMAND --help`")
+        self.assertEqual(run("rout", "--help").returncode, 2)
+
     def test_every_command_has_help_with_an_example(self):
         overview = run("help")
         self.assertEqual(overview.returncode, 0)

@@ -46,7 +46,10 @@ ValueKind kind_of_words(const CommandText& command) {
 }
 
 std::string first_sentence(const std::string& summary) {
-  return summary.substr(0, summary.find_first_of(".\n"));
+  std::size_t end = summary.find('\n');
+  if (end == std::string::npos) end = summary.size();
+  end = std::min(end, summary.find(". "));  // a full stop within a file's name ends nothing
+  return summary.substr(0, end > 0 && summary[end - 1] == '.' ? end - 1 : end);
 }
 
 std::string joined_name(const CommandText& command) {
