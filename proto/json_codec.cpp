@@ -234,8 +234,9 @@ std::string message_to_json(const Message& message) {
   add("size", json_of_unsigned(message.data.size()));
   const auto body = is_typed(message.subtype) ? body_to_json(message.subtype, message.data)
                                               : Result<std::string>(fail(Errc::bad_value, "opaque"));
-  if (body) {
-    add("body", *parse_json(*body, {.bytes = SIZE_MAX}));
+  auto shown = body ? parse_json(*body) : Result<Value>(body.error());
+  if (shown) {
+    add("body", std::move(*shown));
   } else if (is_utf8(message.data)) {
     add("data", text_of(message.data));
   } else {

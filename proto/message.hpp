@@ -90,7 +90,7 @@ std::uint32_t decode_remaining(BytesView frame);
 void stamp_link(char* frame, std::uint64_t link, std::uint64_t sequence, std::uint32_t remaining_ms);
 
 /// {"type":"command","subtype":…,"source":…,"target":…,"id":…,"reply_to":…,"size":…,"data":…}; data that is not UTF-8
-/// goes as "data_hex", the data of a typed subtype as "body".
+/// goes as "data_hex", the data of a typed subtype as "body" if that is at most 1 MiB and 100,000 values.
 std::string message_to_json(const Message& message);
 
 /// The inverse; flags and remaining time are not in JSON. Errors: malformed, missing, bad_value, too_large,

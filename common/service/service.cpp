@@ -49,7 +49,9 @@ class ServiceShell final : public Service {
     loop_.add_timer(std::move(next), std::move(tick));
   }
 
+  /// Nothing once a commit has failed: the core believes what is not on disk.
   void step(const Effect& effect) override {
+    if (has_lost_journal_) return;
     outbox_.clear();
     effect(read_clocks(), outbox_);
     Outbox out = std::move(outbox_);
@@ -103,6 +105,7 @@ class ServiceShell final : public Service {
   }
 
   void try_reload(Now now) {
+    if (has_lost_journal_) return;
     if (idle_ && !idle_()) {
       reload_check_ = now.mono + kIdleCheck;
       return;
@@ -113,6 +116,7 @@ class ServiceShell final : public Service {
   }
 
   void tick_link(Now now) {
+    if (has_lost_journal_) return;
     link_.tick(now);
     if (const std::string problem = link_.take_dial_problem(); !problem.empty()) {
       log_event(Level::warning, "not_dialled", problem + "; tried again in 3 s");
@@ -124,7 +128,7 @@ class ServiceShell final : public Service {
   }
 
   void drain() {
-    for (int i = 0; i < kBatch; ++i) {
+    for (int i = 0; i < kBatch && !has_lost_journal_; ++i) {
       std::optional<Message> message = link_.receive(read_clocks());
       if (link_.newly_welcomed) {
         link_.newly_welcomed = false;
@@ -217,6 +221,7 @@ class ServiceShell final : public Service {
     const Status done = commit_ ? commit_(records) : Status(fail(Errc::io_error, "no journal"));
     if (done) return true;
     log_event(Level::error, "journal_failed", done.error().text() + " (the process ends: nothing may rest on it)");
+    has_lost_journal_ = true;
     exit_ = kJournalLost;
     loop_.stop();
     return false;
@@ -243,6 +248,8 @@ class ServiceShell final : public Service {
   std::vector<Nack> refused_;  ///< sent by the core, but unreadable for any receiver
   RateLimit limit_{20, std::chrono::seconds(10)};
   int exit_ = 0;
+  bool has_lost_journal_ =
+      false;  ///< a commit has failed: the loop's turn ends, and nothing is received, told or sent any more
 };
 
 }  // namespace

@@ -104,7 +104,11 @@ class WavingCore final : public Core {
     node_ = node.id;
     next_ = now.mono + std::chrono::milliseconds(20);
   }
-  void on(const Inbound& message, Now, Outbox& out) override { out.reply(message, Ack{"waved", ""}); }
+  void on(const Inbound& message, Now, Outbox& out) override {
+    ++waves_;
+    if (journals) out.record(waves_);
+    out.reply(message, Ack{"waved", ""});
+  }
   void tick(Now now, Outbox&) override {
     if (!next_ || now.mono < *next_) return;
     next_.reset();
@@ -114,12 +118,25 @@ class WavingCore final : public Core {
 
   [[nodiscard]] const std::string& node() const { return node_; }
   [[nodiscard]] int ticks() const { return ticks_; }
+  [[nodiscard]] int waves() const { return waves_; }
+
+  bool journals = false;
 
  private:
   std::string node_;
   std::optional<MonotonicTime> next_;
   int ticks_ = 0;
+  int waves_ = 0;
 };
+
+Message wave(std::uint64_t id) {
+  Message out;
+  out.type = MessageType::command;
+  out.subtype = "wave";
+  out.source = out.target = "ant";
+  out.id = id;
+  return out;
+}
 
 /// A foreign event loop: poll(2) on the service's one descriptor, at most until its deadline.
 bool poll_once(Service& service) {
@@ -157,12 +174,7 @@ TEST_CASE("a service runs in the event loop of a program that has one of its own
   while (core.node().empty() && now().mono < end) REQUIRE(poll_once(**service));
   CHECK(core.node() == "ant");
   // It answers messages, and its deadlines come.
-  Message wave;
-  wave.type = MessageType::command;
-  wave.subtype = "wave";
-  wave.source = wave.target = "ant";
-  wave.id = 77;
-  REQUIRE(router.socket->send_to(router.peer, to_frame(encode_frame(wave))) == SendResult::sent);
+  REQUIRE(router.socket->send_to(router.peer, to_frame(encode_frame(wave(77)))) == SendResult::sent);
   const auto answer = poll_until(Ack::kSubtype);
   REQUIRE(answer);
   CHECK(answer->reply_to == 77);
@@ -174,6 +186,40 @@ TEST_CASE("a service runs in the event loop of a program that has one of its own
   }
   CHECK(now().mono < end);
   CHECK((*service)->exit_status() == 0);
+}
+
+TEST_CASE("behind a commit that failed a service receives, journals and sends nothing, though more waits for it") {
+  init_crypto();
+  Folder folder;
+  std::ofstream("node.json") << R"({"id":"ant"})";
+  Router router;
+  auto service = Service::open({.node_dir = folder.path, .name = "probe", .subtypes = {"wave"}, .own_log = false});
+  REQUIRE(service.ok());
+  WavingCore core;
+  core.journals = true;
+  int commits = 0;
+  (*service)->on_journal([&](const std::vector<Journal>&) {
+    ++commits;
+    return commits == 1 ? Status(fail(Errc::io_error, "the disk is full")) : Status(Done{});
+  });
+  (*service)->start(core);
+  const MonotonicTime end = now().mono + std::chrono::seconds(5);
+  while (router.peer.empty() && now().mono < end) {
+    REQUIRE(poll_once(**service));
+    router.receive();
+  }
+  router.say(ServiceWelcome{"ant", "robot", 1, 1, 1});
+  while (core.node().empty() && now().mono < end) REQUIRE(poll_once(**service));
+  // The same order twice, before the service looks: the second one would find what the first has changed in the core.
+  for (const std::uint64_t id : {77U, 78U}) {
+    REQUIRE(router.socket->send_to(router.peer, to_frame(encode_frame(wave(id)))) == SendResult::sent);
+  }
+  while (poll_once(**service) && now().mono < end) {
+  }
+  CHECK((*service)->exit_status() == 74);
+  CHECK(commits == 1);
+  CHECK(core.waves() == 1);
+  while (const auto message = router.receive()) CHECK(message->subtype != Ack::kSubtype);
 }
 
 TEST_CASE("a service says hello until it is welcomed, then its messages bear its slot") {

@@ -185,6 +185,27 @@ TEST_CASE("a message's JSON that lacks, doubles or contradicts something is refu
   check_refused(message_from_json("[]"), Errc::malformed);
 }
 
+TEST_CASE("a few bytes that stand for a hundred thousand values are shown as bytes, not as a body") {
+  Message message = move_command();
+  message.type = MessageType::information;
+  message.subtype = RouteTable::kSubtype;
+  const auto records = [](std::uint16_t count) {
+    Bytes out = "\x92\xa0\xdc";
+    out += {static_cast<char>(count >> 8U), static_cast<char>(count & 0xffU)};
+    return out + Bytes(count, '\x90');
+  };
+  message.data = records(2000);
+  REQUIRE(body_to_json(message.subtype, message.data).ok());
+  const std::string json = message_to_json(message);
+  CHECK(json.find("\"data_hex\"") != std::string::npos);
+  CHECK(json.find("\"body\"") == std::string::npos);
+  const auto back = message_from_json(json);
+  REQUIRE(back.ok());
+  CHECK(back->data == message.data);
+  message.data = records(3);
+  CHECK(message_to_json(message).find("\"body\"") != std::string::npos);
+}
+
 TEST_CASE("a datagram of Figure 3 that is cut, changed or lies about itself is refused") {
   const Bytes good = *to_figure3(move_command());
   cut_everywhere(good, [](const Bytes& bad) { check_refused(from_figure3(bad), Errc::malformed); });

@@ -10,9 +10,13 @@ std::string_view inside(std::string_view json) {
   return json.substr(1, json.size() - 2);
 }
 
+/// A page has up to 500 messages, and a few bytes may stand for many empty records.
+constexpr std::size_t kMostText = 64U << 10U;
+
 std::string json_of(const PassedMessage& passed) {
   const Message& message = passed.message;
-  if (!passed.is_cut()) return message_to_json(message);
+  std::string whole = passed.is_cut() ? "" : message_to_json(message);
+  if (!whole.empty() && whole.size() <= kMostText) return whole;
   JsonObject out;
   out.text("type", name_of(message.type)).text("subtype", message.subtype).text("source", message.source);
   return out.text("target", message.target).number("size", passed.size).flag("cut", true).done();
