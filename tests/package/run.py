@@ -10,6 +10,7 @@ import tempfile
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), str(HERE.parent / "support"), str(HERE.parent / "integration")]
 
+import hardening  # noqa: E402
 import sbom_check  # noqa: E402
 import shell_blocks  # noqa: E402
 from root import REPO, Failed, Root  # noqa: E402
@@ -76,6 +77,7 @@ class Story:
     def __init__(self, folder, packages):
         self.folder = folder
         self.debs = sorted(path for path in packages.glob("*.deb"))
+        self.debug = sorted((packages / "debug").glob("*.deb"))
         self.user = [path for path in self.debs if path.name.startswith("talkrobots")]
         self.changes = next(iter(packages.glob("*.changes")), None)
         self.names = [fields(path)["Package"] for path in self.debs]
@@ -144,14 +146,29 @@ def the_first_page_of_the_handbook(story):
     story.figures.append(f"the handbook's two commands after that, until its robots have moved: {done.seconds:.1f} s")
 
 
+def unpacked(story):
+    """(name, folder) of each package; the folder is there until the next."""
+    tree = story.folder / "tree"
+    for deb in story.debs:
+        shutil.rmtree(tree, ignore_errors=True)
+        subprocess.run(["dpkg-deb", "-x", deb, tree], check=True)
+        yield fields(deb)["Package"], tree
+
+
+@step
+def what_holds_off_an_attacker(story):
+    """every program is hardened"""
+    if not story.debug:
+        print("       skipped: packages of scripts/package --from are not hardened")
+        return
+    found = [f"{program.name}: {faults}" for _, tree in unpacked(story) for program in sbom_check.programs(tree) if (faults := hardening.faults(program))]
+    check(not found, "\n".join(found))
+
+
 @step
 def what_it_is_made_of(story):
     """every package's lists of parts have every library that readelf names, with licence"""
-    for deb in story.debs:
-        name = fields(deb)["Package"]
-        tree = story.folder / "tree"
-        shutil.rmtree(tree, ignore_errors=True)
-        subprocess.run(["dpkg-deb", "-x", deb, tree], check=True)
+    for name, tree in unpacked(story):
         found = list(sbom_check.faults(tree, tree / "usr/share/doc" / name, COMPILED_IN[name]))
         check(not found, f"{name}: {found}")
 
@@ -221,7 +238,7 @@ def a_library_for_services(story):
 def the_packages_judged_by_lintian(story):
     """lintian finds no error"""
     check(story.changes, "there is no .changes beside the packages")
-    done = subprocess.run(["lintian", "--allow-root", "--tag-display-limit", "0", *story.debs], capture_output=True, text=True, check=False)
+    done = subprocess.run(["lintian", "--allow-root", "--tag-display-limit", "0", *story.debs, *story.debug], capture_output=True, text=True, check=False)
     told = [line for line in done.stdout.splitlines() if re.match(r"[EW]: ", line)]
     print("\n".join(f"       {line[:180]}" for line in told))
     check(done.returncode in (0, 2) and not [line for line in told if line.startswith("E: ")], "lintian has errors: see above")
