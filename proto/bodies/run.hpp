@@ -375,7 +375,7 @@ struct TaskProgress {
   AttemptKey key;
   std::string robot;  ///< the task's robot, or, if WAITING, the one that chooses on it
   TaskState state{};
-  std::string detail;  ///< if WAITING: what its condition waits for, as text
+  std::string detail;  ///< what it waits for, as text: its condition (WAITING), its robot (INITIALIZING)
   template <class T = TaskProgress>
   static FieldTable fields() {
     return FieldTable{field("key", &T::key), field("robot", &T::robot, 64), field("state", &T::state),

@@ -11,6 +11,7 @@ namespace trb::scheduler {
 namespace {
 
 constexpr Duration kQuestion = std::chrono::seconds(1);
+constexpr Duration kTellAgain = std::chrono::seconds(10);
 constexpr Duration kRunningQuestion = std::chrono::seconds(5);  // only finds a restart whose message was lost
 
 /// Refusals that pass: the attempt was not begun, and may be commanded again later.
@@ -229,6 +230,16 @@ void Executor::tick(Now now, Outbox& out) {
   } else {
     ask(now, out);
   }
+}
+
+std::string Executor::take_wait(Now now) {
+  // Right after a refusal the mode-adapter is asked why; it answers at once, or is not there.
+  if (!is_refused() || (!adapter_ && attempt_->next > now.mono)) return {};
+  std::string wait = obstacle();
+  if (wait.empty() || (wait == attempt_->told_wait && now.mono < attempt_->next_told)) return {};
+  attempt_->told_wait = wait;
+  attempt_->next_told = now.mono + kTellAgain;
+  return wait;
 }
 
 std::optional<MonotonicTime> Executor::next_deadline() const {

@@ -29,8 +29,10 @@ struct Attempt {
   Permit permit{};
   MonotonicTime next{};  ///< of the question or resend that the phase asks for
   MonotonicTime next_cancel{};
-  Bytes payload;    ///< signing: what the router is to sign
-  std::string why;  ///< of the permit
+  Bytes payload;          ///< signing: what the router is to sign
+  std::string why;        ///< of the permit
+  std::string told_wait;  ///< refused: what it waits for, as last told
+  MonotonicTime next_told{};
 };
 
 class Executor {
@@ -63,6 +65,9 @@ class Executor {
   void on_refusal(const Nack& nack, Now now, Outbox& out);
   /// The signed result is journaled in the same step.
   void done(Outbox& out);
+
+  /// What its refused attempt waits for, at each change and every 10 s; empty: nothing is to be told.
+  std::string take_wait(Now now);
 
   void tick(Now now, Outbox& out);
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const;

@@ -5,12 +5,14 @@
 #include <limits>
 
 #include "common/scenario/values.hpp"
+#include "proto/value.hpp"
 
 namespace trb::scheduler {
 namespace {
 
 /// Who has ended a task passes it on within seconds; the decider waits longer for it than a restart takes.
 constexpr Duration kPassPatience = std::chrono::seconds(30);
+constexpr std::size_t kMaxWait = 512;  ///< of TaskProgress
 
 /// The task's data, with the values that earlier results give. Errors: those of fill_values.
 Result<std::string> data_for(const Run& run, TaskIndex task) {
@@ -40,10 +42,10 @@ Attempt attempt_for(const Run& run, const JournalStart& fact) {
 
 }  // namespace
 
-void notify_progress(const Run& run, const AttemptKey& key, TaskState state, Step step) {
+void notify_progress(const Run& run, const AttemptKey& key, TaskState state, const std::string& wait, Step step) {
   const std::string& self = run.epochs().self();
   for (const std::string& cloud : run.members().clouds_without(self)) {
-    step.out.information(cloud, TaskProgress{key, self, state, {}});
+    step.out.information(cloud, TaskProgress{key, self, state, wait});
   }
 }
 
@@ -199,7 +201,17 @@ void RobotSchedule::start(Run& run, TaskIndex task, Step step) {
   }
   run.work().note_served(step.now.mono);
   executor_.begin(attempt_for(run, fact), step.now, step.out);
-  notify_progress(run, fact.key, TaskState::initializing, step);
+  notify_progress(run, fact.key, TaskState::initializing, {}, step);
+}
+
+void RobotSchedule::tell_wait(Step step) {
+  const std::string wait = executor_.take_wait(step.now);
+  if (wait.empty()) return;
+  const AttemptKey& key = executor_.attempt()->execute.key;
+  const Run* run = runs_.find(key.run);
+  if (run == nullptr) return;
+  const std::string text = "task '" + key.task + "' on '" + run->epochs().self() + "': " + wait;
+  notify_progress(*run, key, TaskState::initializing, cut_utf8(text, kMaxWait), step);
 }
 
 }  // namespace trb::scheduler

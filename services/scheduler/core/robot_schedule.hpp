@@ -12,8 +12,8 @@
 
 namespace trb::scheduler {
 
-/// Notifies the cloud nodes of an attempt's progress.
-void notify_progress(const Run& run, const AttemptKey& key, TaskState state, Step step);
+/// Notifies the cloud nodes of an attempt's progress. `wait`: what it waits for before it begins; empty: nothing.
+void notify_progress(const Run& run, const AttemptKey& key, TaskState state, const std::string& wait, Step step);
 
 class RobotSchedule {
  public:
@@ -31,6 +31,8 @@ class RobotSchedule {
   void permit_attempt(Step step);
   /// At a step's end: begins the next attempt, if the robot is free for one.
   void start_next(Step step);
+  /// At a step's end: notifies the cloud nodes of what the attempt waits for, if the robot has refused it.
+  void tell_wait(Step step);
 
  private:
   struct Allowed {

@@ -362,3 +362,29 @@ TEST_CASE("a robot begins nothing that needs what is out of use, and the rest go
   story.adapter("ur3").set_out_of_use({});
   CHECK(story.ends(RunState::finished));
 }
+
+TEST_CASE("what breaks as its task begins is what the run waits for, at the cloud, too, until it is mended") {
+  BranchStory story;
+  story.adapter("ur3").skills = {{"grip", "hands", false}};
+  story.fleet.pass(seconds(2));
+  // The scheduler has not heard of it: it journals the start, and the mode-adapter refuses.
+  story.adapter("ur3").out_of_use = {{"hands", Severity::critical, "gripper overheated", 0, false, ""}};
+  story.submit({named_task("grip", "ur3", {})});
+  story.fleet.pass(seconds(3));
+  const std::string wait =
+      "task 'grip' on 'ur3': its 'hands' is out of use: CRITICAL: gripper overheated; once it is mended: "
+      "trb robot repaired";
+  CHECK(story.view().state == RunState::running);
+  CHECK(story.view().tasks[0].state == TaskState::initializing);
+  CHECK(story.view().waits_for == wait);
+  story.fleet.stop("cloud");  // it forgets what it was told
+  story.fleet.start("cloud");
+  story.fleet.pass(seconds(12));
+  CHECK(story.view().waits_for == wait);
+  story.adapter("ur3").skill_time = seconds(5);
+  story.adapter("ur3").set_out_of_use({});
+  story.fleet.pass(seconds(2));
+  CHECK(story.view().tasks[0].state == TaskState::running);
+  CHECK(story.view().waits_for.empty());
+  CHECK(story.ends(RunState::finished));
+}

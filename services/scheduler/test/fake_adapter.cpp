@@ -1,5 +1,7 @@
 #include "services/scheduler/test/fake_adapter.hpp"
 
+#include <algorithm>
+
 namespace trb::scheduler::test {
 
 void FakeAdapter::hear(const Inbound& message, MonotonicTime now) {
@@ -36,11 +38,19 @@ void FakeAdapter::execute(const Execute& execute, const Inbound& message, Monoto
   if (fenced_) return refuse(message, Errc::fenced);
   if (!control_.empty()) return refuse(message, Errc::control_held);
   if (running_) return refuse(message, Errc::busy);
+  if (is_out_of_use(execute.skill)) return refuse(message, Errc::out_of_use);
   ++begun[{instance, execute.key}];
   given[execute.key] = execute.data;
   running_ = Running{execute.key, now + skill_time, execute};
   said_.push_back({message.id, ExecutionState{execute.key, instance, "running"}});
   tell_state();
+}
+
+bool FakeAdapter::is_out_of_use(const std::string& skill) const {
+  const auto use = std::ranges::find(skills, skill, &SkillUse::name);
+  return std::ranges::any_of(out_of_use, [&](const OutOfUse& one) {
+    return one.capability.empty() || (use != skills.end() && use->capability == one.capability);
+  });
 }
 
 void FakeAdapter::query(const AttemptKey& key, std::uint64_t id) {

@@ -59,6 +59,7 @@ class FakeAdapter {
   void end_by_itself();
   void tell_state(std::uint64_t reply_to = 0);
   void refuse(const Inbound& message, Errc code);
+  [[nodiscard]] bool is_out_of_use(const std::string& skill) const;
 
   struct Running {
     AttemptKey key;

@@ -108,7 +108,7 @@ void ResultHandler::handle(const TaskProgress& body, const Inbound& from, Step s
   }
   const bool late = is_late(*run, *task, body);
   if (is_under_way(body.state) && !late) {
-    run->reports().note_progress(*task, body.state);
+    run->reports().note_progress(*task, body.state, body.detail);
   } else if (chooses && !late && run->facts().choice_on(*task) == nullptr) {
     run->reports().note_wait(*task, body.detail);
   } else {

@@ -18,7 +18,7 @@ void RobotHandler::handle(const ExecutionState& body, const Inbound& from, Step 
   executor_.on(body, step.now, step.out);
   const Run* run = runs_.find(body.key.run);
   const bool began = before != Phase::running && executor_.attempt()->phase == Phase::running;
-  if (began && run != nullptr) notify_progress(*run, body.key, TaskState::running, step);
+  if (began && run != nullptr) notify_progress(*run, body.key, TaskState::running, {}, step);
 }
 
 void RobotHandler::handle(const Outcome& body, const Inbound& from, Step step) {

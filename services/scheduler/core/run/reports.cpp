@@ -9,9 +9,15 @@ void Reports::add(const std::vector<bool>& final_tasks, const std::vector<bool>&
   }
 }
 
-void Reports::note_progress(TaskIndex task, TaskState state) {
+void Reports::note_progress(TaskIndex task, TaskState state, const std::string& wait) {
   progress_[task] = state;
   waits_.erase(task);
+  if (!wait.empty()) waits_[task] = wait;
+}
+
+/// What its condition waits for stays: it is about the time before an attempt.
+void Reports::forget_progress(TaskIndex task) {
+  if (progress_.erase(task) != 0) waits_.erase(task);
 }
 
 std::optional<TaskState> Reports::progress_of(TaskIndex task) const {

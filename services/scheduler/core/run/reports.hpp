@@ -19,16 +19,16 @@ class Reports {
   [[nodiscard]] const std::vector<bool>& final_tasks() const { return final_; }
   [[nodiscard]] const std::vector<bool>& skipped_tasks() const { return skipped_; }
 
-  /// Its robot reports that the attempt is under way.
-  void note_progress(TaskIndex task, TaskState state);
+  /// Its robot reports that the attempt is under way; `wait`: what it waits for before it begins, empty: nothing.
+  void note_progress(TaskIndex task, TaskState state, const std::string& wait = {});
   [[nodiscard]] std::optional<TaskState> progress_of(TaskIndex task) const;
   [[nodiscard]] bool is_under_way(TaskIndex task) const { return progress_.contains(task); }
-  void forget_progress(TaskIndex task) { progress_.erase(task); }
+  void forget_progress(TaskIndex task);
 
   /// What its condition waits for; empty: for nothing any more.
   void note_wait(TaskIndex task, const std::string& what) { waits_[task] = what; }
   void forget_wait(TaskIndex task) { waits_.erase(task); }
-  /// What the first condition waits for, of those reported; empty: none.
+  /// What the first task waits for, of those reported; empty: none waits.
   [[nodiscard]] std::string first_wait() const;
 
  private:
