@@ -99,6 +99,14 @@ bool may_send_on_bus(std::string_view service, bool probe, std::string_view subt
       senders, [&](std::string_view one) { return one == kAnyService || (!one.empty() && one == saying); });
 }
 
+std::string visitor_of(std::string_view service) {
+  return std::string(service) + ".doctor";
+}
+
+bool may_visitor_send(std::string_view subtype) {
+  return subtype == ServiceListRequest::kSubtype || subtype == ServiceAlive::kSubtype;
+}
+
 bool may_take(std::string_view service, std::string_view subtype) {
   return is_reserved_service(service) || !is_reserved(subtype);
 }

@@ -21,6 +21,12 @@ bool may_send_out(Role role, std::string_view subtype);
 /// May this service (or a probe) of a node's own bus send it to another service there, or to the router?
 bool may_send_on_bus(std::string_view service, bool probe, std::string_view subtype);
 
+/// The name by which the doctor comes to the bus with a service's own key: a visitor, beside the service itself.
+std::string visitor_of(std::string_view service);
+
+/// May a visitor send it? It asks its own node how the services are.
+bool may_visitor_send(std::string_view subtype);
+
 /// May this service take messages of the subtype? An operator's service takes users' own subtypes; of the middleware's
 /// it may only receive copies, so that it never displaces the service that takes them.
 bool may_take(std::string_view service, std::string_view subtype);

@@ -6,6 +6,7 @@
 #include "common/base/address.hpp"
 #include "common/operator/doctor/causes.hpp"
 #include "common/operator/doctor/machine_findings.hpp"
+#include "common/operator/doctor/service_findings.hpp"
 #include "common/operator/doctor/use_findings.hpp"
 
 namespace trb::op {
@@ -54,8 +55,8 @@ class Doctor {
 
   void own_folder() {
     for (const ConfigFault& fault : seen_.faults) {
-      const std::string key = fault.key.empty() ? "" : fault.key + ": ";
-      problem(fault.key == "not_after" ? "cert_expired" : "node_folder", fault.file, key + fault.what, fault.hint);
+      const Finding one = finding_of(fault);
+      problem(one.cause, one.subject, one.what, one.hint);
     }
     if (seen_.beacon || seen_.seeds != 0) return;
     const char* cure = "set \"beacon\" to true, or name a node in \"seeds\"";

@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include "common/security/keys.hpp"
+#include "common/security/rights.hpp"
 #include "common/service/version.hpp"
 #include "common/transport/socket.hpp"
 
@@ -14,8 +15,16 @@ constexpr const char* kProbe = "probe";  ///< the bus's place for such members
 }  // namespace
 
 Result<std::unique_ptr<BusSession>> BusSession::open(const std::string& name) {
+  return open_at(kProbe, name);
+}
+
+Result<std::unique_ptr<BusSession>> BusSession::visit(const std::string& service) {
+  return open_at(service, visitor_of(service));
+}
+
+Result<std::unique_ptr<BusSession>> BusSession::open_at(const std::string& place, const std::string& name) {
   init_crypto();
-  const auto bus = bus_address(kProbe);
+  const auto bus = bus_address(place);
   if (!bus) return bus.error();
   return std::unique_ptr<BusSession>(new BusSession(*bus, name));
 }

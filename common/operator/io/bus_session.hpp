@@ -16,6 +16,8 @@ class BusSession final : private NodeLink {
   /// Connects to the router of the node whose folder is the working directory; is_up() once the router has welcomed it;
   /// before that nothing can be sent. `name` is its name for the router. Errors: those of bus_address().
   static Result<std::unique_ptr<BusSession>> open(const std::string& name);
+  /// The same as a visitor, by the service's own socket or key: it may ask how the services are, and nothing else.
+  static Result<std::unique_ptr<BusSession>> visit(const std::string& service);
 
   [[nodiscard]] Session& session() { return session_; }
   [[nodiscard]] bool is_up() const { return link_.up(); }
@@ -34,6 +36,7 @@ class BusSession final : private NodeLink {
 
  private:
   BusSession(const BusAddress& bus, const std::string& name);
+  static Result<std::unique_ptr<BusSession>> open_at(const std::string& place, const std::string& name);
   [[nodiscard]] const std::string& node() const override;
   Result<std::uint64_t> send(const Send& send) override { return link_.send(send); }
   [[nodiscard]] Now now() const override { return read_clocks(); }

@@ -6,7 +6,9 @@
 #include <optional>
 
 #include "common/drivers/registry.hpp"
+#include "common/operator/doctor/service_findings.hpp"
 #include "common/operator/io/doctor.hpp"
+#include "common/operator/io/machine_state.hpp"
 #include "common/transport/loop.hpp"
 #include "services/cli/commands/command.hpp"
 #include "services/cli/io/print.hpp"
@@ -32,7 +34,15 @@ Value to_value(const Finding& finding) {
                              {"cure", Value{finding.hint}}}};
 }
 
-int report(const Arguments& arguments, const Observed& seen, const std::vector<Finding>& findings) {
+/// What a node is whose examination found no problem.
+std::string wellness(const Observed& seen) {
+  const auto online = std::count_if(seen.routes.routes.begin(), seen.routes.routes.end(),
+                                    [](const Route& route) { return route.state == "ONLINE"; });
+  return "services up, linked with " + std::to_string(online) + (online == 1 ? " node" : " nodes");
+}
+
+int report(const Arguments& arguments, const op::Examination& examination, const std::string& wellness) {
+  const auto& [seen, findings] = examination;
   const bool well = std::none_of(findings.begin(), findings.end(),
                                  [](const Finding& finding) { return finding.weight == Weight::problem; });
   if (arguments.has("--json")) {
@@ -48,11 +58,7 @@ int report(const Arguments& arguments, const Observed& seen, const std::vector<F
                finding.subject + ": " + finding.what + "  [" + finding.cause + "]");
     print_line("         -> " + finding.hint);
   }
-  const auto online = std::count_if(seen.routes.routes.begin(), seen.routes.routes.end(),
-                                    [](const Route& route) { return route.state == "ONLINE"; });
-  if (well)
-    print_line(coloured(Colour::good, "well     ") + seen.node + ": services up, linked with " +
-               std::to_string(online) + (online == 1 ? " node" : " nodes") + ", no problem found");
+  if (well) print_line(coloured(Colour::good, "well     ") + seen.node + ": " + wellness + ", no problem found");
   return well ? kGood : kFailed;
 }
 
@@ -70,22 +76,48 @@ op::Examination examine(const Arguments& arguments) {
   return std::move(*out);
 }
 
+/// One service, by its own key: its container has no other.
+op::Examination examine_service(const std::string& service) {
+  op::Examination out;
+  NodeCheck check = check_node_dir(".", true, drivers::robot_transports());
+  out.seen.node = check.config.id;
+  out.seen.faults = std::move(check.faults);
+  out.seen.disk = op::disk_state(".");
+  out.seen.clock_set = op::is_clock_set();
+  Result<std::unique_ptr<Probe>> visit = Probe::visit(service);
+  out.seen.bus_key_refused = !visit && visit.error().code == Errc::wrong_key;
+  auto table = visit ? (*visit)->ask_node<ServiceTable>(ServiceListRequest{}) : Result<ServiceTable>(visit.error());
+  out.seen.answers = table.ok();
+  if (table) out.seen.services = std::move(*table);
+  out.findings = op::diagnose_service(out.seen, service);
+  return out;
+}
+
 int run_doctor(const Arguments& arguments) {
   auto dir = find_node(arguments);
   if (!dir) return print_error(arguments, dir.error());
   if (::chdir(dir->c_str()) != 0)
     return print_error(arguments, fail(Errc::missing, *dir + ": no such folder", "name a node's folder"));
+  const std::string service = arguments.get("--service");
+  if (!service.empty() && !arguments.words.empty()) {
+    print_problem("trb: doctor looks at --service or at a PEER, not at both; leave one away\n");
+    return kWrongUse;
+  }
+  if (!service.empty()) return report(arguments, examine_service(service), service + " is up");
   const op::Examination examination = examine(arguments);
-  return report(arguments, examination.seen, examination.findings);
+  return report(arguments, examination, wellness(examination.seen));
 }
 
 const std::vector<Command> kDoctorCommands = {
     {{"doctor"},
      {"doctor [PEER]",
       "Looks at the node's files, services, links and robot, and names what is wrong and the cure. PEER is an id or\n"
-      "HOST:PORT: looks at that one alone, also if it is not known. Exit status 0: no problem found.",
-      {"--node DIR|the node to look at (else TRB_NODE, else this folder)", kJson},
-      {"trb doctor --node nodes/ur3", "trb doctor ridgeback", "trb doctor 10.0.2.7:45000 --json"},
+      "HOST:PORT: looks at that one alone, also if it is not known. --service looks at one service, by the service's\n"
+      "own key of the bus, for a container that has no other. Exit status 0: no problem found.",
+      {"--service NAME|this service of the node alone",
+       "--node DIR|the node to look at (else TRB_NODE, else this folder)", kJson},
+      {"trb doctor --node nodes/ur3", "trb doctor ridgeback", "trb doctor 10.0.2.7:45000 --json",
+       "trb doctor --service scheduler --node /node"},
       0,
       1},
      run_doctor},

@@ -11,10 +11,10 @@ namespace trb::cli {
 namespace {
 
 /// Why the router has not taken the probe.
-Error not_welcome(const op::BusSession& bus, const std::string& node_dir) {
+Error not_welcome(const op::BusSession& bus, const std::string& key, const std::string& node_dir) {
   if (bus.key_refused()) {
-    return fail(Errc::wrong_key, "the bus of " + node_dir + " does not take the key keys/bus/probe.key",
-                "copy keys/bus/probe.key and router.pub from where its router runs");
+    return fail(Errc::wrong_key, "the bus of " + node_dir + " does not take the key keys/bus/" + key + ".key",
+                "copy keys/bus/" + key + ".key and router.pub from where its router runs");
   }
   if (!bus.refusal().empty()) {
     return fail(Errc::conflict, "the router of " + node_dir + " refuses: " + bus.refusal(),
@@ -41,11 +41,19 @@ Result<std::string> find_node(const Arguments& arguments) {
 
 Result<std::unique_ptr<Probe>> Probe::open(const std::string& node_dir, Duration wait) {
   if (::chdir(node_dir.c_str()) != 0) return fail(Errc::missing, node_dir + ": no such folder", "name a node's folder");
-  auto bus = op::BusSession::open("cli");
+  return welcomed(op::BusSession::open("cli"), "probe", node_dir, wait);
+}
+
+Result<std::unique_ptr<Probe>> Probe::visit(const std::string& service, Duration wait) {
+  return welcomed(op::BusSession::visit(service), service, ".", wait);
+}
+
+Result<std::unique_ptr<Probe>> Probe::welcomed(Result<std::unique_ptr<op::BusSession>> bus, const std::string& key,
+                                               const std::string& node_dir, Duration wait) {
   if (!bus) return bus.error();
   std::unique_ptr<Probe> probe(new Probe(std::move(*bus)));
   probe->wait_welcome(wait);
-  if (!probe->bus_->is_up()) return not_welcome(*probe->bus_, node_dir);
+  if (!probe->bus_->is_up()) return not_welcome(*probe->bus_, key, node_dir);
   return probe;
 }
 

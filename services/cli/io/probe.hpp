@@ -20,6 +20,9 @@ class Probe {
   /// timeout (the router does not answer within `wait`), wrong_key (its bus does not take this key), conflict (it
   /// refuses this probe), and those of bus_address().
   static Result<std::unique_ptr<Probe>> open(const std::string& node_dir, Duration wait = std::chrono::seconds(2));
+  /// The same by a service's own key, with the right to ask how the services are. The node's folder is the working
+  /// directory.
+  static Result<std::unique_ptr<Probe>> visit(const std::string& service, Duration wait = std::chrono::seconds(2));
 
   [[nodiscard]] const std::string& node() { return session().node(); }
   [[nodiscard]] op::Session& session() { return bus_->session(); }
@@ -50,6 +53,8 @@ class Probe {
 
  private:
   explicit Probe(std::unique_ptr<op::BusSession> bus) : bus_(std::move(bus)) {}
+  static Result<std::unique_ptr<Probe>> welcomed(Result<std::unique_ptr<op::BusSession>> bus, const std::string& key,
+                                                 const std::string& node_dir, Duration wait);
   void wait_welcome(Duration wait);
 
   std::unique_ptr<op::BusSession> bus_;

@@ -161,6 +161,47 @@ TEST_CASE("probes that ended unnoticed do not fill the bus for ever") {
   CHECK(bus.ant.told(HelloWanted::kSubtype) == kMaxConnections);
 }
 
+TEST_CASE("a service's key lets the doctor in beside the service, as a visitor; another's name does not") {
+  Bus bus;
+  CHECK(bus.come_as("scheduler", 1, "scheduler.doctor") == "service_welcome");
+  CHECK_FALSE(bus.ant.core->bus().services().holder("scheduler.doctor"));
+  CHECK(bus.hello(2, "scheduler", {"baton"}) == "service_welcome");
+  CHECK(bus.ask(1, ServiceListRequest{}) == "service_table");
+  CHECK(bus.come_as("scheduler", 3, "mode-adapter.doctor") == "not_permitted");
+  bus.gone(1);
+  CHECK(bus.ant.core->bus().services().holder("scheduler") == 2);
+}
+
+TEST_CASE("a visitor asks its own node how the services are, and nothing else") {
+  Bus bus;
+  bus.become_cloud();
+  REQUIRE(bus.come_as("scheduler", 1, "scheduler.doctor", {"baton"}) == "service_welcome");
+  CHECK_FALSE(bus.ant.core->bus().services().by_subtype("baton"));
+  const std::uint64_t slot = bus.ant.core->bus().services().find(1)->slot;
+  const auto way = [&](const std::string& target, std::string_view subtype, MessageType type) {
+    Message message = make_message(type, "ant", target, ServiceListRequest{});
+    message.subtype = subtype;
+    message.id = slot << 48U | 1U;
+    return bus.ant.core->routing().from_bus(1, header_of(message));
+  };
+  CHECK(way("ant", ServiceListRequest::kSubtype, MessageType::request).to == Routing::To::router);
+  CHECK(way("bee", ServiceListRequest::kSubtype, MessageType::request).reason == Errc::not_permitted);
+  for (const std::string_view subtype : {"route_list", "run_submit", "stop", "execute", "sign_request", "a_word"}) {
+    CAPTURE(subtype);
+    CHECK(way("ant", subtype, MessageType::command).reason == Errc::not_permitted);
+  }
+  for (const auto kind : {kSignedResult, kSignedRunStart, kSignedRunAbort})
+    CHECK(bus.ask(1, SignRequest{std::string(kind), {payload_of(kind, "ant")}}) == "not_permitted");
+}
+
+TEST_CASE("a service has one visitor: its key cannot fill the bus") {
+  Bus bus;
+  for (ConnectionId id = 1; id <= 2 * kMaxConnections; ++id)
+    CHECK(bus.come_as("scheduler", id, "scheduler.doctor") == "service_welcome");
+  CHECK(bus.ant.core->bus().services().all().size() == 1);
+  CHECK(bus.hello(1000, "trb", {}, true) == "service_welcome");
+}
+
 TEST_CASE("each kind of record is signed for its one maker") {
   Bus bus;
   const std::vector<std::string> services = {"scheduler", "mode-adapter", "resilience", "sensor-bus", "cloud-gateway"};

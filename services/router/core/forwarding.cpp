@@ -92,7 +92,8 @@ void Forwarding::on_bus_message(ConnectionId from, const Message& message, Now n
   at_.bus.heard(from, now);
   const auto body = decode_body(message.subtype, message.data);
   if (!body) return at_.bus.deny(from, message, body.error(), out);
-  const std::string_view service = connection->probe ? std::string_view() : connection->hello.service;
+  const std::string_view service =
+      connection->member == Member::service ? connection->hello.service : std::string_view();
   if (holds_alternative<ServiceAlive>(*body)) {
     at_.bus.answer(from, message, ServiceAliveSeen{at_.node.config().instance}, out);
   } else if (const auto* request = get_if<SignRequest>(&*body)) {

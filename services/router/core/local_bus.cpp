@@ -28,10 +28,15 @@ std::optional<std::string> maker_of(const SignRequest& request, const std::strin
   return std::nullopt;
 }
 
+Member member_of(const ServiceHello& hello, std::string_view proven) {
+  if (proven == kProbe) return Member::probe;
+  return hello.service == visitor_of(proven) ? Member::visitor : Member::service;
+}
+
 }  // namespace
 
 Status LocalBus::may_be(const ServiceHello& hello, std::string_view proven) const {
-  if (proven == kProbe) return Done{};
+  if (member_of(hello, proven) != Member::service) return Done{};
   const bool named = std::find(node_.config().services.begin(), node_.config().services.end(), hello.service) !=
                      node_.config().services.end();
   if (!named || hello.service == "router") {
@@ -45,11 +50,12 @@ Status LocalBus::may_be(const ServiceHello& hello, std::string_view proven) cons
 
 void LocalBus::on_hello(ConnectionId from, const ServiceHello& hello, std::string_view proven, Now now, Effects& out) {
   forget_silent_probes(now, out);
-  const bool probe = proven == kProbe;
+  const Member member = member_of(hello, proven);
   const Status good = may_be(hello, proven);
-  auto slot = good ? services_.welcome(from, hello, probe, now.mono) : Result<std::uint16_t>(good.error());
+  auto slot = good ? services_.welcome(from, hello, member, now.mono) : Result<std::uint16_t>(good.error());
   if (!slot) return refuse(from, hello, slot.error(), out);
-  if (!probe) out.log(LogLevel::info, "service_up", hello.service + " (pid " + std::to_string(hello.pid) + ")");
+  if (member == Member::service)
+    out.log(LogLevel::info, "service_up", hello.service + " (pid " + std::to_string(hello.pid) + ")");
   const RouterConfig& own = node_.config();
   messages_.send_bus(from, 1, ServiceWelcome{own.id, std::string(name_of(own.role)), *slot, own.instance, own.boot},
                      out);
@@ -68,7 +74,8 @@ void LocalBus::forget_silent_probes(Now now, Effects& out) {
   // Nothing reports that a probe has ended. A live one sends Hello again; to an ended one the send fails.
   std::vector<ConnectionId> silent;
   for (const auto& [id, connection] : services_.all()) {
-    if (connection.probe && now.mono - connection.last_heard > node_.config().timing.lease) silent.push_back(id);
+    if (connection.member != Member::service && now.mono - connection.last_heard > node_.config().timing.lease)
+      silent.push_back(id);
   }
   for (const ConnectionId id : silent) {
     services_.forget(id);
@@ -80,7 +87,7 @@ std::optional<std::string> LocalBus::on_gone(ConnectionId connection, Effects& o
   const Connection* known = services_.find(connection);
   if (known == nullptr) return std::nullopt;
   std::optional<std::string> service;
-  if (!known->probe) {
+  if (known->member == Member::service) {
     service = known->hello.service;
     out.log(LogLevel::warning, "service_gone", *service + " (pid " + std::to_string(known->hello.pid) + ")");
   }
@@ -139,7 +146,8 @@ const Connection* LocalBus::requester_of(std::uint64_t reply_to) const {
 }
 
 Status LocalBus::may_sign_for(const Connection& from, const SignRequest& request) const {
-  if (!may_have_signed(from.hello.service, from.probe, request.kind) || !may_sign(node_.config().role, request.kind)) {
+  if (!may_have_signed(from.hello.service, from.member == Member::probe, request.kind) ||
+      !may_sign(node_.config().role, request.kind)) {
     return fail(Errc::not_permitted,
                 "service '" + from.hello.service + "' of a " + std::string(name_of(node_.config().role)) +
                     " node may not have a '" + request.kind + "' signed",

@@ -16,10 +16,11 @@ namespace trb::router {
 /// -----------|-----------------------------------------|----------------------------------------------------------
 /// -          | Hello of a service of node.json         | service: its subtypes are its own
 /// -          | Hello of a probe                        | probe, if there is room
+/// -          | Hello of a service's visitor            | visitor, if there is room; an earlier one: -
 /// -          | Hello by another name (invalid)         | -, Nack
 /// any        | Hello, the same again                   | as before, with the same slot
 /// any        | its connection ends                     | -
-/// probe      | silent for a lease (expired)            | -, HelloWanted
+/// probe, visitor | silent for a lease (expired)        | -, HelloWanted
 class LocalBus {
  public:
   LocalBus(const LocalNode& node, OwnMessages& messages)

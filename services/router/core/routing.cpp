@@ -52,6 +52,8 @@ Routing MessageRouting::from_bus(ConnectionId from, const HeaderView& header) {
   if (connection == nullptr) return drop(Errc::no_service);
   if (header.source != node_.id()) return drop(Errc::source_mismatch);
   if (header.id >> 48U != connection->slot) return drop(Errc::malformed);
+  const bool visits = header.target == node_.id() && may_visitor_send(header.subtype);
+  if (connection->member == Member::visitor && !visits) return drop(Errc::not_permitted);
   if (header.remaining_ms == 0) return drop(Errc::expired);
   if (header.target == node_.id()) return from_bus_to_self(from, *connection, header);
   if (!may_send_out(node_.config().role, header.subtype)) return drop(Errc::not_permitted);
@@ -61,7 +63,7 @@ Routing MessageRouting::from_bus(ConnectionId from, const HeaderView& header) {
 }
 
 Routing MessageRouting::from_bus_to_self(ConnectionId from, const Connection& by, const HeaderView& header) {
-  if (!may_send_on_bus(by.hello.service, by.probe, header.subtype)) return drop(Errc::not_permitted);
+  if (!may_send_on_bus(by.hello.service, by.member == Member::probe, header.subtype)) return drop(Errc::not_permitted);
   const Routing own = to_self(header, party_of_connection(from));
   // What a robot sends to its own node and no service takes must not come back to the robot.
   const bool echo = own.to == Routing::To::service && own.connection == from && header.reply_to == 0;

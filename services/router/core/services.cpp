@@ -1,5 +1,6 @@
 #include "services/router/core/services.hpp"
 
+#include <algorithm>
 #include <set>
 #include <utility>
 
@@ -10,26 +11,27 @@
 
 namespace trb::router {
 
-Result<std::uint16_t> Services::welcome(ConnectionId connection, const ServiceHello& hello, bool probe,
+Result<std::uint16_t> Services::welcome(ConnectionId connection, const ServiceHello& hello, Member member,
                                         MonotonicTime now) {
   // A Hello sent again, because its answer was slow: requests under way bear the old slot.
   const auto known = connections_.find(connection);
   const bool again = known != connections_.end() && known->second.hello.instance == hello.instance &&
-                     known->second.hello.service == hello.service && known->second.probe == probe;
+                     known->second.hello.service == hello.service && known->second.member == member;
   const std::uint16_t kept = again ? known->second.slot : 0;
   PendingRequests pending = again ? std::move(known->second.pending) : PendingRequests{};
   forget(connection);
-  if (Status may = may_come(hello, probe); !may) return may.error();
+  if (member == Member::visitor) forget_visitor(hello.service);
+  if (Status may = may_come(hello, member); !may) return may.error();
   const std::uint16_t slot = kept != 0 ? kept : free_slot();
-  connections_[connection] = {hello, probe, slot, now, now, std::move(pending)};
+  connections_[connection] = {hello, member, slot, now, now, std::move(pending)};
   slots_[slot] = connection;
-  if (!probe) add_service(connection, hello);
+  if (member == Member::service) add_service(connection, hello);
   return slot;
 }
 
 /// node.json bounds the number of services; no crowd of probes keeps one of them out.
-Status Services::may_come(const ServiceHello& hello, bool probe) const {
-  if (probe) {
+Status Services::may_come(const ServiceHello& hello, Member member) const {
+  if (member != Member::service) {
     if (connections_.size() < kMaxConnections) return Done{};
     return fail(Errc::queue_full, "too many connections on the bus");
   }
@@ -50,6 +52,14 @@ Status Services::may_take_subtypes(const ServiceHello& hello) const {
       return fail(Errc::already_claimed, "subtype '" + subtype + "' is taken by another service");
   }
   return Done{};
+}
+
+/// So that no service's key can fill the bus.
+void Services::forget_visitor(const std::string& name) {
+  const auto at = std::ranges::find_if(connections_, [&](const auto& row) {
+    return row.second.member == Member::visitor && row.second.hello.service == name;
+  });
+  if (at != connections_.end()) forget(at->first);
 }
 
 void Services::add_service(ConnectionId connection, const ServiceHello& hello) {

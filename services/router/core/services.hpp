@@ -12,9 +12,16 @@
 
 namespace trb::router {
 
+/// What a connection of the bus may do.
+enum class Member : unsigned char {
+  service,
+  probe,    ///< the command line
+  visitor,  ///< of a service's key: asks how the services are, and nothing else
+};
+
 struct Connection {
   ServiceHello hello;
-  bool probe = false;
+  Member member = Member::service;
   std::uint16_t slot = 0;
   MonotonicTime since;
   MonotonicTime last_heard;
@@ -25,10 +32,10 @@ class Services {
  public:
   explicit Services(std::uint16_t first_slot) : next_slot_(first_slot) {}
 
-  /// Takes a connection in. Errors: already_claimed (the holder of the service or of a subtype is still there),
-  /// queue_full, bad_value, not_permitted (an operator's service claims a subtype of the middleware). The caller must
-  /// first have freed a holder whose connection is gone.
-  Result<std::uint16_t> welcome(ConnectionId connection, const ServiceHello& hello, bool probe, MonotonicTime now);
+  /// Takes a connection in; a service has one visitor, the last. Errors: already_claimed (the holder of the service or
+  /// of a subtype is still there), queue_full, bad_value, not_permitted (an operator's service claims a subtype of the
+  /// middleware). The caller must first have freed a holder whose connection is gone.
+  Result<std::uint16_t> welcome(ConnectionId connection, const ServiceHello& hello, Member member, MonotonicTime now);
   void forget(ConnectionId connection);
   void heard(ConnectionId connection, MonotonicTime now);
 
@@ -42,8 +49,9 @@ class Services {
   [[nodiscard]] const std::map<ConnectionId, Connection>& all() const { return connections_; }
 
  private:
-  [[nodiscard]] Status may_come(const ServiceHello& hello, bool probe) const;
+  [[nodiscard]] Status may_come(const ServiceHello& hello, Member member) const;
   [[nodiscard]] Status may_take_subtypes(const ServiceHello& hello) const;
+  void forget_visitor(const std::string& name);
   void add_service(ConnectionId connection, const ServiceHello& hello);
   std::uint16_t free_slot();
 
