@@ -31,6 +31,7 @@ CONFIG = """<!DOCTYPE busconfig PUBLIC "-//freedesktop//DTD D-Bus Bus Configurat
     <allow own_prefix="trbots"/>
   </policy>
   <include>{policy}</include>
+  {more}
 </busconfig>
 """
 
@@ -61,19 +62,21 @@ def socket_of(folder, name):
 
 class PrivateBus:
     """A dbus-daemon that is started and stopped as one likes; its files are folder/NAME, NAME.conf and NAME.log, its socket
-    elsewhere if the folder's path is too long for one."""
+    elsewhere if the folder's path is too long for one. `more`: further rules, which come last."""
 
-    def __init__(self, folder, name="bus"):
+    def __init__(self, folder, name="bus", more=""):
         self.socket = socket_of(folder, name)
         self.elsewhere = self.socket.parent != pathlib.Path(folder)
         self.config = folder / f"{name}.conf"
         self.log = folder / f"{name}.log"
         self.address = f"unix:path={escaped(self.socket)}"
+        self.more = more
         self.process = None
 
     def start(self):
         policy = trb_fleet.REPO / "deploy" / "dbus" / "trbots.conf"
-        self.config.write_text(CONFIG.format(address=self.address, policy=escape(str(policy)), user=trb_fleet.user()))
+        self.config.write_text(CONFIG.format(address=self.address, policy=escape(str(policy)), user=trb_fleet.user(),
+                                             more=self.more))
         self.socket.unlink(missing_ok=True)
         command = ["/usr/bin/dbus-daemon", f"--config-file={self.config}", "--nofork", "--nosyslog", "--print-address=1"]
         self.process = trb_fleet.Process(command, self.log)

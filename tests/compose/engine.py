@@ -144,8 +144,8 @@ class Composition:
     def mend(self, service, network, address):
         self.engine.docker("network", "connect", "--ip", address, f"{self.project}_{network}", self.names[service])
 
-    def kill(self, service):
-        self.engine.docker("kill", self.names[service])
+    def kill(self, service, how="KILL"):
+        self.engine.docker("kill", "--signal", how, self.names[service])
 
     def start(self, service):
         self.engine.docker("start", self.names[service])
