@@ -3,8 +3,11 @@ key and with another service's are refused, counted under names of their own, an
 """
 import json
 import os
+import shutil
+import signal
 import socket
 import stat
+import subprocess
 import time
 import unittest
 
@@ -117,6 +120,41 @@ class Bus(unittest.TestCase):
         for name in ("router", "scheduler", "probe"):
             self.assertEqual(stat.S_IMODE((self.keys / f"{name}.key").stat().st_mode), 0o600)
         self.assertEqual(stat.S_IMODE(self.keys.stat().st_mode), 0o700)
+
+    # ---- a service's doctor
+
+    def apart(self, service):
+        """The node's folder as a container of that service has it."""
+        folder = self.fleet.root / f"apart-{service}"
+        self.addCleanup(shutil.rmtree, folder)
+        shutil.copytree(self.fleet.dir("cloud"), folder, ignore=shutil.ignore_patterns("keys", "log", "state"))
+        (folder / "keys" / "bus").mkdir(parents=True)
+        for name in ("certificate.json", f"bus/{service}.key", "bus/router.pub"):
+            shutil.copy2(self.fleet.dir("cloud") / "keys" / name, folder / "keys" / name)
+        return folder
+
+    def ask(self, folder, *words):
+        return subprocess.run([support.PROGRAMS / "trb", *words, "--node", folder], capture_output=True, text=True, timeout=30)
+
+    def test_a_services_key_shows_its_doctor_how_it_is_and_opens_nothing_else(self):
+        folder = self.apart("scheduler")
+        done = self.ask(folder, "doctor", "--service", "scheduler")
+        self.assertEqual(done.returncode, 0, done.stdout)
+        self.assertIn("scheduler is up, no problem found", done.stdout)
+        done = self.ask(folder, "doctor", "--service", "resilience", "--json")
+        self.assertEqual([row["cause"] for row in json.loads(done.stdout)["findings"] if row["severity"] == "problem"], ["router_down"])
+        for words in (("route", "list"), ("stop", "pioneer1"), ("doctor",)):
+            self.assertNotEqual(self.ask(folder, *words).returncode, 0, words)
+
+    def test_a_services_doctor_sees_that_it_hangs(self):
+        folder = self.apart("scheduler")
+        pid = self.before["pid"]
+        os.kill(pid, signal.SIGSTOP)
+        try:
+            self.fleet.wait("it is seen", lambda: "silent" in self.ask(folder, "doctor", "--service", "scheduler").stdout, 20)
+        finally:
+            os.kill(pid, signal.SIGCONT)
+        self.fleet.wait("it is up", lambda: self.ask(folder, "doctor", "--service", "scheduler").returncode == 0, 20)
 
     # ---- refused connections
 
