@@ -1,14 +1,29 @@
 #include "common/simulation/job_nodes.hpp"
 
+#include <charconv>
+#include <optional>
+#include <string_view>
+#include <system_error>
+
 namespace trb::simulation {
+namespace {
+
+/// Of "r12" 12, as it is written and no other way: no sign, no leading zero.
+std::optional<std::uint32_t> number_of(std::string_view id) {
+  if (id.size() < 2 || id[0] != 'r' || (id[1] == '0' && id.size() > 2)) return std::nullopt;
+  std::uint32_t out = 0;
+  const char* const end = id.data() + id.size();
+  const auto [stop, error] = std::from_chars(id.data() + 1, end, out);
+  if (error != std::errc() || stop != end) return std::nullopt;
+  return out;
+}
+
+}  // namespace
 
 bool JobNodes::has(const std::string& id) const {
-  if (id == kCloud) return true;
-  if (robots_.contains(id)) return true;
-  for (std::uint32_t i = 0; i < count_; ++i) {
-    if (id == "r" + std::to_string(i)) return true;
-  }
-  return false;
+  if (id == kCloud || robots_.contains(id)) return true;
+  const auto number = number_of(id);
+  return number && *number < count_;
 }
 
 const NodeProfile* JobNodes::profile(const std::string& id) const {
