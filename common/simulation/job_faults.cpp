@@ -8,7 +8,7 @@ namespace trb::simulation {
 namespace {
 
 constexpr Range kFaultTimes{0, kMaxUntil};
-constexpr Range kAhead{-1e10, 1e10};  // seconds
+constexpr Range kAhead{-1.5e9, 1.5e9};  // seconds: 47 years, all of them times of 64 bits in nanoseconds
 constexpr std::int64_t kMostDrift = 100'000;
 constexpr Range kCommit{0, 60};
 constexpr Range kPercent{0, 100};

@@ -79,6 +79,8 @@ TEST_CASE("a fault that cannot be is refused by its field's name") {
            Case{R"({"kind": "clock", "node": "r0"})", "faults[0].ahead_s"},
            Case{R"({"kind": "clock", "node": "r0", "ahead_s": 3, "is_1970": true})", "faults[0].ahead_s"},
            Case{R"({"kind": "clock", "node": "r0", "drift_ppm": 1e9})", "faults[0].drift_ppm"},
+           Case{R"({"kind": "clock", "node": "r0", "ahead_s": 1.6e9})", "faults[0].ahead_s"},
+           Case{R"({"kind": "clock", "node": "r0", "ahead_s": -1e10})", "faults[0].ahead_s"},
            Case{R"({"kind": "disk", "node": "r0"})", "faults[0].commit_s"},
            Case{R"({"kind": "disk", "node": "r0", "commit_s": 61})", "faults[0].commit_s"},
            Case{R"({"kind": "battery", "node": "r0", "percent": 101, "per_second": 1})", "faults[0].percent"},
