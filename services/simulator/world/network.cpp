@@ -9,6 +9,10 @@ constexpr Duration kResend = std::chrono::milliseconds(200);  ///< TCP's least t
 constexpr int kRoundTrips = 4;                                ///< TCP, ZMTP, and CURVE's two
 constexpr std::uint64_t kWindow = 14'600;  ///< ten packets: what TCP sends before it hears that anything came
 
+std::uint64_t bytes_of(const auto& parcel) {
+  return parcel.end ? 0 : on_wire(parcel.frame.size());
+}
+
 }  // namespace
 
 void Network::join(const std::string& id, const std::string& address, Host& host) {
@@ -48,12 +52,33 @@ void Network::heal(const std::string& from, const std::string& to) {
     return (is.there.to == to && is.back.to == from) || (is.there.to == from && is.back.to == to);
   };
   for (const LinkId link : connections_where(between)) {
-    Connection& is = connections_.at(link);
     for (const bool there : {true, false}) {
-      Way& way = there ? is.there : is.back;
-      way.unproven = 0;
-      for (Parcel& parcel : std::exchange(way.held, {})) post(link, there, std::move(parcel));
+      connections_.at(link).way(there).unproven = 0;
+      resume(link, there);
     }
+  }
+}
+
+/// TCP sends all of it again, and hands it over in its order and before what was sent since.
+void Network::resume(LinkId connection, bool there) {
+  Way& way = connections_.at(connection).way(there);
+  if (way.held.empty() || way.resumes) return;
+  way.resumes = true;
+  std::uint64_t bytes = 0;
+  for (const Parcel& parcel : way.held) bytes += bytes_of(parcel);
+  events_.at(arrival(way, bytes), [this, connection, there] { hand_over_held(connection, there); });
+}
+
+/// A part of it waits again if the way was cut again.
+void Network::hand_over_held(LinkId connection, bool there) {
+  const auto begun = connections_.find(connection);
+  if (begun != connections_.end()) begun->second.way(there).resumes = false;
+  for (auto at = begun; at != connections_.end(); at = connections_.find(connection)) {  // a host may end it
+    Way& way = at->second.way(there);
+    if (way.held.empty() || is_stopped(way, at->second.sender(there), way.held.front())) return;
+    Parcel parcel = std::move(way.held.front());
+    way.held.pop_front();
+    hand_over(connection, std::string(way.to), std::move(parcel));
   }
 }
 
@@ -83,7 +108,7 @@ void Network::connect(const std::string& from, const router::Dial& dial) {
   if (there == nullptr || there->link_key() != dial.server_key) return here->on_dial_ended(dial.link, LinkEnd::failed);
   if (!there->admit(here->link_key())) return here->on_dial_ended(dial.link, LinkEnd::refused_key);
   meter_.on_connection(events_.seconds_passed(), kConnectBytes);
-  connections_[dial.link] = {{to, {}, {}, {}}, {from, {}, {}, {}}, here->link_key()};
+  connections_[dial.link] = {{.to = to}, {.to = from}, here->link_key()};
   here->on_dial_connected(dial.link);
 }
 
@@ -98,17 +123,19 @@ bool Network::send(LinkId connection, const std::string& from, Bytes frame) {
   return true;
 }
 
-/// It leaves when the connection is free, and arrives behind all that was sent before.
-void Network::post(LinkId connection, bool there, Parcel parcel) {
-  Connection& is = connections_.at(connection);
-  Way& way = there ? is.there : is.back;
-  const std::uint64_t bytes = parcel.end ? 0 : on_wire(parcel.frame.size());
+/// It leaves when the connection is free.
+MonotonicTime Network::arrival(Way& way, std::uint64_t bytes) {
   const auto takes = static_cast<std::int64_t>(bytes * 1'000'000'000U / kind_.bytes_a_second);
   way.free = std::max(events_.now(), way.free) + Duration{takes};
   Duration late = delay();
   for (Duration wait = kResend; dice_.chance(kind_.loss) && wait < std::chrono::seconds(10); wait *= 2) late += wait;
   way.last = std::max(way.last, way.free + late);
-  events_.at(way.last, [this, connection, there, parcel = std::move(parcel)]() mutable {
+  return way.last;
+}
+
+void Network::post(LinkId connection, bool there, Parcel parcel) {
+  const MonotonicTime at = arrival(connections_.at(connection).way(there), bytes_of(parcel));
+  events_.at(at, [this, connection, there, parcel = std::move(parcel)]() mutable {
     arrive(connection, there, std::move(parcel));
   });
 }
@@ -123,9 +150,9 @@ bool Network::is_stopped(Way& way, const std::string& from, const Parcel& parcel
 void Network::arrive(LinkId connection, bool there, Parcel parcel) {
   const auto at = connections_.find(connection);
   if (at == connections_.end()) return;
-  Way& way = there ? at->second.there : at->second.back;
-  const std::string& from = there ? at->second.back.to : at->second.there.to;
-  if (is_stopped(way, from, parcel)) return way.held.push_back(std::move(parcel));
+  Way& way = at->second.way(there);
+  const bool waits = !way.held.empty() || is_stopped(way, at->second.sender(there), parcel);
+  if (waits) return way.held.push_back(std::move(parcel));
   hand_over(connection, std::string(way.to), std::move(parcel));
 }
 

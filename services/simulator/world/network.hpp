@@ -71,13 +71,16 @@ class Network {
   };
   struct Way {
     std::string to;
-    MonotonicTime free, last;
-    std::deque<Parcel> held;     ///< while it is cut
+    MonotonicTime free{}, last{};
+    std::deque<Parcel> held{};   ///< while it is cut, and behind that until these have arrived
+    bool resumes = false;        ///< what is held arrives soon
     std::uint64_t unproven = 0;  ///< bytes that came while the other way was cut
   };
   struct Connection {
     Way there, back;  ///< to the acceptor, to the dialler
     Bytes key;        ///< the dialler's
+    [[nodiscard]] Way& way(bool to_acceptor) { return to_acceptor ? there : back; }
+    [[nodiscard]] const std::string& sender(bool to_acceptor) const { return to_acceptor ? back.to : there.to; }
   };
   [[nodiscard]] bool is_cut(const std::string& from, const std::string& to) const {
     return !cuts_.empty() && cuts_.contains({from, to});
@@ -91,6 +94,10 @@ class Network {
   void connect(const std::string& from, const router::Dial& dial);
   void post(LinkId connection, bool there, Parcel parcel);
   void arrive(LinkId connection, bool there, Parcel parcel);
+  void resume(LinkId connection, bool there);
+  void hand_over_held(LinkId connection, bool there);
+  /// When that many bytes arrive that are sent now: not before what was sent earlier.
+  MonotonicTime arrival(Way& way, std::uint64_t bytes);
   void hand_over(LinkId connection, const std::string& to, Parcel parcel);
   Duration delay();
   void count(const std::string& from, const std::string& to, std::string_view subtype, std::uint64_t bytes,
