@@ -140,6 +140,26 @@ TEST_CASE("fault: a battery lasts as long as its robot works, then another robot
   CHECK(enough.witness().begun().size() == 6);
 }
 
+TEST_CASE("fault: repair charges no battery: an empty one breaks its robot again until it is charged") {
+  Fault charge{5, FaultKind::battery, "r1"};
+  charge.battery = {.percent = 80, .per_second = 0};
+  World world(plan_of(2, 2,
+                      {battery_of("r1", {.percent = 0, .per_second = 0}),
+                       {1, FaultKind::repair, "r1"},
+                       charge,
+                       {6, FaultKind::repair, "r1"}}));
+  std::vector<double> failed_s;
+  Robot& robot = *world.nodes().at("r1")->robot();
+  robot.on_fail = [&] { failed_s.push_back(world.seconds_passed()); };
+  const Played is = world.play();
+  check_all_done(is, 2);
+  REQUIRE(failed_s.size() == 2);
+  CHECK(failed_s[0] < 0.2);
+  CHECK(failed_s[1] - is.submitted_s > 0.99);
+  CHECK(failed_s[1] - is.submitted_s < 1.2);
+  CHECK_FALSE(robot.is_broken());
+}
+
 TEST_CASE("fault: the cloud asks what a battery has left, and gives the task to the robot with more") {
   struct Case {
     double r0, r2;
@@ -186,13 +206,33 @@ TEST_CASE("fault: robots break by chance and are repaired; the seed says when") 
 }
 
 TEST_CASE("fault: the times between failures have the mean that was asked for") {
-  Fault rate{.kind = FaultKind::rate};
-  rate.rate = {.between_s = 100, .repair_s = 0};
   Dice dice(5);
-  double count = 0;
-  for (int i = 0; i < 20; ++i) count += static_cast<double>(drawn(rate, "r0", 10'000, dice).size()) / 2;
-  CHECK(count / 20 > 90);
-  CHECK(count / 20 < 110);
-  rate.rate.repair_s.reset();
-  CHECK(drawn(rate, "r0", 1e6, dice).size() == 1);
+  double sum = 0;
+  constexpr int kDraws = 2000;
+  for (int i = 0; i < kDraws; ++i) sum += time_to_failure(100, 1e6, dice).value_or(0);
+  CHECK(sum / kDraws > 95);
+  CHECK(sum / kDraws < 105);
+  CHECK_FALSE(time_to_failure(100, 0.05, dice));
+}
+
+namespace {
+
+/// How often r1, which has no task, broke in a run of so many seconds, its failures a second apart.
+std::size_t failures_in(double run_s, std::optional<double> repair_s) {
+  Fault rate{.kind = FaultKind::rate, .node = "r1"};
+  rate.rate = {.between_s = 1, .repair_s = repair_s};
+  WorldPlan plan = plan_of(2, 1, {rate});
+  plan.task.mean_s = run_s;
+  World world(plan);
+  std::size_t count = 0;
+  world.nodes().at("r1")->robot()->on_fail = [&] { ++count; };
+  check_unbroken(world.play());
+  return count;
+}
+
+}  // namespace
+
+TEST_CASE("fault: a robot breaks by chance for as long as the run is played, and once if nobody repairs it") {
+  CHECK(failures_in(2000, 0.1) > 1600);
+  CHECK(failures_in(60, std::nullopt) == 1);
 }

@@ -1,8 +1,7 @@
 // What goes wrong, and when.
 #pragma once
 
-#include <string>
-#include <vector>
+#include <optional>
 
 #include "common/simulation/fault.hpp"
 #include "services/simulator/world/dice.hpp"
@@ -15,7 +14,7 @@ using simulation::FaultKind;
 using simulation::FaultRate;
 using simulation::Way;
 
-/// A rate's failures and repairs of one robot until `limit_s`.
-std::vector<Fault> drawn(const Fault& rate, const std::string& robot, double limit_s, Dice& dice);
+/// By chance, after `mean_s` in the mean; exponential. nullopt: not within `at_most_s`.
+std::optional<double> time_to_failure(double mean_s, double at_most_s, Dice& dice);
 
 }  // namespace trb::world

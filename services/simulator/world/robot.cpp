@@ -96,7 +96,7 @@ void Robot::drain() {
     const double before = battery_->percent;
     if (work_) battery_->percent = std::max(0.0, before - kPart * battery_->per_second);
     if (std::floor(battery_->percent) != std::floor(before)) inform_of_charge();
-    if (battery_->percent <= 0 && before > 0) fail();
+    if (battery_->percent <= 0 && !broken_) fail();
     drain();
   });
 }

@@ -233,16 +233,29 @@ void World::plan_faults() {
 void World::draw_faults(const Fault& rate) {
   const double limit_s = plan_.limit_s() - events_.seconds_passed();
   for (const PlannedRobot& robot : plan_.fleet) {
-    if (!rate.node.empty() && rate.node != robot.id) continue;
-    for (const Fault& fault : drawn(rate, robot.id, limit_s, chance_of_faults_)) {
-      events_.after(seconds(fault.at_s), [this, fault] { happen(fault); });
-    }
+    if (rate.node.empty() || rate.node == robot.id) fail_by_chance(rate.rate, robot.id);
   }
 }
 
 void World::happen(const Fault& fault) {
   if (on_fault) on_fault(fault);
   if (fault.node.empty()) return happen_between(fault);
+/// The next failure is drawn when the one before is over: a list of a week's would have millions.
+void World::fail_by_chance(const FaultRate& rate, const std::string& robot) {
+  const auto after_s = time_to_failure(rate.between_s, plan_.limit_s() - events_.seconds_passed(), chance_of_faults_);
+  if (!after_s) return;
+  events_.after(seconds(*after_s), [this, &rate, &robot] {
+    happen({.kind = FaultKind::fail, .node = robot});
+    if (rate.repair_s)
+      events_.after(seconds(*rate.repair_s), [this, &rate, &robot] { repair_until_next(rate, robot); });
+  });
+}
+
+void World::repair_until_next(const FaultRate& rate, const std::string& robot) {
+  happen({.kind = FaultKind::repair, .node = robot});
+  fail_by_chance(rate, robot);
+}
+
   Node& node = *nodes_.at(fault.node);
   switch (fault.kind) {
     case FaultKind::fail:

@@ -97,6 +97,8 @@ class World {
   void draw_faults(const Fault& rate);
   void happen(const Fault& fault);
   void happen_between(const Fault& fault);
+  void fail_by_chance(const FaultRate& rate, const std::string& robot);
+  void repair_until_next(const FaultRate& rate, const std::string& robot);
   void change_way(const Fault& fault, const std::string& one, const std::string& other);
   [[nodiscard]] bool is_over_everywhere() const;
   [[nodiscard]] RunStart start() const;
