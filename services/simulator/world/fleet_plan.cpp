@@ -5,8 +5,6 @@
 namespace trb::world {
 namespace {
 
-constexpr double kTimeout_s = 600;
-
 Parameter parameter_of(const ParameterInfo& info) {
   constexpr auto kTypes = enum_names(ParameterType{});
   Parameter out;
@@ -26,10 +24,10 @@ Parameter parameter_of(const ParameterInfo& info) {
 
 }  // namespace
 
-std::vector<PlannedRobot> paper_robots(std::uint32_t count) {
+std::vector<PlannedRobot> paper_robots(std::uint32_t count, double timeout_s) {
   NodeProfile profile;
   profile.capabilities = {"hands"};
-  profile.skills = {{.name = "work", .capability = "hands", .parameters = {}, .timeout_s = kTimeout_s}};
+  profile.skills = {{.name = "work", .capability = "hands", .parameters = {}, .timeout_s = timeout_s}};
   std::vector<PlannedRobot> out;
   out.reserve(count);
   for (std::uint32_t i = 0; i < count; ++i) out.push_back({"r" + std::to_string(i), profile});

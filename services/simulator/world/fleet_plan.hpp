@@ -19,8 +19,10 @@ struct PlannedRobot {
   NodeProfile profile;  ///< of it capabilities, skills and places
 };
 
-/// `count` robots r0, r1 ... that can "work".
-std::vector<PlannedRobot> paper_robots(std::uint32_t count);
+constexpr double kUsualTimeout_s = 600;
+
+/// `count` robots r0, r1 ... that can "work", for so long at most.
+std::vector<PlannedRobot> paper_robots(std::uint32_t count, double timeout_s = kUsualTimeout_s);
 /// `count` tasks t0, t1 ..., given to the robots in turn, one after the other.
 Scenario in_turn(std::uint32_t count, const std::vector<PlannedRobot>& robots);
 

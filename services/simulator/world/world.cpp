@@ -16,7 +16,8 @@ constexpr double kLinksAtMost_s = 60;
 constexpr double kRest_s = 5;  ///< between the links and the submission, and behind the end
 constexpr double kSlow_s = 1800;
 constexpr Duration kLook = std::chrono::milliseconds(100);
-constexpr Duration kLife = std::chrono::hours(24);
+constexpr Duration kUsualLife = std::chrono::hours(24);  ///< of a run
+constexpr double kBeyondTask_s = 60;                     ///< what a time-out has more than the longest task
 constexpr std::uint64_t kFaultSeed = 0xFA17;  ///< what is drawn for faults does not change what is drawn for the rest
 constexpr Duration kYear = std::chrono::hours(24 * 365);
 
@@ -43,15 +44,17 @@ void let_tell_charges(WorldPlan& plan) {
 
 }  // namespace
 
+double WorldPlan::longest_task_s() const {
+  const auto longest = [](const SkillTime& time) { return time.mean_s + 6 * time.deviation_s; };
+  double out = longest(task);
+  for (const auto& [skill, time] : times) out = std::max(out, longest(time));
+  return out;
+}
+
 double WorldPlan::limit_s() const {
   if (until_s > 0) return until_s;
-  SkillTime longest = task;
-  for (const auto& [skill, time] : times) {
-    longest.mean_s = std::max(longest.mean_s, time.mean_s);
-    longest.deviation_s = std::max(longest.deviation_s, time.deviation_s);
-  }
   const auto count = static_cast<double>(fleet.empty() ? tasks : scenario.tasks.size());
-  return std::min(kMaxUntil, kLinksAtMost_s + kSlow_s + count * (longest.mean_s + 6 * longest.deviation_s + 1));
+  return std::min(kMaxUntil, kLinksAtMost_s + kSlow_s + count * (longest_task_s() + 1));
 }
 
 World::World(WorldPlan plan, Meddler meddler)
@@ -69,7 +72,7 @@ World::World(WorldPlan plan, Meddler meddler)
   authority_.public_key = authority_key_.public_key;
   meter_.watch = [this](const Sending& sending, std::string_view frame) { repeats_.on(sending, frame); };
   if (plan_.fleet.empty()) {
-    plan_.fleet = paper_robots(plan_.robots);
+    plan_.fleet = paper_robots(plan_.robots, std::max(kUsualTimeout_s, plan_.longest_task_s() + kBeyondTask_s));
     plan_.scenario = in_turn(plan_.tasks, plan_.fleet);
   }
   let_tell_charges(plan_);
@@ -178,7 +181,8 @@ RunStart World::start() const {
     if (at_work.contains(robot.id)) members.push_back(nodes_.at(robot.id)->member());
   }
   const UtcTime now = nodes_.at("cloud")->utc();
-  return build_run_start(plan_.scenario, std::move(members), "cloud", now, now + kLife, run_, plan_.assigned);
+  const Duration life = std::max(kUsualLife, seconds(plan_.limit_s()));
+  return build_run_start(plan_.scenario, std::move(members), "cloud", now, now + life, run_, plan_.assigned);
 }
 
 double World::run_seconds() const {
@@ -231,15 +235,11 @@ void World::plan_faults() {
 }
 
 void World::draw_faults(const Fault& rate) {
-  const double limit_s = plan_.limit_s() - events_.seconds_passed();
   for (const PlannedRobot& robot : plan_.fleet) {
     if (rate.node.empty() || rate.node == robot.id) fail_by_chance(rate.rate, robot.id);
   }
 }
 
-void World::happen(const Fault& fault) {
-  if (on_fault) on_fault(fault);
-  if (fault.node.empty()) return happen_between(fault);
 /// The next failure is drawn when the one before is over: a list of a week's would have millions.
 void World::fail_by_chance(const FaultRate& rate, const std::string& robot) {
   const auto after_s = time_to_failure(rate.between_s, plan_.limit_s() - events_.seconds_passed(), chance_of_faults_);
@@ -256,6 +256,9 @@ void World::repair_until_next(const FaultRate& rate, const std::string& robot) {
   fail_by_chance(rate, robot);
 }
 
+void World::happen(const Fault& fault) {
+  if (on_fault) on_fault(fault);
+  if (fault.node.empty()) return happen_between(fault);
   Node& node = *nodes_.at(fault.node);
   switch (fault.kind) {
     case FaultKind::fail:

@@ -36,6 +36,8 @@ struct WorldPlan {
   std::vector<PlannedSensor> sensors;
   std::vector<std::string> relays;  ///< nodes that relay
   [[nodiscard]] double limit_s() const;
+  /// What no task takes longer than.
+  [[nodiscard]] double longest_task_s() const;
 };
 
 /// What became of it.
@@ -95,10 +97,10 @@ class World {
   void prepare_faults();
   void plan_faults();
   void draw_faults(const Fault& rate);
-  void happen(const Fault& fault);
-  void happen_between(const Fault& fault);
   void fail_by_chance(const FaultRate& rate, const std::string& robot);
   void repair_until_next(const FaultRate& rate, const std::string& robot);
+  void happen(const Fault& fault);
+  void happen_between(const Fault& fault);
   void change_way(const Fault& fault, const std::string& one, const std::string& other);
   [[nodiscard]] bool is_over_everywhere() const;
   [[nodiscard]] RunStart start() const;

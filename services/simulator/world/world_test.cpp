@@ -43,3 +43,29 @@ TEST_CASE("what is relayed is locked with a nonce that follows from the seed, to
   CHECK(digest_of(7) == digest_of(7));
   CHECK(digest_of(7) != digest_of(8));
 }
+
+TEST_CASE("a task takes as long as the plan says: its time-out is longer") {
+  WorldPlan plan = plan_of(2, 2);
+  plan.task.mean_s = 700;
+  World world(plan);
+  const Played is = world.play();
+  check_unbroken(is);
+  CHECK(is.state == RunState::finished);
+  CHECK(is.tasks_done == 2);
+  CHECK(is.makespan_s > 1400);
+  CHECK(world.witness().begun().size() == 2);
+}
+
+TEST_CASE("a run lives as long as it is played: a day, or longer") {
+  const auto life_s = [](double until_s) {
+    WorldPlan plan = plan_of(1, 1);
+    plan.until_s = until_s;
+    World world(plan);
+    check_unbroken(world.play());
+    const auto record = world.nodes().at("cloud")->disk().archive.record(world.run());
+    REQUIRE(record);
+    return to_seconds(Duration{record->view.expires - record->view.created});
+  };
+  CHECK(life_s(0) == 24 * 3600);
+  CHECK(life_s(kMaxUntil) == kMaxUntil);
+}
