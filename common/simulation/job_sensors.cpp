@@ -148,6 +148,13 @@ void plug_in(const PlannedSensors& sensors, std::map<std::string, NodeProfile>& 
   }
 }
 
+std::map<std::string, NodeProfile> with_cloud(std::map<std::string, NodeProfile> robots,
+                                              const PlannedSensors& sensors) {
+  robots[kCloud] = {};
+  plug_in(sensors, robots);
+  return robots;
+}
+
 void check_conditions(const PlannedSensors& sensors, const Scenario& scenario, const FileFaults& faults) {
   for (const Task& task : scenario.tasks) {
     for (const Condition& condition : task.when) check_condition(sensors, task, condition, faults);

@@ -26,6 +26,10 @@ PlannedSensors read_sensor_values(ObjectReader& reader, const JobNodes& nodes, s
 /// The nodes tell of them, too: of each in place of one of its name.
 void plug_in(const PlannedSensors& sensors, std::map<std::string, NodeProfile>& profiles);
 
+/// The nodes of a simulated fleet: its robots and "cloud", which tell of the sensors. A scenario's conditions are
+/// checked with these.
+std::map<std::string, NodeProfile> with_cloud(std::map<std::string, NodeProfile> robots, const PlannedSensors& sensors);
+
 /// A fault for each condition of the scenario on a sensor that tells no value here, or in another unit.
 void check_conditions(const PlannedSensors& sensors, const Scenario& scenario, const FileFaults& faults);
 

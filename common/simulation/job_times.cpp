@@ -1,7 +1,15 @@
 #include "common/simulation/job_times.hpp"
 
+#include <set>
+#include <vector>
+
+#include "common/fleet/did_you_mean.hpp"
+
 namespace trb::simulation {
 namespace {
+
+constexpr std::string_view kOfTask = "task:";
+constexpr std::size_t kMostUnknown = 10;  ///< a suggestion for each of a thousand would take a second
 
 SkillTime read_time(const std::string& path, const Value& json, const FileFaults& faults) {
   SkillTime out;
@@ -33,6 +41,24 @@ std::map<std::string, SkillTime> read_times(ObjectReader& reader) {
   if (times == nullptr) return out;
   for (const auto& [skill, time] : *times) out[skill] = read_time("times." + skill, time, reader.faults());
   return out;
+}
+
+void check_times(const std::map<std::string, SkillTime>& times, const Scenario& scenario, const FileFaults& faults) {
+  std::set<std::string> skills, tasks;
+  for (const Task& task : scenario.tasks) {
+    skills.insert(task.skill);
+    tasks.insert(std::string(kOfTask) + task.id);
+  }
+  std::size_t told = 0;
+  for (const auto& [name, time] : times) {
+    const bool of_task = name.starts_with(kOfTask);
+    const auto& known = of_task ? tasks : skills;
+    if (known.contains(name)) continue;
+    faults.add("times." + name,
+               in_quotes(name) + (of_task ? " is no task of the scenario" : " is no skill of its tasks"),
+               did_you_mean(name, {known.begin(), known.end()}, "leave it out, or use one of"));
+    if (++told == kMostUnknown) return;
+  }
 }
 
 }  // namespace trb::simulation

@@ -6,6 +6,7 @@
 
 #include "common/fleet/object_reader.hpp"
 #include "common/simulation/skill_time.hpp"
+#include "proto/bodies/run.hpp"
 
 namespace trb::simulation {
 
@@ -18,5 +19,9 @@ SkillTime read_usual_time(ObjectReader& reader);
 /// Key `times`, optional: {SKILL: seconds, or {"mean", "deviation"}}; of one task "task:ID". Every fault is added, by
 /// its key.
 std::map<std::string, SkillTime> read_times(ObjectReader& reader);
+
+/// A fault for each name that is neither a skill of the scenario's tasks nor "task:" and the id of one: it would change
+/// nothing, and nobody would notice.
+void check_times(const std::map<std::string, SkillTime>& times, const Scenario& scenario, const FileFaults& faults);
 
 }  // namespace trb::simulation

@@ -55,3 +55,27 @@ TEST_CASE("what is wrong with a time is named") {
     CHECK_FALSE(faults[0].hint.empty());
   }
 }
+
+TEST_CASE("a time that nothing has is told, with what was probably meant") {
+  Scenario scenario;
+  for (const char* id : {"there", "back"}) {
+    Task& task = scenario.tasks.emplace_back();
+    task.id = id;
+    task.skill = "go_to";
+  }
+  const auto found = [&](const std::string& times) {
+    ConfigFaults out;
+    check_times(read(R"({"times": )" + times + "}").times, scenario, FileFaults("job", out));
+    return out;
+  };
+  CHECK(found(R"({"go_to": 5, "task:there": 2, "task:back": 3})").empty());
+  const ConfigFaults wrong = found(R"({"goto": 5, "task:bakc": 2, "there": 3, "swim": 4})");
+  REQUIRE(wrong.size() == 4);
+  CHECK(wrong[0].key == "times.goto");
+  CHECK(wrong[0].hint.find("'go_to'") != std::string::npos);
+  CHECK(wrong[1].key == "times.swim");
+  CHECK(wrong[1].hint.find("go_to") != std::string::npos);
+  CHECK(wrong[2].key == "times.task:bakc");
+  CHECK(wrong[2].hint.find("'task:back'") != std::string::npos);
+  CHECK(wrong[3].key == "times.there");
+}

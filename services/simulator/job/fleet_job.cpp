@@ -57,9 +57,10 @@ void read_sensors(ObjectReader& reader, WorldPlan& plan) {
 
 void bind(WorldPlan& plan, const FileFaults& faults, ConfigFaults& found) {
   const Profiles profiles = profiles_of(plan);
-  check_scenario(plan.scenario, profiles, kFile, found);
+  check_scenario(plan.scenario, simulation::with_cloud(profiles, plan.sensors), kFile, found);
   simulation::check_conditions(plan.sensors, plan.scenario, faults);
   if (!faults_that_stop(found).empty()) return;
+  simulation::check_times(plan.times, plan.scenario, faults);
   CandidateIndex candidates(profiles);
   plan.assigned = bind_tasks(plan.scenario, candidates, kCloud, kFile, found);
 }

@@ -88,6 +88,8 @@ TEST_CASE("what is wrong with a fleet, its scenario or its times is named") {
              "tasks[0].skill"},
         Case{job_of(kFleet, kScenario, R"(, "times": {"pick": -1})"), "times.pick"},
         Case{job_of(kFleet, kScenario, R"(, "times": {"pick": {"mean": 1, "deviation": 2}})"), "times.pick.deviation"},
+        Case{job_of(kFleet, kScenario, R"(, "times": {"fly": 1})"), "times.fly"},
+        Case{job_of(kFleet, kScenario, R"(, "times": {"task:nobody": 1})"), "times.task:nobody"},
         Case{job_of(kFleet, kScenario, R"(, "robots": 3)"), "robots"},
         Case{job_of(kFleet, kScenario, R"(, "faults": [{"at": 1, "kind": "kill", "node": "r0"}])"),
              "faults[0].node"}}) {

@@ -65,6 +65,25 @@ TEST_CASE("a condition on a sensor is decided by what the sensor tells then") {
   CHECK(sides_at(R"("ramp": {"from": 15, "to": 60, "end": 3})") == Sides{0, 1});
 }
 
+TEST_CASE("a condition may be on a sensor of the cloud") {
+  const std::string hall = R"({"protocol": "talkrobots", "fleet": [{"id": "arm", "profile": {"capabilities": ["grip"],
+      "skills": [{"name": "pick", "capability": "grip", "timeout_s": 60}]}}],
+      "scenario": {"name": "dry", "tasks": [{"id": "pick", "robot": "arm", "skill": "pick",
+      "when": {"sensor": "humidity", "of": "cloud", "op": "<", "value": 60, "unit": "percent"}}]},
+      "sensor_values": [{"node": "cloud", "name": "humidity", "unit": "percent", "value": )";
+  for (const std::uint32_t percent : {40U, 80U}) {
+    CAPTURE(percent);
+    ConfigFaults faults;
+    const Job job = read_job(hall + std::to_string(percent) + "}]}", faults);
+    REQUIRE_MESSAGE(faults.empty(), to_text(faults));
+    world::World world(*job.world);
+    const world::Played played = world.play();
+    CHECK(played.broken.empty());
+    CHECK(played.state == RunState::finished);
+    CHECK(world.witness().done("pick") == (percent < 60 ? 1U : 0U));
+  }
+}
+
 TEST_CASE("a run waits for a sensor that cannot be read yet") {
   CHECK(sides_at(R"("steps": [{"at": 0, "value": null}, {"at": 20, "value": 18}])") == Sides{1, 0});
 }

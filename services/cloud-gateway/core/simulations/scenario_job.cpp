@@ -2,9 +2,11 @@
 
 #include <utility>
 
+#include "common/fleet/did_you_mean.hpp"
 #include "common/scenario/definition.hpp"
 #include "common/scenario/played_tasks.hpp"
 #include "common/simulation/job_sensors.hpp"
+#include "common/simulation/job_times.hpp"
 #include "proto/body.hpp"
 
 namespace trb::gateway {
@@ -32,16 +34,34 @@ Scenario read_checked(const Value& json, ConfigFaults& faults) {
   return out;
 }
 
-/// The nodes tell of the job's sensors, too, and a condition needs one of these.
-void check_with_sensors(const Value& job, const Scenario& scenario, KnownNodes nodes, ConfigFaults& faults) {
+bool is_without_robot(const KnownNodes& nodes, const std::string& id) {
+  const auto at = nodes.find(id);
+  return id != simulation::kCloud && at != nodes.end() && at->second.robot.empty();
+}
+
+/// The fleet's own cloud may have another name than the one that is played.
+void check_names(const Scenario& scenario, const KnownNodes& nodes, ConfigFaults& faults) {
+  for (std::size_t i = 0; i < scenario.tasks.size(); ++i) {
+    for (const Condition& condition : scenario.tasks[i].when) {
+      if (!is_without_robot(nodes, condition.of)) continue;
+      return add_fault(
+          faults, std::string(kKey) + ".tasks[" + std::to_string(i) + "].when.of",
+          in_quotes(condition.of) + " has no robot: a simulation has the robots, and a cloud named 'cloud'",
+          R"(write "of": "cloud" here, and give that node its sensor in sensor_values)");
+    }
+  }
+}
+
+/// As the simulator checks it: of the nodes it has the robots and a cloud, and a condition needs a sensor of the job.
+void check_with_sensors(const Value& job, const Scenario& scenario, const KnownNodes& robots, ConfigFaults& faults) {
   const FileFaults into("job", faults);
   ObjectReader reader(job, "", into);
-  const auto sensors = simulation::read_sensor_values(reader, simulation::JobNodes(robots_of(nodes)));
-  simulation::plug_in(sensors, nodes);
+  const auto sensors = simulation::read_sensor_values(reader, simulation::JobNodes(robots));
   ConfigFaults found;
-  check_scenario(scenario, nodes, kKey, found);
+  check_scenario(scenario, simulation::with_cloud(robots, sensors), kKey, found);
   add_prefixed(found, faults);
   simulation::check_conditions(sensors, scenario, into);
+  if (faults.empty()) simulation::check_times(simulation::read_times(reader), scenario, into);
 }
 
 Value::List fleet_of(const KnownNodes& nodes) {
@@ -82,7 +102,8 @@ SimulationJob scenario_job(const Value& job, const KnownNodes& nodes, ConfigFaul
   check_fleet(fleet, faults);
   if (!faults.empty()) return out;
   out.scenario = read_checked(*job.find(kKey), faults);
-  if (faults.empty()) check_with_sensors(job, *out.scenario, nodes, faults);
+  if (faults.empty()) check_names(*out.scenario, nodes, faults);
+  if (faults.empty()) check_with_sensors(job, *out.scenario, robots_of(nodes), faults);
   if (!faults.empty()) return out;
   out.robots = static_cast<std::int64_t>(fleet.size());
   out.tasks = static_cast<std::int64_t>(out.scenario->tasks.size());

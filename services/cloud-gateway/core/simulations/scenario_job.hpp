@@ -17,8 +17,8 @@ using KnownNodes = std::map<std::string, NodeProfile>;
 KnownNodes robots_of(const KnownNodes& nodes);
 
 /// Of a job that has passed check_simulation_job, with a `scenario`: what trb-simulator is to play. The scenario is
-/// checked with the nodes as `scenarios/check` does it, and with the job's sensors; its faults' keys begin with
-/// "scenario".
+/// checked as that program checks it: with the robots, a cloud named "cloud", and the job's sensors and times; its own
+/// faults' keys begin with "scenario".
 SimulationJob scenario_job(const Value& job, const KnownNodes& nodes, ConfigFaults& faults);
 
 /// The simulator's answer, and in it `waits`: what each task of the scenario waited for, and the critical path.

@@ -97,6 +97,43 @@ TEST_CASE("a condition needs a sensor of the job, in its unit") {
   CHECK_FALSE(faults_of(waiting(R"({"node": "arm", "name": "t", "unit": "degC", "value": 21})"), hall()).empty());
 }
 
+TEST_CASE("a condition may be on a sensor of the cloud, whatever the fleet's own is called") {
+  KnownNodes nodes = hall();
+  nodes.erase("cloud");
+  nodes["hub"] = {};
+  const auto waiting = [](const std::string& of, const std::string& node) {
+    return R"({"protocol": "talkrobots", "scenario": {"name": "n", "tasks": [{"id": "go", "robot": "cart", "skill": "go_to",
+        "when": {"sensor": "t", "of": ")" +
+           of + R"(", "op": ">", "value": 20, "unit": "degC"}}]}, "sensor_values": [{"node": ")" + node +
+           R"(", "name": "t", "unit": "degC", "value": 21}]})";
+  };
+  CHECK(faults_of(waiting("cloud", "cloud"), nodes).empty());
+  const ConfigFaults own = faults_of(waiting("hub", "cloud"), nodes);
+  REQUIRE(own.size() == 1);
+  CHECK(own[0].key == "scenario.tasks[0].when.of");
+  CHECK(own[0].hint.find(R"("of": "cloud")") != std::string::npos);
+  CHECK(faults_of(waiting("cloud", "cart"), nodes).size() == 1);
+}
+
+TEST_CASE("a time that no task of the scenario has is named") {
+  const auto with_times = [](const std::string& times) {
+    return R"({"protocol": "talkrobots", "scenario": {"name": "n", "tasks": [
+        {"id": "go", "robot": "cart", "skill": "go_to"}]}, "times": )" +
+           times + "}";
+  };
+  CHECK(faults_of(with_times(R"({"go_to": 3, "task:go": 2})"), hall()).empty());
+  const ConfigFaults wrong = faults_of(with_times(R"({"goto": 3})"), hall());
+  REQUIRE(wrong.size() == 1);
+  CHECK(wrong[0].key == "times.goto");
+  CHECK(wrong[0].hint.find("go_to") != std::string::npos);
+  // A task's skill that nobody has is told first, and alone.
+  const ConfigFaults first = faults_of(R"({"protocol": "talkrobots", "scenario": {"name": "n", "tasks": [
+      {"id": "go", "robot": "cart", "skill": "goto"}]}, "times": {"go_to": 3}})",
+                                       hall());
+  REQUIRE(first.size() == 1);
+  CHECK(first[0].key == "scenario.tasks[0].skill");
+}
+
 TEST_CASE("what is no scenario is refused") {
   for (const char* text : {"7", "[]", "null", "{}", R"({"name": "n"})", R"({"name": "n", "tasks": []})"}) {
     CAPTURE(text);
