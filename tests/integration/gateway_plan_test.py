@@ -196,6 +196,18 @@ class Simulations(GatewayCase):
         faults = [{"kind": "clock", "node": "r0", "ahead_s": -30, "drift_ppm": 200}, {"kind": "clock", "node": "r2", "is_1970": True},
                   {"kind": "disk", "node": "cloud", "commit_s": 0.05}, {"kind": "battery", "node": "r1", "percent": 90, "per_second": 1},
                   {"at": 1, "kind": "cut", "node": "r0", "other": "r1", "way": "there"}, {"at": 2, "kind": "heal", "node": "r0", "other": "r1"},
+    def test_a_condition_on_a_sensor_of_the_cloud_is_decided_too_and_a_time_needs_a_skill(self):
+        when = {"sensor": "humidity", "of": "cloud", "op": "<", "value": 60, "unit": "percent"}
+        job = {**TRIED, "scenario": {"name": "dry", "tasks": [{**THERE, "when": when}]}}
+        for percent, done in ((40, ["there"]), (80, [])):
+            told = {"node": "cloud", "name": "humidity", "unit": "percent", "value": percent}
+            one = self.result({**job, "sensor_values": [told]})
+            self.assertEqual(one["state"], "done", one.get("failure"))
+            self.assertEqual([task["id"] for task in one["answer"]["tasks"]], done)
+        refused = self.start({**TRIED, "times": {"goto": 2}})
+        self.assert_problem(refused, 422)
+        self.assertEqual([(one["pointer"], one["hint"]) for one in refused.json["errors"]], [("/times/goto", "did you mean 'go_to'?")])
+
                   {"at": 4, "kind": "partition", "nodes": ["r0", "cloud"]}, {"at": 6, "kind": "heal", "nodes": ["r0", "cloud"]},
                   {"at": 7, "kind": "fail", "node": "r2"}, {"at": 9, "kind": "repair", "node": "r2"},
                   {"at": 10, "kind": "kill", "node": "r1"}, {"at": 12, "kind": "start", "node": "r1"},
