@@ -1,5 +1,7 @@
 #include "services/router/core/link_inbox.hpp"
 
+#include <utility>
+
 namespace trb::router {
 
 void LinkInbox::on_message(LinkId id, BytesView key, const Message& message, std::uint64_t sequence, Now now,
@@ -41,7 +43,7 @@ void LinkInbox::on_carried(const Carried& carried, Now now, Effects& out) {
 }
 
 void LinkInbox::on_early_message(LinkId id, BytesView key, const Message& message, Now now, Effects& out) {
-  if (const Link* link = at_.table.link(id)) return on_dialled_message(*link, message, now, out);
+  if (Link* link = at_.table.link(id)) return on_dialled_message(*link, message, now, out);
   if (message.subtype == JoinCall::kSubtype && at_.invitations.is_invited(key))
     return on_join_call(id, key, message, now, out);
   // A member's message may have been under way when its link was closed; a stranger's first message must be Hello.
@@ -61,9 +63,10 @@ void LinkInbox::on_join_call(LinkId id, BytesView key, const Message& message, N
 }
 
 /// A dialled node sent something else than Hello: it refuses the link.
-void LinkInbox::on_dialled_message(const Link& link, const Message& message, Now now, Effects& out) {
+void LinkInbox::on_dialled_message(Link& link, const Message& message, Now now, Effects& out) {
   // A message before its Goodbye may be what this node needs: its own renewed certificate.
-  if (message.subtype == TrustUpdate::kSubtype) return at_.updates.on_link_message(link, message, now, out);
+  if (message.subtype == TrustUpdate::kSubtype && !std::exchange(link.told_early, true))
+    return at_.updates.on_link_message(link, message, now, out);
   const auto goodbye = decode<Goodbye>(message.data);
   const bool said = message.subtype == Goodbye::kSubtype && goodbye;
   out.count("dial.refused");

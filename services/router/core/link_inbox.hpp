@@ -40,8 +40,9 @@ struct LinkParts {
 /// JoinCall             | an invited key            | Invitations: the answer is its last word
 /// another (invalid)    | a stranger                | refused: its first message must be Hello
 /// another              | a member, link just closed | dropped.closed_link
-/// TrustUpdate          | a link that is dialled    | a trust update: this node may need it to come back
-/// Goodbye              | a link that is dialled    | refused by the other side; dialled again
+/// TrustUpdate          | a link that is dialled    | the list, and this node's certificate: it may need them to come
+/// back TrustUpdate again    | a link that is dialled    | the link is dropped: nothing else bounds what is checked of
+/// it Goodbye              | a link that is dialled    | refused by the other side; dialled again
 class LinkInbox {
  public:
   explicit LinkInbox(const LinkParts& parts) : at_(parts) {}
@@ -55,7 +56,7 @@ class LinkInbox {
  private:
   void on_early_message(LinkId link, BytesView key, const Message& message, Now now, Effects& out);
   void on_join_call(LinkId link, BytesView key, const Message& message, Now now, Effects& out);
-  void on_dialled_message(const Link& link, const Message& message, Now now, Effects& out);
+  void on_dialled_message(Link& link, const Message& message, Now now, Effects& out);
   void on_peer_message(Link& link, const Message& message, Now now, Effects& out);
   void on_body(Link& link, const Message& message, const Body& body, Now now, Effects& out);
   void on_goodbye(const Link& link, const Goodbye& goodbye, Now now, Effects& out);

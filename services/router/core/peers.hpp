@@ -47,6 +47,7 @@ struct Link {
   /// before this node read it. It carries nothing until one more message comes by it.
   std::shared_ptr<const Hello> waiting;
   bool hello_sent = false;
+  bool told_early = false;    ///< the other side, dialled, brought a trust update before its Hello: once is enough
   std::uint64_t profile = 0;  ///< number of this node's profile that was last sent to the other side
   std::uint64_t boot = 0;     ///< the peer's boot counter, from its Hello
   std::uint64_t heard = 0;    ///< last sequence number received

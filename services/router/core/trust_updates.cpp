@@ -1,5 +1,6 @@
 #include "services/router/core/trust_updates.hpp"
 
+#include <algorithm>
 #include <utility>
 
 namespace trb::router {
@@ -111,9 +112,20 @@ void TrustUpdates::send(const Link& link, const TrustUpdate& update, Effects& ou
   if (!part.certificates.empty()) messages_.send(link, part, out);
 }
 
+/// Who has not said Hello has no budget: of its certificates one is checked, this node's.
+void TrustUpdates::keep_own(TrustUpdate& update) const {
+  const auto is_own = [&](const SignedRecord& record) {
+    const auto shown = decode<Certificate>(record.payload.bytes);
+    return shown && shown->id == node_.id();
+  };
+  const auto own = std::find_if(update.certificates.begin(), update.certificates.end(), is_own);
+  update.certificates = own == update.certificates.end() ? std::vector<SignedRecord>{} : std::vector{*own};
+}
+
 void TrustUpdates::on_link_message(const Link& link, const Message& message, Now now, Effects& out) {
   auto update = message.data.size() > kMaxUpdate ? Result<TrustUpdate>(fail(Errc::too_large, "TrustUpdate over 512 kB"))
                                                  : decode<TrustUpdate>(message.data);
+  if (update && link.peer.empty()) keep_own(*update);
   if (Peer* peer = table_.find(link.peer); peer != nullptr && !peer->updates.take(now.mono))
     return out.count("refused.too_much_news");
   // The link may be gone before the refusal is noted: the list itself may end it.

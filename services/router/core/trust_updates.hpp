@@ -55,6 +55,7 @@ class TrustUpdates {
   void store(Effects& out);
   std::size_t pass_on(const TrustUpdate& fresh, LinkId from, Effects& out);
   void send(const Link& link, const TrustUpdate& update, Effects& out);
+  void keep_own(TrustUpdate& update) const;
 
   const LocalNode& node_;
   PeerTable& table_;

@@ -238,3 +238,38 @@ TEST_CASE("who was dialled and has not said Hello may bring news, and is named a
   CHECK(ant.count("refused.bad_signature") == 1);
   CHECK(logged(ant, "news_refused of the node that was dialled: "));
 }
+
+TEST_CASE("who was dialled and has not said Hello brings one update, and of its certificates this node's alone") {
+  TestFleet fleet;
+  TestNode& ant = fleet.start("ant", {.beacon = false, .seeds = {"bee"}});
+  fleet.start("bee", {.beacon = false});
+  fleet.withhold = [](const std::string& from, const Message&) { return from == "bee"; };
+  fleet.run(2 * kStep);
+  REQUIRE_FALSE(ant.dials.empty());
+  const LinkId link = ant.dials.back().link;
+  const auto signed_again = [&](const std::string& id, std::uint64_t serial) {
+    Certificate certificate = fleet.keys(id).certificate;
+    certificate.serial = serial;
+    return sign(kSignedCertificate, "", fleet.authority.fleet.id(), encode(certificate), fleet.authority.key);
+  };
+  const TrustUpdate update{{}, {signed_again("bee", 7), signed_again("ant", 8), signed_again("ant", 9)}};
+  fleet.arrive(ant, link, 1, make_message(MessageType::information, "bee", "", update));
+  CHECK(ant.count("news.certificates") == 1);
+  CHECK(ant.core->config().own.serial == 8);
+  REQUIRE(ant.core->table().link(link) != nullptr);
+  fleet.arrive(ant, link, 2, make_message(MessageType::information, "bee", "", update));
+  CHECK(ant.count("news.certificates") == 1);
+  CHECK(ant.core->table().link(link) == nullptr);
+}
+
+TEST_CASE("what the authority has signed names no signer: otherwise anybody could make it new again and again") {
+  Three three;
+  SignedRecord renewed = three.sign_certificate(three.renewed("cat", 5));
+  SignedRecord list = list_of(three.fleet.authority, 1, {"dog"});
+  REQUIRE(three.tell(three.ant, {list, {renewed}}).ok());
+  renewed.signer = "another";
+  list.signer = "another";
+  CHECK(three.code(three.ant, {{}, {renewed}}) == Errc::bad_signature);
+  CHECK(three.code(three.ant, {list, {}}) == Errc::bad_signature);
+  CHECK(three.ant.peer("cat")->certificate_record.signer.empty());
+}
