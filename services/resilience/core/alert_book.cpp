@@ -54,7 +54,7 @@ void AlertBook::follow() {
 }
 
 Alert* AlertBook::add(Alert alert) {
-  if (alert.run.empty() ? !has_room_for_lone() : open().size() >= kMaxOpen) return nullptr;
+  if (!(alert.run.empty() ? has_room_for_lone(alert.robot) : has_room_of_run(alert.robot))) return nullptr;
   do {
     const std::string of =
         alert.run + '\n' + alert.robot + '\n' + std::to_string(alert.time) + '\n' + std::to_string(++count_);
@@ -85,10 +85,24 @@ Result<Alert*> AlertBook::choose(const std::string& beginning) {
               "give more of the id");
 }
 
-bool AlertBook::has_room_for_lone() {
+bool AlertBook::has_room_for_lone(const std::string& robot) {
   follow();
-  const auto lone = std::ranges::count_if(open_, [](const Alert* alert) { return alert->run.empty(); });
-  return open_.size() < kMaxOpen && static_cast<std::size_t>(lone) < kMaxLone;
+  std::size_t lone = 0;
+  std::size_t own = 0;
+  for (const Alert* alert : open_) {
+    if (!alert->run.empty()) continue;
+    ++lone;
+    if (alert->robot == robot) ++own;
+  }
+  return open_.size() < kMaxOpen && lone < kMaxLone && own < kMaxLoneOfRobot;
+}
+
+bool AlertBook::has_room_of_run(const std::string& robot) {
+  follow();
+  // Those of tasks whose robot is yet to be chosen are nobody's share.
+  const auto own = std::ranges::count_if(
+      open_, [&](const Alert* alert) { return !robot.empty() && !alert->run.empty() && alert->robot == robot; });
+  return open_.size() < kMaxOpen && static_cast<std::size_t>(own) < kMaxOfRobot;
 }
 
 std::vector<Alert*> AlertBook::open() {

@@ -18,8 +18,10 @@ namespace trb::resilience {
 class AlertBook {
  public:
   static constexpr std::size_t kMaxOpen = 256;
-  static constexpr std::size_t kMaxLone = 64;   ///< of those, without a run: a robot may report many faults at once
-  static constexpr std::size_t kMaxDone = 200;  ///< DECIDED and CLOSED: the oldest are removed
+  static constexpr std::size_t kMaxLone = 64;         ///< of those, without a run
+  static constexpr std::size_t kMaxLoneOfRobot = 16;  ///< of those, one robot's: it may report any number of faults
+  static constexpr std::size_t kMaxOfRobot = 64;      ///< one robot's of runs: it may submit any number that fail
+  static constexpr std::size_t kMaxDone = 200;        ///< DECIDED and CLOSED: the oldest are removed
   static constexpr std::size_t kMaxTable = 256;
 
   AlertBook() = default;
@@ -27,15 +29,15 @@ class AlertBook {
   AlertBook& operator=(const AlertBook&) = delete;
 
   void restore(Alert alert) { put(std::move(alert)); }
-  /// Gives it an id. nullptr: kMaxOpen are open, or kMaxLone of its kind.
+  /// Gives it an id. nullptr: there is no room: kMaxOpen are open, or kMaxLone of its kind, or its robot has its share.
   Alert* add(Alert alert);
   /// Removes an alert that was never recorded.
   void drop(const std::string& id);
   [[nodiscard]] Alert* find(std::string_view id);
   /// Finds an alert by a unique beginning of its id. Errors: unknown_target, bad_value (several).
   Result<Alert*> choose(const std::string& beginning);
-  /// Can another alert without a run be added?
-  [[nodiscard]] bool has_room_for_lone();
+  /// Can another alert without a run be added, of that robot?
+  [[nodiscard]] bool has_room_for_lone(const std::string& robot);
   /// By time, then id.
   std::vector<Alert*> open();
   /// Newest first, kMaxTable at most: open ones before the others. With fewer proposals each, if it would not fit into
@@ -45,6 +47,7 @@ class AlertBook {
 
  private:
   void put(Alert alert);
+  [[nodiscard]] bool has_room_of_run(const std::string& robot);
 
   /// Removes the alerts that are no longer open from open_.
   void follow();

@@ -16,7 +16,10 @@ void StandingAlerts::tell(Now now, Outbox& out) {
     }
   }
   for (const Standing::Key& key : standing_.uncovered(now)) {
-    if (!alerts_.book().has_room_for_lone()) return out.count("dropped.alerts");
+    if (!alerts_.book().has_room_for_lone(key.robot)) {
+      out.count("dropped.alerts");
+      continue;
+    }
     const RobotRecord& robot = *situation_.fleet().find(key.robot);
     if (!key.capability.empty() && worst_fault(robot, "") != nullptr) continue;  // the whole robot's alert covers it
     if (raise(key, now, out) == nullptr) return;

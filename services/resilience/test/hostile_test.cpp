@@ -81,6 +81,20 @@ TEST_CASE("more faults than alerts may stand: as one is over the next is told") 
   for (const Alert& one : fixture->alerts()) CHECK(one.robot != "r1000");
 }
 
+TEST_CASE("one robot with very many faults, or failing runs, leaves room for the others' alerts") {
+  AlertBook book;
+  const auto add = [&](const std::string& run, const std::string& robot) {
+    Alert alert;
+    alert.run = run;
+    alert.robot = robot;
+    return book.add(alert) != nullptr;
+  };
+  for (std::size_t i = 0; i < 100; ++i) CHECK(add("", "thief") == (i < AlertBook::kMaxLoneOfRobot));
+  for (std::size_t i = 0; i < 100; ++i) CHECK(add(kRun, "thief") == (i < AlertBook::kMaxOfRobot));
+  CHECK(add("", "honest"));
+  CHECK(add(kRun, "honest"));
+}
+
 TEST_CASE("robots that tell of very many faults leave room for the alerts of runs") {
   AlertBook book;
   const auto add = [&](const std::string& run, int i) {
