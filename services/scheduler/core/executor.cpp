@@ -154,9 +154,13 @@ void Executor::on(const Outcome& outcome, Now now, Outbox& out) {
   interrupt_if_other(outcome.instance, now, out);
   if (attempt_->phase == Phase::signing) return;
   if (adapter_ && adapter_->instance == outcome.instance) adapter_->busy = false;
-  attempt_->result.data = outcome.data;
+  const bool fits = outcome.data.size() <= attempt_->most_data;
+  attempt_->result.data = fits ? outcome.data : "";
   attempt_->result.duration_s = outcome.duration_s;
-  end(outcome.outcome, outcome.reason, now, out);
+  const std::string left_out =
+      "its data of " + std::to_string(outcome.data.size()) + " bytes is left out: this robot's results fill the run";
+  end(outcome.outcome, fits ? outcome.reason : left_out + (outcome.reason.empty() ? "" : "; " + outcome.reason), now,
+      out);
 }
 
 void Executor::on_refusal(const Nack& nack, Now now, Outbox& out) {

@@ -22,9 +22,10 @@ enum class Permit : std::uint8_t { go = 0, hold, give_back, too_late, no_more, s
 
 struct Attempt {
   Execute execute;
-  TaskResult result;       ///< filled in to the end that is known so far
-  bool may_retry = false;  ///< the robot has tries left
-  OnFailure on_failure{};  ///< once it has none
+  TaskResult result;          ///< filled in to the end that is known so far
+  bool may_retry = false;     ///< the robot has tries left
+  OnFailure on_failure{};     ///< once it has none
+  std::size_t most_data = 0;  ///< of its result: more is left out
   Phase phase{};
   Permit permit{};
   MonotonicTime next{};  ///< of the question or resend that the phase asks for

@@ -32,6 +32,10 @@ Attempt attempt_for(const Run& run, const JournalStart& fact) {
   attempt.execute = {fact.key, fact.epoch, fact.instance, task.skill, data ? *data : task.data, task.timeout_s};
   attempt.may_retry = fact.key.attempt - first < task.retries && fact.key.attempt < kMaxAttempts;
   attempt.on_failure = task.on_failure;
+  // What goes beside the data, a reason of 1 kB and the record, is small.
+  constexpr std::size_t kBesides = 4096;
+  const std::size_t taken = run.results().bytes_of(run.epochs().self()) + kBesides;
+  attempt.most_data = ResultSet::kMostBytes - std::min(taken, ResultSet::kMostBytes);
   attempt.result.key = fact.key;
   attempt.result.digest = run.definition().start().digest;
   attempt.result.epoch = fact.epoch;

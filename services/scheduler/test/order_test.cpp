@@ -29,7 +29,7 @@ struct HeldStory {
   /// The cloud hears that ridgeback has done the first task a second time.
   void tell_second_result() {
     TaskResult second;
-    second.key = {kStoryRun, "task-0", 1, 2};
+    second.key = {kStoryRun, "task-0", 1, 1};
     second.digest = decode<RunStart>(get<JournalRun>(fleet["cloud"].journal[0]).start.payload.bytes)->digest;
     second.robot = "ridgeback";
     second.outcome = TaskOutcome::finished;

@@ -122,7 +122,7 @@ TEST_CASE("two different FINISHED of one task pause the run") {
   Known known;
   known.fleet.tell("cloud", "ridgeback", MessageType::command, Results{kRun, {known.signed_by("ridgeback")}, {}});
   CHECK(known.fleet.view("cloud", kRun).state == RunState::running);
-  const SignedRecord second = known.signed_by("ridgeback", [](TaskResult& is) { is.key.attempt = 2; });
+  const SignedRecord second = known.signed_by("ridgeback", [](TaskResult& is) { is.data = "again"; });
   const Outbox out = known.fleet.tell("cloud", "ridgeback", MessageType::command, Results{kRun, {second}, {}});
   CHECK(sent<ResultsJournaled>(out).size() == 1);
   REQUIRE_FALSE(out.logs.empty());

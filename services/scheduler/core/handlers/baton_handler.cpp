@@ -36,7 +36,7 @@ Result<BatonHandler::Content> BatonHandler::open(const Run& run, const Baton& ba
   const auto skipped = from_bitmap(baton.skipped_tasks.bytes, run.tasks().size());
   if (!skipped) return skipped.error();
   auto results =
-      check_all<HeldResult>(baton.results, [&](const SignedRecord& record) { return run.checks().result(record); });
+      check_all<HeldResult>(baton.results, [&](const SignedRecord& record) { return run.received_result(record); });
   if (!results) return results.error();
   auto choices =
       check_all<HeldChoice>(baton.choices, [&](const SignedRecord& record) { return run.checks().choice(record); });

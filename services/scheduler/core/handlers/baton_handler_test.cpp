@@ -51,6 +51,21 @@ TEST_CASE("results that a baton only speaks of are asked of its giver") {
         std::vector<TaskIndex>{0});
 }
 
+TEST_CASE("where decisions come from, a baton's word on others' tasks ends none of them") {
+  KnownRun known{chain({"drone", "ur3", "pioneer"}), "cloud"};
+  BatonHandler handler{known.self, known.runs, known.lookup, known.journal};
+  Baton baton;
+  baton.run = kKnownRun;
+  baton.digest = known.run().definition().start().digest;
+  baton.epoch = 1;
+  baton.final_tasks.bytes = to_bitmap({true, true, true});
+  baton.skipped_tasks.bytes = to_bitmap({false, false, false});
+  known.send(handler, "drone", baton);
+  CHECK(known.run().known_final() == std::vector<bool>{false, false, false});
+  known.finish("task-0");
+  CHECK(known.run().known_final() == std::vector<bool>{true, false, false});
+}
+
 TEST_CASE("a baton with a bad result, or for another's task, leaves no trace") {
   Passing passing;
   Baton bad = passing.baton();

@@ -45,11 +45,21 @@ void Epochs::adopt(const SignedRecord& record, const Decision& decision) {
   index_own_tasks();
 }
 
-const std::string& Epochs::robot_in(TaskIndex task, std::uint32_t epoch) const {
+const TaskRuling* Epochs::ruling_in(TaskIndex task, std::uint32_t epoch) const {
   for (std::size_t i = std::min<std::size_t>(decisions_.size(), epoch == 0 ? 0 : epoch - 1); i > 0; --i) {
-    if (const TaskRuling* ruling = find_ruling(decisions_[i - 1], definition_.tasks()[task].id)) return ruling->robot;
+    if (const TaskRuling* ruling = find_ruling(decisions_[i - 1], definition_.tasks()[task].id)) return ruling;
   }
-  return definition_.start().first.robots[task];
+  return nullptr;
+}
+
+const std::string& Epochs::robot_in(TaskIndex task, std::uint32_t epoch) const {
+  const TaskRuling* ruling = ruling_in(task, epoch);
+  return ruling == nullptr ? definition_.start().first.robots[task] : ruling->robot;
+}
+
+std::uint32_t Epochs::first_attempt_in(TaskIndex task, std::uint32_t epoch) const {
+  const TaskRuling* ruling = ruling_in(task, epoch);
+  return ruling == nullptr ? 1 : ruling->attempt;
 }
 
 bool Epochs::is_unbound(TaskIndex task) const {

@@ -32,6 +32,8 @@ class Epochs {
   [[nodiscard]] const std::string& robot_of(TaskIndex task) const { return robots_[task]; }
   /// Whose it was in that epoch, 1 to current().
   [[nodiscard]] const std::string& robot_in(TaskIndex task, std::uint32_t epoch) const;
+  /// The first attempt of whoever had the task in that epoch, 1 to current().
+  [[nodiscard]] std::uint32_t first_attempt_in(TaskIndex task, std::uint32_t epoch) const;
   /// Whose a ruled task was before the last ruling.
   [[nodiscard]] const std::string& robot_before(TaskIndex task) const { return robot_in(task, since_[task] - 1); }
   /// The task was moved, repeated or skipped by a decision.
@@ -71,6 +73,8 @@ class Epochs {
 
  private:
   void index_own_tasks();
+  /// The ruling on a task that counts in that epoch, or nullptr.
+  [[nodiscard]] const TaskRuling* ruling_in(TaskIndex task, std::uint32_t epoch) const;
 
   const RunDefinition& definition_;
   std::string self_;

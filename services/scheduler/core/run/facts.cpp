@@ -43,9 +43,9 @@ Duration Facts::retry_pause(TaskIndex task) const {
 }
 
 std::uint32_t Facts::next_attempt(TaskIndex task) const {
-  const HeldResult* held = results_.of(task);
-  const std::uint32_t first = epochs_.first_attempt(task);
-  return held == nullptr ? first : std::max(first, held->result.key.attempt + 1);
+  // Only what its robot has tried since it has the task: one that was replaced may count on, as far as it likes.
+  const std::uint32_t last = results_.last_attempt(task, epochs_.robot_of(task), epochs_.since(task));
+  return std::max(epochs_.first_attempt(task), last + 1);
 }
 
 bool Facts::has_begun(TaskIndex task) const {

@@ -30,6 +30,19 @@ Result<HeldResult> RecordChecks::result(const SignedRecord& record) const {
   return HeldResult{record, std::move(*result)};
 }
 
+Result<HeldResult> RecordChecks::received_result(const SignedRecord& record) const {
+  auto held = result(record);
+  if (!held) return held;
+  const TaskResult& is = held->result;
+  const TaskIndex task = *definition_.index_of(is.key.task);
+  const std::uint32_t first = epochs_.first_attempt_in(task, is.epoch);
+  const std::uint32_t unbegun = is.outcome == TaskOutcome::finished ? 0 : 1;
+  if (is.key.attempt >= first && is.key.attempt - first <= definition_.tasks()[task].retries + unbegun) return held;
+  return fail(Errc::bad_value, "run " + definition_.id() + ": result of task '" + is.key.task + "': attempt " +
+                                   std::to_string(is.key.attempt) + " was not '" + is.robot + "''s in epoch " +
+                                   std::to_string(is.epoch));
+}
+
 Status RecordChecks::check_attempt(TaskIndex task, const TaskResult& result) const {
   const std::string name = "run " + definition_.id() + ": result of task '" + result.key.task + "': ";
   const std::uint32_t attempt = result.key.attempt;

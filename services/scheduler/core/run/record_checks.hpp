@@ -18,6 +18,9 @@ class RecordChecks {
   /// A result: signer, digest, epoch, task, assignee. Errors: not_permitted, conflict, bad_value and those of
   /// open_record.
   [[nodiscard]] Result<HeldResult> result(const SignedRecord& record) const;
+  /// A result that another node sends: besides, its attempt is one that its robot had in that epoch, the first and the
+  /// task's retries (one more for what was never begun). A journal may have others, of nodes that counted on.
+  [[nodiscard]] Result<HeldResult> received_result(const SignedRecord& record) const;
   /// A choice on tasks: signer, digest, epoch, tasks, and that each verdict is that of its reading. Errors:
   /// not_permitted, conflict, source_mismatch, bad_value and those of open_record.
   [[nodiscard]] Result<HeldChoice> choice(const SignedRecord& record) const;

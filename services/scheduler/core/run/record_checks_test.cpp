@@ -32,6 +32,48 @@ TEST_CASE("a result is believed from the task's robot alone") {
   CHECK_FALSE(checks.result(forged).ok());
 }
 
+TEST_CASE("of a result that another node sends the attempt is one that its robot had in that epoch") {
+  Scenario scenario = chain({"ur3", "drone"});
+  scenario.tasks[1].retries = 2;
+  KnownRun known(scenario);
+  const RecordChecks& checks = known.run().checks();
+  const auto received = [&](const std::string& robot, TaskOutcome outcome, std::uint32_t attempt) {
+    return checks.received_result(known.result("task-1", robot, outcome, attempt));
+  };
+  CHECK(received("drone", TaskOutcome::finished, 3).ok());
+  CHECK(code_of(received("drone", TaskOutcome::finished, 4)) == Errc::bad_value);
+  CHECK(received("drone", TaskOutcome::skipped, 4).ok());
+  CHECK(code_of(received("drone", TaskOutcome::failed, 64)) == Errc::bad_value);
+  // Who was replaced counts on as far as its own retries go; its successor begins where the decision says.
+  const SignedRecord late = known.result("task-1", "drone", TaskOutcome::failed, 3);
+  const SignedRecord forged = known.result("task-1", "drone", TaskOutcome::failed, 64);
+  known.decide({{"task-1", Ruling::move, "ur3", 4, Evidence::word}});
+  CHECK(checks.received_result(late).ok());
+  CHECK(code_of(checks.received_result(forged)) == Errc::bad_value);
+  CHECK(received("ur3", TaskOutcome::finished, 4).ok());
+  CHECK(code_of(received("ur3", TaskOutcome::finished, 3)) == Errc::bad_value);
+  // Also a journal in which it counted further drives nobody's attempts up.
+  known.add(forged);
+  CHECK(known.run().facts().next_attempt(known.task("task-1")) == 4);
+}
+
+TEST_CASE("one robot's results of a run take 4 MiB: more is not received, others' is") {
+  Scenario scenario = chain(std::vector<std::string>(70, "drone"));
+  scenario.tasks[69].robot = "ridgeback";
+  KnownRun known(scenario);
+  const std::string data(65536, 'x');
+  const auto result_of = [&](int task, const std::string& robot) {
+    return known.result("task-" + std::to_string(task), robot, TaskOutcome::finished, 1, data);
+  };
+  int taken = 0;
+  while (taken < 69 && known.run().received_result(result_of(taken, "drone")).ok())
+    known.add(result_of(taken++, "drone"));
+  CHECK(taken == 64);
+  CHECK(code_of(known.run().received_result(result_of(64, "drone"))) == Errc::too_large);
+  CHECK(known.run().received_result(result_of(3, "drone")).ok());
+  CHECK(known.run().received_result(result_of(69, "ridgeback")).ok());
+}
+
 TEST_CASE("a cloud node can skip a task that a decision gives it, and do nothing else") {
   KnownRun known(chain({"ur3"}));
   known.decide({{"task-0", Ruling::skip, "cloud", 2, Evidence::word}});

@@ -37,11 +37,25 @@ bool ResultSet::add(TaskIndex task, HeldResult result) {
   const auto first = std::find_if(list.begin(), list.end(), same);
   const auto index = place - first;
   if (first != list.end() && index >= static_cast<std::ptrdiff_t>(kMaxPerAttempt)) return false;
+  count(result, true);
   list.insert(place, std::move(result));
   if (static_cast<std::size_t>(std::count_if(list.begin(), list.end(), same)) > kMaxPerAttempt) {
-    list.erase(std::prev(std::find_if(list.rbegin(), list.rend(), same).base()));
+    const auto last = std::prev(std::find_if(list.rbegin(), list.rend(), same).base());
+    count(*last, false);
+    list.erase(last);
   }
   return true;
+}
+
+void ResultSet::count(const HeldResult& held, bool is_new) {
+  const std::size_t size = held.record.payload.bytes.size() + sizeof(HeldResult);
+  std::size_t& bytes = bytes_[held.result.robot];
+  bytes = is_new ? bytes + size : bytes - size;
+}
+
+std::size_t ResultSet::bytes_of(const std::string& robot) const {
+  const auto found = bytes_.find(robot);
+  return found == bytes_.end() ? 0 : found->second;
 }
 
 void ResultSet::join(const ResultSet& other) {
@@ -81,6 +95,17 @@ bool ResultSet::holds(TaskIndex task, const AttemptKey& key, const std::string& 
   if (found == by_task_.end()) return false;
   return std::any_of(found->second.begin(), found->second.end(),
                      [&](const HeldResult& held) { return held.result.key == key && held.result.robot == robot; });
+}
+
+std::uint32_t ResultSet::last_attempt(TaskIndex task, const std::string& robot, std::uint32_t epoch) const {
+  std::uint32_t out = 0;
+  const auto found = by_task_.find(task);
+  if (found == by_task_.end()) return out;
+  for (const HeldResult& held : found->second) {
+    const TaskResult& is = held.result;
+    if (is.robot == robot && is.epoch >= epoch) out = std::max(out, is.key.attempt);
+  }
+  return out;
 }
 
 std::vector<std::string> ResultSet::failed_by(TaskIndex task) const {

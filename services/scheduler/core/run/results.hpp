@@ -25,6 +25,9 @@ class ResultSet {
   /// that signs endlessly fills nobody's memory. Attempts are bounded by kMaxAttempts.
   static constexpr std::size_t kMaxPerAttempt = 2;
 
+  /// What one robot's results of one run may take: more of it is not received, and its own node leaves the data out.
+  static constexpr std::size_t kMostBytes = 4U << 20U;
+
   /// True if the set has grown.
   bool add(TaskIndex task, HeldResult result);
   void join(const ResultSet& other);
@@ -36,6 +39,10 @@ class ResultSet {
   [[nodiscard]] bool is_skipped(TaskIndex task) const;
   /// True if there is that robot's result of the attempt: who was replaced may have counted on.
   [[nodiscard]] bool holds(TaskIndex task, const AttemptKey& key, const std::string& robot) const;
+  /// The last attempt of which there is that robot's result of that epoch or a later one; 0: none.
+  [[nodiscard]] std::uint32_t last_attempt(TaskIndex task, const std::string& robot, std::uint32_t epoch) const;
+  /// What that robot's results take.
+  [[nodiscard]] std::size_t bytes_of(const std::string& robot) const;
   /// Robots with a result of it that says failed, retriable or interrupted, by id.
   [[nodiscard]] std::vector<std::string> failed_by(TaskIndex task) const;
   /// Two different FINISHED results of one task and iteration: it may have been done twice.
@@ -48,6 +55,9 @@ class ResultSet {
   bool operator==(const ResultSet& other) const;
 
  private:
+  void count(const HeldResult& held, bool is_new);
+
+  std::map<std::string, std::size_t> bytes_;              ///< by robot
   std::map<TaskIndex, std::vector<HeldResult>> by_task_;  ///< each list by iteration, attempt, then as they are kept
 };
 

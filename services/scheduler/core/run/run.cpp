@@ -171,17 +171,32 @@ Status Run::apply(const JournalEnd& fact) {
   return Done{};
 }
 
+Result<HeldResult> Run::received_result(const SignedRecord& record) const {
+  auto held = checks_.received_result(record);
+  if (!held || results().bytes_of(held->result.robot) <= ResultSet::kMostBytes) return held;
+  const TaskIndex task = *index_of(held->result.key.task);
+  if (results().holds(task, held->result.key, held->result.robot)) return held;
+  return fail(Errc::too_large, "run " + id() + ": '" + held->result.robot + "' has results of over 4 MiB in it",
+              "let its skills answer with less data");
+}
+
 void Run::receive(const std::vector<bool>& final_tasks, const std::vector<bool>& skipped_tasks,
                   const std::string& giver) {
   reports_.add(final_tasks, skipped_tasks);
   ++version_;
-  for (const TaskIndex task : open_tasks_.missing_results(known_final())) work_.requests().need_result(task, giver);
+  for (const TaskIndex task : open_tasks_.missing_results(reported_final())) work_.requests().need_result(task, giver);
 }
 
-std::vector<bool> Run::known_final() const {
+std::vector<bool> Run::reported_final() const {
   std::vector<bool> out = results().final_tasks(tasks().size());
   for (std::size_t i = 0; i < out.size(); ++i) out[i] = out[i] || reports_.final_tasks()[i];
   return out;
+}
+
+std::vector<bool> Run::known_final() const {
+  // Where alerts and decisions come from, no member's word on another's task counts: each result comes here by itself.
+  const bool proves = epochs_.judges_here() || epochs_.decides_here();
+  return proves ? results().final_tasks(tasks().size()) : reported_final();
 }
 
 std::vector<bool> Run::known_skipped() const {

@@ -69,9 +69,13 @@ class Run {
   /// An order to let the run go on that does not count, because it leaves out a task that was done twice.
   void outbid(const PauseOrder& order) { orders_.outbid(order); }
 
+  /// A result that another node sends, checked. Errors: those of RecordChecks::received_result; too_large (its robot
+  /// has no room left for results of this run).
+  [[nodiscard]] Result<HeldResult> received_result(const SignedRecord& record) const;
+
   /// What a baton of `giver` states of each task; the results that this node needs are requested from it.
   void receive(const std::vector<bool>& final_tasks, const std::vector<bool>& skipped_tasks, const std::string& giver);
-  /// Final by a held result or by what a baton states.
+  /// Final by a held result; elsewhere than at the run's judge and decider also by what a baton states.
   [[nodiscard]] std::vector<bool> known_final() const;
   /// The part of known_final() that is known to be SKIPPED.
   [[nodiscard]] std::vector<bool> known_skipped() const;
@@ -90,6 +94,8 @@ class Run {
   Run(RunDefinition definition, Members members, const std::shared_ptr<Certificates>& certificates,
       const std::string& self);
   [[nodiscard]] bool is_stuck() const;
+  /// Final by a held result or by what a baton states.
+  [[nodiscard]] std::vector<bool> reported_final() const;
   void adopt(const SignedRecord& record, const Decision& decision);
 
   std::shared_ptr<Certificates> certificates_;
