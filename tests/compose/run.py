@@ -290,11 +290,16 @@ def routes_of(composition):
     return {row["id"]: row for row in composition.json("cloud", "route", "list").get("routes", [])}
 
 
+def route_of(composition, node):
+    """The cloud's row of that node; {} if it has none, or does not answer in time."""
+    return routes_of(composition).get(node, {})
+
+
 def formed(composition, boots=None):
     """Everybody is there, with a robot; the nodes of `boots` with a later start than that."""
     routes = routes_of(composition)
     nodes = all(routes.get(name, {}).get("state") in ("self", "ONLINE") for name in (*ROBOTS, "cloud"))
-    robots = nodes and all(routes[name]["profile"]["robot"] == "ONLINE" for name in ROBOTS)
+    robots = nodes and all(routes[name]["profile"].get("robot") == "ONLINE" for name in ROBOTS)
     return robots and all(routes[name]["boot"] > boot for name, boot in (boots or {}).items())
 
 
@@ -366,14 +371,26 @@ def workers_of(root, node):
     return (root / "nodes" / node / "log" / "ros-bridge.log").read_text(errors="replace").count("worker_started")
 
 
+def boot_of(fleet, node):
+    """{node: the number of its start}; a machine that is busy may take more than one question."""
+    told = {}
+
+    def tells():
+        told.update(route_of(fleet, node))
+        return "boot" in told
+    if until(tells) is None:
+        raise TimeoutError(f"the cloud does not say which start of {node} it knows")
+    return {node: told["boot"]}
+
+
 def kill_one(report, fleet, root, service, what):
-    boots = {service: routes_of(fleet)[service]["boot"]} if service in (*ROBOTS, "cloud") else {}
+    boots = boot_of(fleet, service) if service in (*ROBOTS, "cloud") else {}
     robot = service.removeprefix("robot-").removeprefix("on-board-")
     workers = {name: workers_of(root, name) for name in ON_ROS}
 
     def missed():
-        row = routes_of(fleet).get(robot)
-        return boots or service == "ros-master" or (row and row["profile"]["robot"] != "ONLINE")
+        row = route_of(fleet, robot)
+        return boots or service == "ros-master" or (row and row["profile"].get("robot") != "ONLINE")
 
     def whole():
         return formed(fleet, boots)
@@ -397,7 +414,7 @@ def cuts(report, fleet, root):
 
     def under():
         addresses = {network: fleet.cut("ur3", network) for network in ("hall", "way")}
-        report.check(until(lambda: routes_of(fleet)["ur3"]["state"] == "OFFLINE", 40) is not None, f"demo: a cut of ur3 is not seen: {routes_of(fleet).get('ur3')}")
+        report.check(until(lambda: route_of(fleet, "ur3").get("state") == "OFFLINE", 40) is not None, f"demo: a cut of ur3 is not seen: {route_of(fleet, 'ur3')}")
         for network, address in addresses.items():
             fleet.mend("ur3", network, address)
     nine_tasks(report, fleet, root, "demo, ur3 cut off under the run", under=under)
