@@ -69,11 +69,12 @@ constexpr std::size_t kMaxHelloSize = 4096;
 constexpr std::size_t kMaxPeers = 1024;
 constexpr std::string_view kFullCure =
     "1024 nodes are the most: revoke those that are gone for good, and start this one again";
-constexpr std::uint32_t kBeaconsChecked = 512;  ///< signatures of beacons, in a second: a thousand nodes send 200
-constexpr std::uint32_t kHellosOfOne = 8;       ///< of one member, in a second
-constexpr std::size_t kSpareLinks = 2;          ///< accepted of one member, beside the one that carries
-constexpr std::uint32_t kUpdatesOfOne = 16;     ///< fleet_news of one member, in a second
-constexpr std::uint32_t kUpdatesChecked = 300;  ///< signatures in them, in a second: a message brings 257 at most
+constexpr std::uint32_t kBeaconsChecked = 512;   ///< signatures of beacons, in a second: a thousand nodes send 200
+constexpr std::uint32_t kHellosOfOne = 8;        ///< of one member, in a second
+constexpr std::size_t kSpareLinks = 2;           ///< accepted of one member, beside the one that carries
+constexpr std::uint32_t kUpdatesOfOne = 16;      ///< fleet_news of one member, in a second
+constexpr std::uint32_t kInvitationsOfOne = 16;  ///< signatures of invitations that one member brings, in a second
+constexpr std::uint32_t kUpdatesChecked = 300;   ///< signatures in them, in a second: a message brings 257 at most
 constexpr std::uint32_t kReachChecked = kMaxPeers + 64;  ///< signatures of whom one relay reaches, in a second
 constexpr std::uint32_t kRelayedChecked = 1000;      ///< signatures of what one relay brings of one source, in a second
 constexpr std::uint64_t kAnsweredOfOne = 4U << 20U;  ///< bytes of tables for one member, in a second

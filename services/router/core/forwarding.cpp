@@ -101,7 +101,7 @@ void Forwarding::on_bus_message(ConnectionId from, const Message& message, Now n
   } else if (const auto* update = get_if<TrustUpdate>(&*body)) {
     at_.updates.on_bus_request(from, message, *update, now, out);
   } else if (const auto* order = get_if<HoldInvitation>(&*body)) {
-    const auto state = at_.invitations.hold(*order, now, out);
+    const auto state = at_.invitations.hold_own(*order, now, out);
     if (!state) return at_.bus.deny(from, message, state.error(), out);
     at_.bus.answer(from, message, *state, out);
   } else if (const auto* profile = get_if<NodeProfile>(&*body)) {

@@ -8,12 +8,12 @@ MonotonicTime Invitations::end_of(const Held& held) {
   return held.over ? held.until : std::min(held.until, held.silent);
 }
 
-Result<InvitationState> Invitations::hold(const HoldInvitation& order, Now now, Effects& out) {
+Result<InvitationState> Invitations::hold(const HoldInvitation& order, Budget& checks, Now now, Effects& out) {
   if (node_.config().role != Role::cloud) {
     return fail(Errc::not_permitted, "'" + node_.id() + "' is a robot's node: it keeps no invitations",
                 "invite through a cloud node: --through NAME");
   }
-  auto found = find(order, now, out);
+  auto found = find(order, checks, now, out);
   if (!found) return found.error();
   Held& held = **found;
   held.silent = now.mono + kInviterSilent;
@@ -31,16 +31,28 @@ Result<InvitationState> Invitations::hold(const HoldInvitation& order, Now now, 
   return state;
 }
 
+/// Whose inviter waits no more only answers: it makes room for one that is open.
+bool Invitations::make_room(Effects& out) {
+  if (held_.size() < kMaxInvitations) return true;
+  auto oldest = held_.end();
+  for (auto at = held_.begin(); at != held_.end(); ++at) {
+    if (at->second.over && (oldest == held_.end() || at->second.until < oldest->second.until)) oldest = at;
+  }
+  if (oldest == held_.end()) return false;
+  forget(oldest, "its place is needed", out);
+  return true;
+}
+
 /// The one that is held, or a new one. A signature is checked only of a new one.
-Result<Invitations::Held*> Invitations::find(const HoldInvitation& order, Now now, Effects& out) {
+Result<Invitations::Held*> Invitations::find(const HoldInvitation& order, Budget& checks, Now now, Effects& out) {
   for (auto& [key, held] : held_) {
     if (held.record == order.invitation) return &held;
   }
-  if (!checks_.take(now.mono)) return fail(Errc::queue_full, "too many invitations in a second", "invite one by one");
+  if (!checks.take(now.mono)) return fail(Errc::queue_full, "too many invitations in a second", "invite one by one");
   const UtcTime utc = node_.checked_utc(now.utc);
   auto invitation = open_invitation(order.invitation, node_.config().authority, utc);
   if (!invitation) return invitation.error();
-  if (held_.size() >= kMaxInvitations) {
+  if (!make_room(out)) {
     return fail(Errc::queue_full, std::to_string(kMaxInvitations) + " invitations are open here, which are the most",
                 "wait until one has been used or has ended");
   }

@@ -12,9 +12,8 @@
 
 namespace trb::router {
 
-constexpr std::size_t kMaxInvitations = 16;
-constexpr std::uint32_t kInvitationsChecked = 16;  ///< signatures in a second
-constexpr std::uint32_t kJoinCalls = 8;            ///< of one code, in a second: a node calls three times
+constexpr std::size_t kMaxInvitations = 16;  ///< open ones; beside them those that are over, while there is room
+constexpr std::uint32_t kJoinCalls = 8;      ///< of one code, in a second: a node calls three times
 constexpr Duration kInviterSilent = std::chrono::seconds(15);
 
 /// invitation | event                                       | next
@@ -26,14 +25,20 @@ constexpr Duration kInviterSilent = std::chrono::seconds(15);
 /// held       | the inviter is silent for 15 s (expired)    | -
 /// held       | `over`, before any word was answered        | -
 /// held       | `over`                                      | over: it answers the last offer, and keeps no word
+/// over       | its place is needed (the oldest goes first) | -
 /// any        | ten minutes, or its end by the clock        | -
 /// -          | a call with its key                         | as any stranger's: refused
 class Invitations {
  public:
   Invitations(const LocalNode& node, Admission& admission) : node_(node), admission_(admission) {}
 
-  /// From an inviter. Errors: not_permitted (not a cloud node), those of open_invitation, queue_full.
-  Result<InvitationState> hold(const HoldInvitation& order, Now now, Effects& out);
+  /// From an inviter. `checks`: the signatures that its node may have checked: no member uses up another's. Errors:
+  /// not_permitted (not a cloud node), those of open_invitation, queue_full.
+  Result<InvitationState> hold(const HoldInvitation& order, Budget& checks, Now now, Effects& out);
+  /// From an inviter on this node's own bus.
+  Result<InvitationState> hold_own(const HoldInvitation& order, Now now, Effects& out) {
+    return hold(order, own_checks_, now, out);
+  }
 
   /// May this key call?
   [[nodiscard]] bool is_invited(BytesView key) const { return held_.contains(key); }
@@ -57,14 +62,15 @@ class Invitations {
   };
   using HeldByKey = std::map<Bytes, Held, std::less<>>;
 
-  Result<Held*> find(const HoldInvitation& order, Now now, Effects& out);
+  Result<Held*> find(const HoldInvitation& order, Budget& checks, Now now, Effects& out);
+  bool make_room(Effects& out);
   void forget(HeldByKey::iterator at, const char* why, Effects& out);
   [[nodiscard]] static MonotonicTime end_of(const Held& held);
 
   const LocalNode& node_;
   Admission& admission_;
   HeldByKey held_;  ///< by the key of the caller
-  Budget checks_{kInvitationsChecked};
+  Budget own_checks_{kInvitationsOfOne};
 };
 
 }  // namespace trb::router

@@ -3,6 +3,23 @@
 #include <utility>
 
 namespace trb::router {
+namespace {
+
+/// What a peer is told of why its request was not answered.
+Error told_error(const Message& request, const Error& why) {
+  const bool named = why.code == Errc::queue_full || request.subtype == HoldInvitation::kSubtype;
+  return named ? why : fail(Errc::not_permitted, why.what);
+}
+
+bool waits_for_answer(const Message& message) {
+  return message.type != MessageType::information && message.reply_to == 0;
+}
+
+Nack nack_of(const Message& message, const Error& error) {
+  return {std::string(errc_name(error.code)), message.subtype, message.target, error.what, error.hint};
+}
+
+}  // namespace
 
 void LinkInbox::on_message(LinkId id, BytesView key, const Message& message, std::uint64_t sequence, Now now,
                            Effects& out) {
@@ -111,15 +128,14 @@ void LinkInbox::on_goodbye(const Link& link, const Goodbye& goodbye, Now now, Ef
 void LinkInbox::on_request(const Link& link, const Message& message, Now now, Effects& out) {
   const auto body = answer_to(*at_.table.find(link.peer), message, now, out);
   if (body) return answer(link, message, *body, out);
-  const bool named = body.error().code == Errc::queue_full || message.subtype == HoldInvitation::kSubtype;
-  deny(link, message, named ? body.error() : fail(Errc::not_permitted, body.error().what), out);
+  deny(link, message, told_error(message, body.error()), out);
 }
 
 Result<Body> LinkInbox::answer_to(Peer& peer, const Message& message, Now now, Effects& out) {
   if (message.subtype != HoldInvitation::kSubtype) return at_.answers.to_peer(peer, message, now);
   const auto order = decode<HoldInvitation>(message.data);
   if (!order) return order.error();
-  auto state = at_.invitations.hold(*order, now, out);
+  auto state = at_.invitations.hold(*order, peer.invitation_checks, now, out);
   return state ? Result<Body>(Body{std::move(*state)}) : Result<Body>(state.error());
 }
 
@@ -131,11 +147,9 @@ void LinkInbox::answer(const Link& link, const Message& request, const Body& bod
 }
 
 void LinkInbox::deny(const Link& link, const Message& message, const Error& error, Effects& out) {
-  const std::string code(errc_name(error.code));
-  out.count("refused." + code);
+  out.count("refused." + std::string(errc_name(error.code)));
   out.log(LogLevel::warning, "message_refused", link.peer + " sent " + message.subtype + ": " + error.text());
-  if (message.type == MessageType::information || message.reply_to != 0) return;
-  answer(link, message, Nack{code, message.subtype, message.target, error.what, error.hint}, out);
+  if (waits_for_answer(message)) answer(link, message, nack_of(message, error), out);
 }
 
 /// A peer's robot and sensors, by its own message. It is passed on beside other rows: none takes the others' room.
@@ -190,8 +204,12 @@ void LinkInbox::deliver_relayed(Peer& source, BytesView frame, Now now, Effects&
 }
 
 void LinkInbox::answer_relayed(Peer& peer, const Message& request, Now now, Effects& out) {
-  const auto body = answer_to(peer, request, now, out);
-  if (!body) return out.count("refused." + std::string(errc_name(body.error().code)));
+  auto body = answer_to(peer, request, now, out);
+  if (!body) {
+    out.count("refused." + std::string(errc_name(body.error().code)));
+    if (!waits_for_answer(request)) return;
+    body = Body{nack_of(request, told_error(request, body.error()))};
+  }
   const auto message = at_.messages.make(peer.id, request.id, *body, out);
   if (!message) return;
   Answers::charge(peer, request, *message);

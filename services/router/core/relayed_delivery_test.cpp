@@ -112,3 +112,15 @@ TEST_CASE("a word by a relay that one service takes and another hears comes to b
   }
   CHECK(heard == "3 4 ");
 }
+
+TEST_CASE("an invitation that is refused by a relay is answered with its reason, as by a link") {
+  Triangle three;
+  Message order = three.command(*three.ant);
+  order.type = MessageType::request;
+  order.subtype = HoldInvitation::kSubtype;
+  order.data = encode(HoldInvitation{{"invitation", "", {"x"}, {"y"}}, 1, {"offer"}, false});
+  three.put(*three.ant, "cloud", three.wrap(order).message);
+  three.fleet.run(milliseconds(200));
+  CHECK(three.bee->count("refused.not_permitted") == 1);
+  CHECK(Triangle::nacks(*three.ant) == std::vector<std::string>{"not_permitted"});
+}

@@ -53,6 +53,7 @@ TestNode& TestFleet::start(const std::string& id, const Options& options) {
   config.beacon = options.beacon;
   config.seal_before_delivery = options.seal_before_delivery;
   config.relay = options.relay;
+  config.role = options.role;
   if (options.lane) config.lane = lane_of(config.address);
   config.services = {"router", "mode-adapter", "scheduler", "resilience", "sensor-bus", "cloud-gateway", "fault-tally"};
   for (const std::string& seed : options.seeds) config.seeds.push_back({address(seed), keys(seed).link.public_key});

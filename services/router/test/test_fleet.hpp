@@ -117,6 +117,7 @@ class TestFleet {
     bool disk_full = false;                            ///< also when it starts
     bool relay = false;                                ///< its certificate allows it, too
     bool lane = true;
+    Role role = Role::robot;
     bool seal_before_delivery = false;
     Duration clock_off{};  ///< the error of the node's UTC clock
   };
