@@ -15,6 +15,7 @@
 #include "services/cli/commands/command.hpp"
 #include "services/cli/commands/relay_right.hpp"
 #include "services/cli/core/table.hpp"
+#include "services/cli/io/fleet_lock.hpp"
 #include "services/cli/io/passphrase.hpp"
 #include "services/cli/io/print.hpp"
 
@@ -89,6 +90,8 @@ int run_sign(const Arguments& arguments) {
   init_crypto();
   auto secret = ask_for_passphrase(arguments, false);
   if (!secret) return print_error(arguments, secret.error());
+  const auto lock = FleetLock::take(arguments.words[0]);
+  if (!lock) return print_error(arguments, lock.error());
   auto authority = open_authority(arguments.words[0], *secret);
   if (!authority) return print_error(arguments, authority.error());
   for (std::size_t i = 1; i < arguments.words.size(); ++i) {

@@ -89,7 +89,8 @@ JoinOffer open_offer(const Wish& wish, const FleetAuthority& fleet) {
 
 /// The folder is read anew: another invitation may have taken a serial meanwhile.
 Result<JoinOffer> sign_offer(const Wish& wish, const std::vector<FleetSeed>& seeds, const SignedRecord& request) {
-  const FleetLock lock(wish.dir);
+  const auto lock = FleetLock::take(wish.dir);
+  if (!lock) return lock.error();
   auto authority = open_authority(wish.dir, wish.passphrase);
   if (!authority) return authority.error();
   auto file = sign_request(*authority, wish.dir, request, read_clocks().utc, wish.validity);

@@ -13,6 +13,7 @@
 #include "proto/body.hpp"
 #include "services/cli/commands/command.hpp"
 #include "services/cli/commands/relay_right.hpp"
+#include "services/cli/io/fleet_lock.hpp"
 #include "services/cli/io/passphrase.hpp"
 #include "services/cli/io/print.hpp"
 #include "services/cli/io/probe.hpp"
@@ -20,11 +21,26 @@
 namespace trb::cli {
 namespace {
 
-Result<Authority> open_for(const Arguments& arguments) {
+/// Locked until the command is over.
+struct HeldFleet {
+  FleetLock lock;
+  Authority authority;
+};
+
+/// Without a passphrase it cannot sign.
+Result<HeldFleet> hold_fleet(const std::string& dir, const std::optional<std::string>& passphrase) {
+  auto lock = FleetLock::take(dir);
+  if (!lock) return lock.error();
+  auto authority = passphrase ? open_authority(dir, *passphrase) : read_authority(dir);
+  if (!authority) return authority.error();
+  return HeldFleet{std::move(*lock), std::move(*authority)};
+}
+
+Result<HeldFleet> open_for(const Arguments& arguments) {
   init_crypto();
   auto secret = ask_for_passphrase(arguments, false);
   if (!secret) return secret.error();
-  return open_authority(arguments.words[0], *secret);
+  return hold_fleet(arguments.words[0], *secret);
 }
 
 /// Of a word that is a serial; nothing of any other.
@@ -125,8 +141,9 @@ int hand_on(const Arguments& arguments) {
 }
 
 int run_renew(const Arguments& arguments) {
-  auto authority = open_for(arguments);
-  if (!authority) return print_error(arguments, authority.error());
+  auto held = open_for(arguments);
+  if (!held) return print_error(arguments, held.error());
+  Authority* const authority = &held->authority;
   const auto days = arguments.number("--days", 365);
   if (!days) return print_error(arguments, days.error());
   const auto relay = relay_right(arguments);
@@ -157,8 +174,9 @@ std::size_t count_unknown(const Authority& authority) {
 }
 
 int run_revoke(const Arguments& arguments) {
-  auto authority = open_for(arguments);
-  if (!authority) return print_error(arguments, authority.error());
+  auto held = open_for(arguments);
+  if (!held) return print_error(arguments, held.error());
+  Authority* const authority = &held->authority;
   const std::string& dir = arguments.words[0];
   if (auto learned = learn_from(*authority, dir, arguments.get("--via")); !learned)
     return print_error(arguments, learned.error());
@@ -186,8 +204,9 @@ int run_revoke(const Arguments& arguments) {
 int run_tell(const Arguments& arguments) {
   init_crypto();
   const std::string& dir = arguments.words[0];
-  auto authority = read_authority(dir);
-  if (!authority) return print_error(arguments, authority.error());
+  auto held = hold_fleet(dir, std::nullopt);
+  if (!held) return print_error(arguments, held.error());
+  Authority* const authority = &held->authority;
   auto learned = learn_from(*authority, dir, arguments.get("--via"));
   if (!learned) return print_error(arguments, learned.error());
   // It was not written if the disk was full when the list was.

@@ -1,0 +1,95 @@
+"""The folder of a fleet's authority: commands that write in it side by side lose nothing; who types its passphrase may
+stop. No node runs."""
+import contextlib
+import fcntl
+import json
+import os
+import pathlib
+import subprocess
+import unittest
+
+import support
+import trb_fleet
+from trb_process import wait_until
+
+PASSPHRASE = "correct horse battery staple"
+NODES = [f"arm{i}" for i in range(5)]
+WAIT = 30  # for a starved machine
+
+
+class Folder(unittest.TestCase):
+    def setUp(self):
+        self.folder = support.temporary_folder(self)
+        self.authority = self.folder / "authority"
+        self.trb("fleet", "init", self.authority)
+        for node in NODES:
+            (self.folder / node).mkdir()
+            (self.folder / node / "node.json").write_text(json.dumps({"id": node}))
+            self.trb("fleet", "request", self.folder / node)
+
+    def start(self, *words):
+        child = subprocess.Popen([support.PROGRAMS / "trb", *map(str, words)], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                                 stderr=subprocess.PIPE, text=True, env=dict(os.environ, TRB_PASSPHRASE=PASSPHRASE),
+                                 preexec_fn=trb_fleet.end_with_parent)
+        self.addCleanup(child.communicate)
+        self.addCleanup(child.kill)
+        return child
+
+    def trb(self, *words):
+        child = self.start(*words)
+        said, problem = child.communicate(timeout=WAIT)
+        self.assertEqual(child.returncode, 0, problem)
+        return said
+
+    def request(self, node):
+        return self.folder / node / "keys" / "request.json"
+
+    def members(self):
+        return {row["id"]: row["serial"] for row in json.loads(self.trb("fleet", "show", self.authority, "--json"))["nodes"]}
+
+    def content(self):
+        return {path.name: path.read_bytes() for path in self.authority.iterdir()}
+
+    def test_requests_that_are_signed_side_by_side_are_all_kept(self):
+        children = [self.start("fleet", "sign", self.authority, self.request(node)) for node in NODES]
+        for child in children:
+            self.assertEqual(child.wait(WAIT), 0)
+        self.assertEqual(sorted(self.members()), NODES)
+        self.assertEqual(len(set(self.members().values())), len(NODES))
+
+    @contextlib.contextmanager
+    def held(self):
+        """The folder, as another command has it."""
+        folder = os.open(self.authority, os.O_RDONLY)
+        try:
+            fcntl.flock(folder, fcntl.LOCK_EX)
+            yield folder
+        finally:
+            os.close(folder)
+
+    def waits_for_the_lock(self, child):
+        row = f"-> FLOCK  ADVISORY  WRITE {child.pid} "
+        return child.poll() is not None or row in pathlib.Path("/proc/locks").read_text()
+
+    def test_each_command_that_writes_waits_until_the_folder_is_free_and_reads_it_then(self):
+        self.trb("fleet", "sign", self.authority, *map(self.request, NODES[:3]))
+        for words in (("sign", self.authority, self.request(NODES[3])), ("renew", self.authority, NODES[0]),
+                      ("revoke", self.authority, NODES[1]), ("tell", self.authority)):
+            with self.subTest(words[0]), self.held() as lock:
+                before = self.content()
+                child = self.start("fleet", *words)
+                self.assertIsNotNone(wait_until(lambda child=child: self.waits_for_the_lock(child), WAIT))
+                self.assertIsNone(child.poll(), "it did not wait")
+                self.assertEqual(self.content(), before)
+                fcntl.flock(lock, fcntl.LOCK_UN)
+                self.assertEqual(child.wait(WAIT), 0)
+
+    def test_a_folder_that_is_not_there_or_no_folder_is_named(self):
+        for place in (self.folder / "nowhere", self.request(NODES[0])):
+            child = self.start("fleet", "sign", place, self.request(NODES[0]))
+            self.assertIn("trb fleet init", child.communicate(timeout=WAIT)[1])
+            self.assertEqual(child.returncode, 1)
+
+
+if __name__ == "__main__":
+    support.main()
