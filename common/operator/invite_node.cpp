@@ -55,6 +55,8 @@ class Inviting {
     silent_ = false;
     if (!std::exchange(held_, true) && order_.on_held) order_.on_held();
     for (const JoinCall& call : state.words) {
+      // Nobody looks after a code that is withdrawn: what waits is not signed any more.
+      if (is_over() && !order_.inviter.has_signed()) return;
       const auto heard = order_.inviter.hear(call.word.bytes);
       if (heard == Inviter::Heard::nothing) continue;
       confirmed_ = confirmed_ || heard == Inviter::Heard::done;

@@ -38,7 +38,7 @@ using InvitingPtr = std::shared_ptr<Inviting>;
 /// joined or the time is over. Errors: what the cloud node answers to the first deposit.
 InvitingPtr invite_node(Session& session, InviteNode order, Callback<InviteEnd> done);
 
-/// Ends it now: the cloud node forgets the code, then `done` is called.
+/// Ends it now: nothing more is signed, the cloud node forgets the code, then `done` is called.
 void end_inviting(const InvitingPtr& inviting);
 
 }  // namespace trb::op

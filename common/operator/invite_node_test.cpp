@@ -104,6 +104,29 @@ TEST_CASE("ended by a person before anybody came, the code is withdrawn") {
   CHECK(invite.node.is_quiet());
 }
 
+TEST_CASE("a request that waits when a person ends it is not signed any more; of a signed one the end is heard") {
+  Invite invite;
+  invite.node.take<HoldInvitation>("cloud");
+  invite.node.answer(InvitationState{1, {}});
+  const auto look = invite.next();
+  CHECK_FALSE(look.over);
+  end_inviting(invite.inviting);  // while the cloud node is asked
+  invite.node.answer(InvitationState{1, {invite.word(false)}});
+  const auto last = invite.node.take<HoldInvitation>("cloud");
+  CHECK((last.over && last.number == 0));
+  invite.node.answer(InvitationState{1, {invite.word(false)}});
+  CHECK(invite.heard.empty());
+  CHECK(invite.ending.value() == InviteEnd::unused);
+
+  Invite used;
+  used.node.take<HoldInvitation>("cloud");
+  used.node.answer(InvitationState{1, {used.word(false)}});
+  end_inviting(used.inviting);
+  used.node.take<HoldInvitation>("cloud");
+  used.node.answer(InvitationState{2, {used.word(true)}});
+  CHECK(used.ending.value() == InviteEnd::joined);
+}
+
 TEST_CASE("after ten minutes it is over: unused, or signed and never confirmed") {
   for (const bool used : {false, true}) {
     Invite invite;

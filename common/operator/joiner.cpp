@@ -10,21 +10,31 @@ void Joiner::write(bool done) {
 
 Status Joiner::hear(BytesView box) {
   if (state_ == State::has_it) state_ = State::over;
-  if (state_ == State::over) return Done{};
+  if (state_ == State::over || (!old_refusal_.empty() && box == old_refusal_)) return Done{};
   // A cloud node that answers rubbish can only keep it waiting.
   const auto plain = unlock_join(keys_.to_node, box);
   auto offer = plain ? decode<JoinOffer>(*plain) : Result<JoinOffer>(plain.error());
   if (!offer) return Done{};
-  return state_ == State::asks ? on_invited(std::move(*offer)) : on_answer(std::move(*offer));
+  if (state_ != State::asks) return on_answer(std::move(*offer));
+  Status invited = on_invited(*offer);
+  if (!invited) return invited;
+  if (!is_refused(*offer)) return on_answer(std::move(*offer));
+  // It was meant for an earlier word than any of this joiner: what it names may have been put right since.
+  old_refusal_ = Bytes(box);
+  return Done{};
 }
 
-Status Joiner::on_invited(JoinOffer offer) {
+Status Joiner::on_invited(const JoinOffer& offer) {
   auto request = ask_(offer);
   if (!request) return request.error();
   request_ = std::move(*request);
   state_ = State::requests;
   write(false);
-  return on_answer(std::move(offer));
+  return Done{};
+}
+
+bool Joiner::is_refused(const JoinOffer& offer) const {
+  return !offer.refused.empty() && same_bytes(offer.request.bytes, digest_of_request(request_));
 }
 
 Status Joiner::on_answer(JoinOffer offer) {

@@ -11,6 +11,7 @@ namespace trb::op {
 /// --------|--------------------------------------------|----------------------------------------------------------
 /// any     | none, or not locked with the code          | as before
 /// asks    | who is invited                             | requests, if the folder is that node's; else the error
+/// asks    | with it, an earlier try's refusal          | requests; those bytes are not heard again
 /// requests| for no request yet, a refusal of another's | requests
 /// requests| a refusal of this one                      | the error
 /// requests| a certificate for another's request        | the error: the code is used
@@ -43,8 +44,9 @@ class Joiner {
  private:
   enum class State : unsigned char { asks, requests, has_it, over };
   void write(bool done);
-  Status on_invited(JoinOffer offer);
+  Status on_invited(const JoinOffer& offer);
   Status on_answer(JoinOffer offer);
+  [[nodiscard]] bool is_refused(const JoinOffer& offer) const;
 
   InvitationKeys keys_;
   Ask ask_;
@@ -53,6 +55,7 @@ class Joiner {
   SignedRecord request_;
   JoinOffer offer_;
   Bytes word_;
+  Bytes old_refusal_;  ///< the cloud node answers it until the inviter has read a word of this joiner
 };
 
 }  // namespace trb::op

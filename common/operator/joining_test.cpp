@@ -179,10 +179,24 @@ TEST_CASE("what the authority refuses is told to the node; put right, the same c
   const Status told = node.joiner.hear(hall.inviter.offer());
   REQUIRE_FALSE(told.ok());
   CHECK(told.error().what.find("has other keys") != std::string::npos);
+  const Bytes old = hall.inviter.offer();
+
+  // Tried again as it is: the mailbox still holds the old answer, which is none; the new one is told.
+  NewNode still(hall.keys);
+  still.request = node.request;
+  REQUIRE(still.joiner.hear(old).ok());
+  REQUIRE(still.joiner.hear(old).ok());
+  CHECK(hall.inviter.hear(still.joiner.word()) == Heard::refused);
+  CHECK(still.joiner.hear(hall.inviter.offer()).error().code == Errc::not_permitted);
+
   hall.authority = Done{};
   NewNode again(hall.keys);
+  again.request = node.request;
   REQUIRE(again.joiner.hear(hall.inviter.offer()).ok());
+  CHECK(again.joiner.is_invited());
   CHECK(hall.inviter.hear(again.joiner.word()) == Heard::signed_one);
+  REQUIRE(again.joiner.hear(hall.inviter.offer()).ok());
+  CHECK(again.joiner.has_joined());
 }
 
 TEST_CASE("a node that cannot write its certificate says so, and is not done") {

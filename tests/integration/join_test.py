@@ -175,6 +175,18 @@ class Joining(unittest.TestCase):
         self.assertIn("trb node new", self.refused(self.folder / "none", invite.code)["cure"])
         self.assertEqual(self.join(self.new_node("named"), invite.code)[0], 0)
 
+    def test_what_the_authority_refused_is_put_right_and_the_same_code_is_good_for_the_same_keys(self):
+        first = Invite(self, self.fleet, "redo")
+        self.assertEqual(self.join(self.new_node("redo"), first.code)[0], 0)
+        self.assertEqual(first.end()[0], 0)
+        folder = self.new_node("redo", self.folder / "other")
+        invite = Invite(self, self.fleet, "redo")
+        self.assertIn("other keys", self.refused(folder, invite.code)["what"])
+        self.fleet.trb("fleet", "revoke", self.fleet.authority_dir(), "redo", "--via", self.fleet.dir("cloud"))
+        status, said = self.join(folder, invite.code)
+        self.assertEqual(status, 0, said)
+        self.assertEqual(invite.end()[0], 0)
+
     def test_two_computers_at_once_one_joins_and_both_ends_know(self):
         folders = [self.new_node("twin", self.folder / name) for name in ("a", "b")]
         invite = Invite(self, self.fleet, "twin")

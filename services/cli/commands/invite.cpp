@@ -149,7 +149,9 @@ int report_end(const Arguments& arguments, const Wish& wish, const Result<op::In
   return print_error(
       arguments,
       fail(Errc::not_confirmed, "'" + wish.name + "' was signed, and has not said that it has its certificate",
-           "look there: trb check DIR; if it has none, invite again: the same keys are signed anew"));
+           "look there: trb check DIR; if it has none, invite again: the same keys are signed anew. If nobody of yours "
+           "has used the code: trb fleet revoke " +
+               wish.dir + " " + wish.name));
 }
 
 int wait_for_node(const Arguments& arguments, const Wish& wish, const Authority& authority, const Doors& doors,
