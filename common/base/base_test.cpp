@@ -1,6 +1,7 @@
 #include <doctest/doctest.h>
 #include <stdlib.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -119,6 +120,22 @@ unsigned mode_of(const std::string& path) {
 }
 
 }  // namespace
+
+TEST_CASE("what somebody has put where a file is made is not written into") {
+  Folder folder;
+  const std::string path = folder.path + "/file";
+  const std::string beside = path + ".new" + std::to_string(::getpid());
+  std::ofstream(folder.path + "/elsewhere") << "theirs";
+  for (const bool link : {true, false}) {
+    if (link) std::filesystem::create_symlink("elsewhere", beside);
+    if (!link) std::filesystem::create_hard_link(folder.path + "/elsewhere", beside);
+    REQUIRE(write_file(path, "secret"));
+    CHECK(*read_file(folder.path + "/elsewhere") == "theirs");
+    CHECK(*read_file(path) == "secret");
+    CHECK(mode_of(path) == 0600);
+    CHECK_FALSE(file_exists(beside));
+  }
+}
 
 TEST_CASE("a file that cannot be replaced stays whole, and nothing of the new one is left") {
   Folder folder;

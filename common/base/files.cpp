@@ -73,7 +73,10 @@ Result<Bytes> read_file(const std::string& path, std::size_t max) {
 Status write_file(const std::string& path, BytesView bytes, unsigned mode) {
   const std::string beside = path + ".new" + std::to_string(::getpid());
   {
-    const Descriptor file{::open(beside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, mode)};
+    // Whatever has this name was left by a process that was killed, or put there by somebody: nothing is written into
+    // it.
+    ::unlink(beside.c_str());
+    const Descriptor file{::open(beside.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, mode)};
     if (file.fd < 0) return io_fault(beside, "create");
     // The umask must not widen or narrow what was asked for.
     if (::fchmod(file.fd, mode) != 0 || !write_all(file.fd, bytes) || ::fsync(file.fd) != 0) {
