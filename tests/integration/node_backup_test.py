@@ -6,6 +6,7 @@ import json
 import pathlib
 import shutil
 import signal
+import socket
 import stat
 import unittest
 
@@ -46,8 +47,8 @@ class Backup(unittest.TestCase):
         cls.fleet.start()
         cls.fleet.wait_formed()
 
-    def backup(self, node, file, **more):
-        return self.fleet.trb("node", "backup", self.fleet.dir(node), file, **more)
+    def backup(self, node, file, folder=None, **more):
+        return self.fleet.trb("node", "backup", folder or self.fleet.dir(node), file, **more)
 
     def restore(self, file, folder, **more):
         return self.fleet.trb("node", "restore", file, folder, **more)
@@ -150,6 +151,16 @@ class Backup(unittest.TestCase):
         self.assertEqual(stat.S_IMODE((folder / "keys" / "link.key").stat().st_mode), 0o600)
         self.assertEqual(self.fleet.trb("check", folder).returncode, 0)
         self.assertFalse((folder / "state" / "journal.db").exists())
+        self.a_router_that_answers_over_tcp_is_noticed(folder)
+
+    def a_router_that_answers_over_tcp_is_noticed(self, folder):
+        """One that no `trb up` has started: in a container of its own."""
+        config, other = json.loads((folder / "node.json").read_text()), self.folder / "tcp.backup"
+        with socket.create_server(("127.0.252.77", 0)) as router:
+            bus = "tcp://%s:%d" % router.getsockname()
+            (folder / "node.json").write_text(json.dumps({**config, "bus": bus}))
+            self.assertIn("its router answers", self.backup(OTHER, other, check=False, folder=folder).stderr)
+        self.backup(OTHER, other, folder=folder)
 
 
 class Cloud(gateway_case.GatewayCase):

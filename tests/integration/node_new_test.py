@@ -156,7 +156,7 @@ class Folder(unittest.TestCase):
         return [self.folder / name, "--robot", name, "--like", "ur", "--address", "127.0.243.9", "--network", "127.0.242.9", *more]
 
     def test_keys_are_private_and_a_folder_with_files_is_left_alone(self):
-        self.assertEqual(self.new(*self.good()).returncode, 0)
+        self.assertEqual(self.new(f"{self.folder}/arm/", *self.good()[1:]).returncode, 0)
         self.assertEqual((self.folder / "arm").stat().st_mode & 0o777, 0o700)
         keys = list((self.folder / "arm" / "keys").glob("*.key"))
         self.assertEqual({path.stat().st_mode & 0o777 for path in keys}, {0o600})

@@ -1,40 +1,34 @@
 // node backup, node restore: what a node must have to run on another PC.
 #include <fcntl.h>
 #include <sys/socket.h>
+#include <sys/time.h>
 #include <sys/un.h>
 #include <unistd.h>
 
 #include <cstring>
-#include <filesystem>
 
 #include "common/base/files.hpp"
 #include "common/base/ids.hpp"
 #include "common/config/node_config.hpp"
 #include "common/drivers/registry.hpp"
+#include "common/operator/io/socket_address.hpp"
 #include "common/security/keys.hpp"
 #include "common/security/passphrase_box.hpp"
 #include "common/supervisor/node_lock.hpp"
 #include "common/transport/loop.hpp"
 #include "services/cli/commands/command.hpp"
 #include "services/cli/io/node_backup_files.hpp"
+#include "services/cli/io/node_folder.hpp"
 #include "services/cli/io/passphrase.hpp"
 #include "services/cli/io/print.hpp"
 
 namespace trb::cli {
 namespace {
 
-namespace fs = std::filesystem;
-
 constexpr const char* kOfBackup = "passphrase of the backup";
 
-std::string plain(const std::string& path) {
-  fs::path out = fs::path(path).lexically_normal();
-  return out.has_filename() ? out.string() : out.parent_path().string();
-}
-
-/// Does a router answer at the node's socket? One that no `trb up` has started holds no lock. A path of any length: by
-/// the folder's descriptor.
-bool router_listens(const std::string& dir) {
+/// A path of any length: by the folder's descriptor.
+bool socket_listens(const std::string& dir) {
   const int folder = ::open((dir + "/bus").c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC);
   if (folder < 0) return false;
   const std::string path = "/proc/self/fd/" + std::to_string(folder) + "/probe.ipc";
@@ -46,6 +40,24 @@ bool router_listens(const std::string& dir) {
   if (socket >= 0) ::close(socket);
   ::close(folder);
   return listens;
+}
+
+/// Does anybody take connections at this end of a bus over TCP?
+bool port_listens(const std::string& bus) {
+  const auto at = op::socket_address(bus);
+  if (!at) return false;
+  const int socket = ::socket(at->family(), SOCK_STREAM | SOCK_CLOEXEC, 0);
+  const timeval most{2, 0};  // a firewall may be silent
+  const bool listens = socket >= 0 && ::setsockopt(socket, SOL_SOCKET, SO_SNDTIMEO, &most, sizeof most) == 0 &&
+                       ::connect(socket, at->data(), at->size) == 0;
+  if (socket >= 0) ::close(socket);
+  return listens;
+}
+
+/// Does a router answer on the node's bus? One that no `trb up` has started holds no lock.
+bool router_listens(const std::string& dir) {
+  const auto bus = read_bus(dir);
+  return socket_listens(dir) || (bus && !bus->empty() && port_listens(*bus));
 }
 
 Result<supervisor::NodeLock> lock_stopped(const std::string& dir) {
@@ -94,7 +106,7 @@ Result<NodeBackup> make_backup(const Arguments& arguments, const std::string& di
 
 int run_backup(const Arguments& arguments) {
   init_crypto();
-  const std::string dir = plain(arguments.words[0]);
+  const std::string dir = plain_folder(arguments.words[0]);
   const std::string& file = arguments.words[1];
   const auto backup = make_backup(arguments, dir, file);
   if (!backup) return print_error(arguments, backup.error());
@@ -140,7 +152,7 @@ void print_restored(const NodeBackup& backup, const std::string& dir, const Conf
 
 int run_restore(const Arguments& arguments) {
   init_crypto();
-  const std::string dir = plain(arguments.words[1]);
+  const std::string dir = plain_folder(arguments.words[1]);
   const auto backup = read_backup(arguments, arguments.words[0]);
   if (!backup) return print_error(arguments, backup.error());
   const auto boot = restored_boot(*backup, read_clocks().utc.ns / 1'000'000'000);

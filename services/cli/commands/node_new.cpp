@@ -4,7 +4,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <filesystem>
 
 #include "common/base/ids.hpp"
 #include "common/config/interfaces.hpp"
@@ -20,8 +19,6 @@
 
 namespace trb::cli {
 namespace {
-
-namespace fs = std::filesystem;
 
 /// The value of an option, else what the person answers, else an error that names the option.
 Result<std::string> wanted(const Arguments& arguments, const std::string& option, const std::string& question,
@@ -104,13 +101,13 @@ void print_next_steps(const NewNode& node, const std::string& dir) {
   print_line("  the robot needs     " + std::string(node.kind.prepare));
   print_line("  what it can do      " + robot + ", then trb robot check " + robot);
   print_line("  its certificate     where the authority's folder is: trb fleet invite FLEET_DIR " + node.id +
-             "; here: trb node join " + dir + " CODE");
+             "; here: trb node join " + dir + " (it asks for the code)");
   print_line("                      (or copy files: trb fleet sign FLEET_DIR " + dir + "/keys/request.json)");
   print_line("  try and start it    trb check " + dir + "; trb up " + dir);
 }
 
 int run_new(const Arguments& arguments) {
-  const std::string dir = fs::path(arguments.words[0]).lexically_normal().string();
+  const std::string dir = plain_folder(arguments.words[0]);
   auto config = config_dir();
   if (!config) return print_error(arguments, config.error());
   auto node = new_node_of(arguments);

@@ -51,7 +51,13 @@ Status copy_examples(const std::string& config, const std::vector<std::string>& 
   return Done{};
 }
 
-Status make_whole_folder(const std::string& dir, const std::function<Status(const std::string& making)>& write) {
+std::string plain_folder(const std::string& path) {
+  const fs::path out = fs::path(path).lexically_normal();
+  return out.has_filename() ? out.string() : out.parent_path().string();
+}
+
+Status make_whole_folder(const std::string& path, const std::function<Status(const std::string& making)>& write) {
+  const std::string dir = plain_folder(path);
   std::error_code problem;
   if (fs::exists(dir, problem) && !fs::is_empty(dir, problem))
     return fail(Errc::conflict, dir + " is there already, with files in it", "name a new folder");

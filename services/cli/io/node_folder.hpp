@@ -17,6 +17,9 @@ Result<std::string> config_dir();
 /// These files of the folder of examples, under the same names. Errors: missing, io_error.
 Status copy_examples(const std::string& config, const std::vector<std::string>& names, const std::string& dir);
 
+/// The path without "." in it and without a slash at its end, so that a name beside the folder's can be made of it.
+std::string plain_folder(const std::string& path);
+
 /// Makes the folder beside itself first: whoever stops this half way finds no half folder. Errors: conflict (it has
 /// files), io_error, those of `write`; then nothing is left of it.
 Status make_whole_folder(const std::string& dir, const std::function<Status(const std::string& making)>& write);
