@@ -5,7 +5,10 @@ import fcntl
 import json
 import os
 import pathlib
+import pty
+import signal
 import subprocess
+import termios
 import unittest
 
 import support
@@ -83,6 +86,24 @@ class Folder(unittest.TestCase):
                 self.assertEqual(self.content(), before)
                 fcntl.flock(lock, fcntl.LOCK_UN)
                 self.assertEqual(child.wait(WAIT), 0)
+
+    def test_who_is_asked_for_the_passphrase_may_stop_and_the_terminal_shows_again_what_is_typed(self):
+        env = {name: value for name, value in os.environ.items() if name != "TRB_PASSPHRASE"}
+        for words in (("sign", self.authority, self.request(NODES[0])), ("invite", self.authority, NODES[0])):
+            for how in (signal.SIGINT, signal.SIGTERM):
+                with self.subTest(words[0], how=how):
+                    master, terminal = pty.openpty()
+                    self.addCleanup(os.close, master)
+                    self.addCleanup(os.close, terminal)
+                    child = subprocess.Popen([support.PROGRAMS / "trb", "fleet", *words], stdin=terminal, stdout=terminal,
+                                             stderr=terminal, env=env, preexec_fn=trb_fleet.end_with_parent)
+                    self.addCleanup(child.wait)
+                    self.addCleanup(child.kill)
+                    shows = lambda terminal=terminal: bool(termios.tcgetattr(terminal)[3] & termios.ECHO)
+                    self.assertIsNotNone(wait_until(lambda shows=shows: not shows(), WAIT), "it does not ask")
+                    child.send_signal(how)
+                    self.assertEqual(child.wait(WAIT), -how)
+                    self.assertTrue(shows())
 
     def test_a_folder_that_is_not_there_or_no_folder_is_named(self):
         for place in (self.folder / "nowhere", self.request(NODES[0])):

@@ -3,6 +3,8 @@
 #include <termios.h>
 #include <unistd.h>
 
+#include <array>
+#include <csignal>
 #include <cstdlib>
 #include <iostream>
 
@@ -11,17 +13,53 @@
 namespace trb::cli {
 namespace {
 
+constexpr std::array kEnding{SIGINT, SIGTERM, SIGHUP, SIGQUIT};
+
+termios shown;  ///< the terminal as it was: a signal's handler has nowhere else to find it
+
+/// Then the signal does what it would have done: the handler is its first one alone.
+void show_and_end(int signal) {
+  ::tcsetattr(STDIN_FILENO, TCSANOW, &shown);
+  ::raise(signal);
+}
+
+/// While it exists the terminal does not show what is typed. A signal that ends the program restores it.
+class Unshown {
+ public:
+  Unshown() : terminal_(::tcgetattr(STDIN_FILENO, &shown) == 0) {
+    if (!terminal_) return;
+    struct sigaction show {};
+    show.sa_handler = show_and_end;
+    show.sa_flags = static_cast<int>(SA_RESETHAND);
+    for (std::size_t i = 0; i < kEnding.size(); ++i) {
+      ::sigaction(kEnding[i], nullptr, &before_[i]);
+      if (before_[i].sa_handler != SIG_IGN) ::sigaction(kEnding[i], &show, nullptr);
+    }
+    termios silent = shown;
+    silent.c_lflag &= ~static_cast<tcflag_t>(ECHO);
+    ::tcsetattr(STDIN_FILENO, TCSAFLUSH, &silent);
+  }
+  ~Unshown() {
+    if (!terminal_) return;
+    ::tcsetattr(STDIN_FILENO, TCSAFLUSH, &shown);
+    for (std::size_t i = 0; i < kEnding.size(); ++i) ::sigaction(kEnding[i], &before_[i], nullptr);
+  }
+  Unshown(const Unshown&) = delete;
+  Unshown& operator=(const Unshown&) = delete;
+
+ private:
+  bool terminal_;
+  std::array<struct sigaction, kEnding.size()> before_{};
+};
+
 /// A typed line that the terminal does not show.
 std::string ask_passphrase(const std::string& prompt) {
-  termios before{};
-  const bool terminal = ::tcgetattr(STDIN_FILENO, &before) == 0;
-  termios silent = before;
-  silent.c_lflag &= ~static_cast<tcflag_t>(ECHO);
   std::cerr << prompt << ": " << std::flush;
-  if (terminal) ::tcsetattr(STDIN_FILENO, TCSAFLUSH, &silent);
   std::string line;
-  std::getline(std::cin, line);
-  if (terminal) ::tcsetattr(STDIN_FILENO, TCSAFLUSH, &before);
+  {
+    const Unshown unshown;
+    std::getline(std::cin, line);
+  }
   std::cerr << "\n";
   return line;
 }
