@@ -70,6 +70,12 @@ Bytes digest_of_request(const SignedRecord& request) {
   return purpose_digest("join request", request.payload.bytes + request.signature.bytes);
 }
 
+void dial_at(std::vector<FleetSeed>& seeds, const FleetSeed& door) {
+  std::erase_if(seeds, [&](const FleetSeed& seed) { return seed.key == door.key; });
+  if (seeds.size() >= kMaxFleetSeeds) seeds.pop_back();
+  seeds.insert(seeds.begin(), door);
+}
+
 bool same_bytes(BytesView one, BytesView other) {
   return one.size() == other.size() && sodium_memcmp(one.data(), other.data(), one.size()) == 0;
 }

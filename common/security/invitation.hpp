@@ -33,6 +33,9 @@ Result<Invitation> open_invitation(const SignedRecord& record, const FleetAuthor
 /// What an offer names a request by.
 Bytes digest_of_request(const SignedRecord& request);
 
+/// The cloud node with that key is dialled at that address, whatever the list said of it.
+void dial_at(std::vector<FleetSeed>& seeds, const FleetSeed& door);
+
 /// Do these bytes agree? The time that it takes does not tell where they differ.
 bool same_bytes(BytesView one, BytesView other);
 

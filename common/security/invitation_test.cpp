@@ -68,3 +68,17 @@ TEST_CASE("bytes are the same, or not") {
   CHECK_FALSE(same_bytes("ab", "abc"));
   CHECK(same_bytes("", ""));
 }
+
+TEST_CASE("where a cloud node was reached is kept for it alone, and the list stays as long as it may be") {
+  const auto seed = [](int i, const std::string& host) {
+    return FleetSeed{host + ":45000", {Bytes(32, char('a' + i))}};
+  };
+  std::vector<FleetSeed> seeds{seed(0, "10.0.0.1"), seed(1, "10.0.0.2")};
+  dial_at(seeds, seed(1, "192.168.1.7"));
+  CHECK(seeds == std::vector<FleetSeed>{seed(1, "192.168.1.7"), seed(0, "10.0.0.1")});
+  seeds.clear();
+  for (int i = 0; i < int{kMaxFleetSeeds}; ++i) seeds.push_back(seed(i, "10.0.0.1"));
+  dial_at(seeds, seed(20, "10.0.0.9"));
+  CHECK(seeds.size() == kMaxFleetSeeds);
+  CHECK(seeds.front().address == "10.0.0.9:45000");
+}

@@ -114,6 +114,9 @@ class Joining(unittest.TestCase):
         self.assertFalse((folder / "keys" / "certificate.json").exists())
         return said["error"]
 
+    def seeds(self, folder):
+        return [seed["address"] for seed in json.loads((folder / "keys" / "certificate.json").read_text())["seeds"]]
+
     def serials(self, name):
         return [row["serial"] for row in self.fleet.json("fleet", "show", self.fleet.authority_dir())["nodes"] if row["id"] == name]
 
@@ -232,6 +235,8 @@ class Joining(unittest.TestCase):
         # What it has kept, it says again: no connection comes of it.
         watch = support.Watch(self.fleet, "cloud")
         again = Invite(self, self.fleet, "middle")
+        # Where it was reached, it will be dialled again.
+        self.assertEqual(self.seeds(folder), [between.address])
         for asked in between.asked[:2]:
             with socket.create_connection(door) as replay:
                 replay.sendall(asked)
@@ -265,6 +270,41 @@ class Joining(unittest.TestCase):
         self.assertEqual(self.join(folder, invite.code)[0], 0)
         self.assertEqual(invite.end()[0], 0)
 
+    def test_a_node_that_calls_before_the_restarted_cloud_node_knows_the_code_again_goes_on(self):
+        folder = self.new_node("early")
+        invite = Invite(self, self.fleet, "early")
+        invite.process.child.send_signal(signal.SIGSTOP)
+        os.kill(self.fleet.pid("cloud", "router"), signal.SIGKILL)
+        self.fleet.wait("the router is up again", lambda: self.fleet.trb("route", "list", node="cloud", check=False).returncode == 0, WAIT)
+        watch = support.Watch(self.fleet, "cloud")
+        joining = threading.Thread(target=lambda: answers.append(self.join(folder, invite.code)))
+        answers = []
+        joining.start()
+        watch.wait_counted("refused.unknown_peer_key", timeout=WAIT)
+        invite.process.child.send_signal(signal.SIGCONT)
+        joining.join()
+        self.assertEqual([status for status, _ in answers], [0], answers)
+        self.assertEqual(invite.end()[0], 0)
+
+    def test_the_code_is_asked_for_and_an_address_that_the_inviter_names_is_kept(self):
+        folder = self.new_node("asked")
+        between = Between((self.fleet.address("cloud"), 45000))
+        between.start()
+        self.addCleanup(between.close)
+        process = trb_fleet.Process(
+            [support.PROGRAMS / "trb", "fleet", "invite", self.fleet.authority_dir(), "asked", "--via", self.fleet.dir("cloud"),
+             "--at", between.address], self.folder / "invite.log", env=dict(os.environ, TRB_PASSPHRASE=self.fleet.passphrase()))
+        self.addCleanup(process.stop)
+        told, end = process.wait_line("on the new computer", WAIT)
+        code = next(line.strip() for line in process.lines[:end] if re.fullmatch(r"  ([0-9A-Z]{5}-)+[0-9A-Z]{5}", line))
+        # Nobody else on the new computer sees it.
+        self.assertIn("trb node join DIR ", told)
+        self.assertNotIn("CODE", told)
+        done = subprocess.run([support.PROGRAMS / "trb", "node", "join", folder], input=code + "\n", capture_output=True, text=True,
+                              timeout=4 * WAIT)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(self.seeds(folder), [between.address])
+
     def test_a_join_that_is_killed_leaves_the_old_state_or_the_finished_one_and_can_be_repeated(self):
         folder = self.new_node("killed")
         invite = Invite(self, self.fleet, "killed")
@@ -289,7 +329,7 @@ class Joining(unittest.TestCase):
 
     def test_a_cloud_node_s_folder_is_made(self):
         invite = Invite(self, self.fleet, "cloud2", "--role", "cloud")
-        status, said = self.join(self.folder / "cloud2", invite.code, "--network", f"127.0.{BLOCK}.8")
+        status, said = self.join(f"{self.folder}/cloud2/", invite.code, "--network", f"127.0.{BLOCK}.8")
         self.assertEqual(status, 0, said)
         self.assertEqual((self.folder / "cloud2").stat().st_mode & 0o777, 0o700)
         self.assertIn("no faults", self.fleet.trb("check", self.folder / "cloud2").stdout)

@@ -6,25 +6,13 @@
 #include <optional>
 #include <string>
 
+#include "common/operator/door_answer.hpp"
 #include "common/security/join_code.hpp"
 #include "common/security/keys.hpp"
 #include "common/transport/loop.hpp"
 #include "common/transport/monitor.hpp"
 
 namespace trb::op {
-
-/// What a call has brought.
-struct DoorAnswer {
-  enum class Kind : unsigned char {
-    offer,    ///< the cloud node knows the code
-    goodbye,  ///< it answered, and does not; `text` is its reason
-    refused,  ///< it lets this key in no more, for ten seconds
-    nobody,   ///< no connection, or who answers does not have the key in the code
-    silent,   ///< connected, but no answer in time
-  } kind{};
-  Bytes offer;
-  std::string text;
-};
 
 /// One call at a time, each at most kDoorWait. The key of the cloud node is the code's: nobody else can answer, and the
 /// cloud node answers nobody who cannot prove the code's key. Loop and context must outlive it, and it the loop's use.

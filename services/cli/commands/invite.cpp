@@ -54,8 +54,9 @@ Result<Wish> invite_wish_of(const Arguments& arguments) {
   return wish;
 }
 
-/// The cloud nodes that this node reaches, as the authority has signed them.
-Result<Doors> doors_of(const RouteTable& table, const FleetAuthority& fleet, const std::string& through) {
+/// The cloud nodes that this node reaches, as the authority has signed them. `at`: the new node reaches the door there.
+Result<Doors> doors_of(const RouteTable& table, const FleetAuthority& fleet, const std::string& through,
+                       const std::string& at) {
   Doors out;
   std::vector<std::string> ids;
   for (const Route& route : table.routes) {
@@ -70,7 +71,11 @@ Result<Doors> doors_of(const RouteTable& table, const FleetAuthority& fleet, con
       out.door = seed;
     }
   }
-  if (!out.id.empty()) return out;
+  if (!out.id.empty()) {
+    if (!at.empty()) out.door.address = at;
+    dial_at(out.seeds, out.door);
+    return out;
+  }
   if (ids.empty())
     return fail(Errc::peer_unreachable, "no cloud node is reached by this node",
                 "start one (trb up), or look why it is not reached: trb doctor");
@@ -116,7 +121,7 @@ void say_code(const Wish& wish, const std::string& code, UtcTime until, const Do
                {{"code", Value{code}}, {"name", Value{wish.name}}, {"until", Value{to_iso8601(until)}}});
   }
   print_line("the code for '" + wish.name + "', once, until " + to_iso8601(until) + ":\n\n  " + code + "\n");
-  print_line("on the new computer:  trb node join DIR CODE");
+  print_line("on the new computer:  trb node join DIR  (it asks for the code)");
   print_line("waiting for it at " + doors.id + " (" + doors.door.address + "); Ctrl-C withdraws the code");
 }
 
@@ -158,7 +163,7 @@ int wait_for_node(const Arguments& arguments, const Wish& wish, const Authority&
                   Probe& probe) {
   const Bytes secret = random_bytes(kJoinSecret);
   const InvitationKeys keys = invitation_keys(secret);
-  const auto code = to_text({secret, wish.role, doors.door.key.bytes, arguments.get("--at", doors.door.address)});
+  const auto code = to_text({secret, wish.role, doors.door.key.bytes, doors.door.address});
   if (!code) return print_error(arguments, code.error());
   const UtcTime until = read_clocks().utc + kInvitationTime;
   op::InviteNode order{
@@ -180,9 +185,9 @@ int wait_for_node(const Arguments& arguments, const Wish& wish, const Authority&
 
 int run_invite(const Arguments& arguments) {
   init_crypto();
-  block_signals();
   const auto wish = invite_wish_of(arguments);
   if (!wish) return print_error(arguments, wish.error());
+  block_signals();  // who is asked for the passphrase can still end it
   const auto authority = open_authority(wish->dir, wish->passphrase);
   if (!authority) return print_error(arguments, authority.error());
   if (find_living(*authority, wish->name, read_clocks().utc) != nullptr && !wish->json) {
@@ -200,7 +205,7 @@ int run_invite(const Arguments& arguments) {
   if (!probe) return print_error(arguments, probe.error());
   const auto table = (*probe)->routes();
   if (!table) return print_error(arguments, table.error());
-  const auto doors = doors_of(*table, authority->fleet, arguments.get("--through"));
+  const auto doors = doors_of(*table, authority->fleet, arguments.get("--through"), arguments.get("--at"));
   if (!doors) return print_error(arguments, doors.error());
   return wait_for_node(arguments, *wish, *authority, *doors, **probe);
 }
@@ -214,7 +219,7 @@ std::vector<Command> invite_commands() {
             "minutes. Waits for it, for the authority's key signs here and lies on no node.",
             {"--via NODE_DIR|a node that is up on this computer (else TRB_NODE, else this folder)",
              "--through CLOUD|the cloud node that the new one calls (the first that is reached)",
-             "--at HOST:PORT|where the new node dials that cloud node, if another address leads there",
+             "--at HOST:PORT|where the new node dials that cloud node, from now on, if another address leads there",
              "--role ROLE|robot or cloud (robot)", "--days N|how long the certificate is valid (365)", kPassphrase,
              "--json|an object a line"},
             {"trb fleet invite ~/hall-3-authority arm1 --via nodes/cloud"},

@@ -1,5 +1,4 @@
 // node join: with a code, a node's folder gets its certificate and its seeds through a cloud node.
-#include <filesystem>
 #include <iostream>
 #include <optional>
 
@@ -7,6 +6,7 @@
 #include "common/base/files.hpp"
 #include "common/base/hex.hpp"
 #include "common/operator/io/door_call.hpp"
+#include "common/operator/join_patience.hpp"
 #include "common/operator/joiner.hpp"
 #include "common/security/join_code.hpp"
 #include "proto/body.hpp"
@@ -21,11 +21,7 @@
 namespace trb::cli {
 namespace {
 
-constexpr Duration kPause = std::chrono::milliseconds(350);  ///< between calls: fewer than a cloud node allows
-constexpr double kNobody_s = 30;                             ///< without any answer from the start
-constexpr Duration kForgotten = std::chrono::seconds(60);    ///< without a good answer after one
-constexpr Duration kUnsigned = std::chrono::seconds(120);    ///< the inviter has not answered
-constexpr Duration kUnconfirmed = std::chrono::seconds(10);  ///< to say that the certificate is here
+constexpr double kNobody_s = 30;  ///< without any answer from the start
 
 std::string code_text(const Arguments& arguments) {
   std::string out;
@@ -66,14 +62,16 @@ class Joining {
  public:
   Joining(const Arguments& arguments, const std::string& dir, const JoinCode& code, Duration nobody)
       : address_(arguments.get("--at", code.door)),
-        nobody_(nobody),
         keys_(invitation_keys(code.secret)),
         joiner_(
             keys_, [&arguments, dir](const JoinOffer& invited) { return prepare(arguments, dir, invited); },
-            [dir](const JoinOffer& offer) { return take_certificate(dir, offer); }),
+            [this, dir, door = Blob{code.door_key}](JoinOffer offer) {
+              // Where it has answered, the node will reach it again.
+              dial_at(offer.seeds, {address_, door});
+              return take_certificate(dir, offer);
+            }),
         call_(context_, loop_, code, keys_.caller),
-        good_(read_clocks().mono),
-        asked_(good_) {
+        patience_(address_, nobody, read_clocks().mono) {
     loop_.add_timer([this] { return next_; },
                     [this](Now now) {
                       if (next_ && now.mono >= *next_) call();
@@ -96,61 +94,34 @@ class Joining {
 
   void on_answer(const op::DoorAnswer& answer) {
     const MonotonicTime now = read_clocks().mono;
-    const Status goes_on =
-        answer.kind == op::DoorAnswer::Kind::offer ? on_offer(answer.offer, now) : on_none(answer, now);
+    const Status goes_on = hear(answer, now);
     if (!goes_on) {
       end_ = goes_on;
     } else if (joiner_.is_over()) {
       end_ = Done{};
     } else {
-      next_ = now + kPause;
+      next_ = now + patience_.pause();
     }
   }
 
-  Status on_offer(const Bytes& offer, MonotonicTime now) {
-    const bool was = joiner_.is_invited();
-    good_ = now;
-    if (Status good = joiner_.hear(offer); !good) return good;
-    if (!was && joiner_.is_invited()) asked_ = now;
-    if (joiner_.has_joined() || now - asked_ < kUnsigned) return Done{};
-    return fail(Errc::timeout, "the cloud node at " + address_ + " answers, the inviter does not",
-                "is trb fleet invite still open there? then join again with the same code");
+  Status hear(const op::DoorAnswer& answer, MonotonicTime now) {
+    if (answer.kind != op::DoorAnswer::Kind::offer) return patience_.on_none(answer, stage(), now);
+    if (Status good = joiner_.hear(answer.offer); !good) return good;
+    return patience_.on_offer(stage(), now);
   }
 
-  Status on_none(const op::DoorAnswer& answer, MonotonicTime now) {
-    using Kind = op::DoorAnswer::Kind;
-    const bool first = !joiner_.is_invited();
-    const Duration silent = now - good_;
-    if (answer.text.starts_with("version_mismatch"))
-      return fail(Errc::version_mismatch, "the cloud node at " + address_ + " has another version",
-                  "install the same version on both");
-    if (first && (answer.kind == Kind::goodbye || answer.kind == Kind::refused)) {
-      return fail(Errc::not_permitted,
-                  "the cloud node at " + address_ +
-                      " does not know this code: it was used or has ended, or its trb fleet invite has",
-                  "ask for a new code");
-    }
-    if (joiner_.has_joined() ? silent < kUnconfirmed : silent < (first ? nobody_ : kForgotten)) return Done{};
-    if (answer.kind == Kind::nobody) {
-      return fail(Errc::peer_unreachable,
-                  "nobody at " + address_ +
-                      " has the cloud node's key: it is not reached from here, or another computer answers",
-                  "ping it; if another address leads to it: --at HOST:PORT; if somebody stands between, join from "
-                  "another network");
-    }
-    return fail(Errc::timeout, "the cloud node at " + address_ + " gives no good answer any more",
-                "join again; if the code is over, with a new one");
+  [[nodiscard]] op::JoinStage stage() const {
+    if (joiner_.has_joined()) return op::JoinStage::joined;
+    return joiner_.is_invited() ? op::JoinStage::invited : op::JoinStage::asks;
   }
 
   std::string address_;
-  Duration nobody_;
   InvitationKeys keys_;
   Context context_;
   Loop loop_;
   op::Joiner joiner_;
   op::DoorCall call_;
-  MonotonicTime good_;   ///< the last good answer
-  MonotonicTime asked_;  ///< the request was written
+  op::JoinPatience patience_;
   std::optional<MonotonicTime> next_;
   std::optional<Status> end_;
 };
@@ -182,7 +153,7 @@ int print_joined(const Arguments& arguments, const std::string& dir, const JoinO
 
 int run_join(const Arguments& arguments) {
   init_crypto();
-  const std::string dir = std::filesystem::path(arguments.words[0]).lexically_normal().string();
+  const std::string dir = plain_folder(arguments.words[0]);
   if (arguments.has("--at") && !is_numeric_endpoint(arguments.get("--at")))
     return print_error(arguments, fail(Errc::bad_value, "--at: '" + arguments.get("--at") + "' is no numeric HOST:PORT",
                                        "write it as 10.0.0.1:45000"));
@@ -209,9 +180,9 @@ std::vector<Command> node_join_commands() {
         "Gets the node's certificate and its seeds with a code of trb fleet invite, through the cloud node in it. "
         "DIR is a\n"
         "folder of trb node new; of a cloud node it is made. Without CODE it is asked for, or read from the input. "
-        "May be\n"
-        "stopped and repeated.",
-        {"--at HOST:PORT|where the cloud node is dialled, if not where the code says",
+        "As a\n"
+        "word it is in the shell's history and in ps. May be stopped and repeated.",
+        {"--at HOST:PORT|where the cloud node is dialled, from now on, if not where the code says",
          "--timeout S|how long to try until the cloud node answers (30)",
          "--network NAME|of a cloud node's folder that is made: interface or address on the fleet's network", kJson},
         {"trb node join nodes/arm1 3F2KQ-...", "trb node join nodes/arm1"},

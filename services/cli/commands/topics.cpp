@@ -32,7 +32,7 @@ services/router/README.md.
 
   1. on the node:            trb node new NODE_DIR
   2. where the authority is: trb fleet invite FLEET_DIR NAME --via NODE_DIR_THERE   (prints a code, and waits)
-  3. on the node:            trb node join NODE_DIR CODE, then trb up NODE_DIR, trb robot try NAME
+  3. on the node:            trb node join NODE_DIR (asks for the code), then trb up NODE_DIR, trb robot try NAME
 
 Without a cloud node that is up, as for the first one: trb fleet request NODE_DIR, trb fleet sign FLEET_DIR request.json,
 put certificate.json into NODE_DIR/keys.
