@@ -13,8 +13,8 @@ namespace trb::op {
 constexpr Duration kForgotten = std::chrono::seconds(60);    ///< without a good answer after one
 constexpr Duration kUnsigned = std::chrono::seconds(120);    ///< the inviter has not answered
 constexpr Duration kUnconfirmed = std::chrono::seconds(10);  ///< to say that the certificate is here
-/// A cloud node that was started again knows no code until the inviter, who asks every 0.4 s, has reached it.
-constexpr Duration kUnknown = std::chrono::seconds(10);
+/// A cloud node that was started again knows no code until the inviter, who waits 5 s for an answer, has asked again.
+constexpr Duration kUnknown = std::chrono::seconds(15);
 
 /// How far the joining is.
 enum class JoinStage : unsigned char {

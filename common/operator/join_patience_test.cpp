@@ -5,7 +5,6 @@
 
 using namespace trb;
 using namespace trb::op;
-using std::chrono::seconds;
 
 namespace {
 
@@ -41,7 +40,7 @@ TEST_CASE("a code that the cloud node does not know yet, for it has just started
 
 TEST_CASE("a code that it goes on not to know is told as that") {
   Waiting node;
-  const Status over = node.answers(Kind::refused, "", seconds(12));
+  const Status over = node.answers(Kind::refused, "", seconds(17));
   REQUIRE_FALSE(over.ok());
   CHECK(over.error().what.find("does not know this code") != std::string::npos);
 }
