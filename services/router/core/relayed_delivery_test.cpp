@@ -117,6 +117,9 @@ TEST_CASE("an invitation that is refused by a relay is answered with its reason,
   Triangle three;
   Message order = three.command(*three.ant);
   order.type = MessageType::request;
+  order.subtype = RouteListRequest::kSubtype;
+  order.data = encode(RouteListRequest{});
+  REQUIRE(three.ant->core->routing().from_bus(1, header_of(order)).to == Routing::To::relay);  // it is waited for
   order.subtype = HoldInvitation::kSubtype;
   order.data = encode(HoldInvitation{{"invitation", "", {"x"}, {"y"}}, 1, {"offer"}, false});
   three.put(*three.ant, "cloud", three.wrap(order).message);
