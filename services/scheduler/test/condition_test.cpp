@@ -143,6 +143,17 @@ TEST_CASE("without `of` a node is chosen whose sensor is well, then the smallest
     REQUIRE(story.finishes());
     CHECK(story.seen("left").reason == "temperature of pioneer was 30 degC, not <= 20");
   }
+  SUBCASE("serial number, on the node that is named: another's claim to it counts for nothing") {
+    for (std::size_t i = 1; i <= 2; ++i) {
+      scenario.tasks[i].when[0].of = "pioneer";
+      scenario.tasks[i].when[0].identity = "28-02";
+    }
+    story.fleet["conveyor"].sensors.plug("elsewhere", {15}, "28-02");
+    story.fleet["pioneer"].sensors.plug("temperature", {30}, "28-02");
+    story.submit(scenario);
+    REQUIRE(story.finishes());
+    CHECK(story.seen("left").reason == "temperature of pioneer was 30 degC, not <= 20");
+  }
 }
 
 TEST_CASE("a task without predecessors is chosen on by its own actor when it could start") {

@@ -17,10 +17,12 @@ struct Found {
   const SensorInfo* sensor = nullptr;
 };
 
-/// Smaller is the better choice: a node that can be reached, a sensor that sends values, the smaller id.
-auto rank(const Found& found) {
+/// Smaller is the better choice: a node that can be reached, a sensor that sends values, the node that the condition
+/// names (another may claim to have what still is there), the smaller id.
+auto rank(const Found& found, const Condition& condition) {
   const bool away = found.route->state == "OFFLINE" || found.route->state == "CONNECTION_BROKEN";
-  return std::tuple(away, found.sensor->state != SensorState::ok, std::string_view(found.route->id));
+  return std::tuple(away, found.sensor->state != SensorState::ok, found.route->id != condition.of,
+                    std::string_view(found.route->id));
 }
 
 Found find(const RouteTable& table, const Condition& condition) {
@@ -29,7 +31,8 @@ Found find(const RouteTable& table, const Condition& condition) {
   for (const Route& route : table.routes) {
     if (bound && route.id != condition.of) continue;
     const Found found{&route, find_sensor(route.profile.plugged, condition)};
-    if (found.sensor != nullptr && (best.sensor == nullptr || rank(found) < rank(best))) best = found;
+    if (found.sensor != nullptr && (best.sensor == nullptr || rank(found, condition) < rank(best, condition)))
+      best = found;
   }
   return best;
 }
