@@ -4,6 +4,7 @@
 #include <array>
 #include <chrono>
 #include <cstdio>
+#include <new>
 #include <string>
 #include <string_view>
 
@@ -19,7 +20,7 @@
 namespace trb::simulator {
 namespace {
 
-constexpr int kFailed = 1, kWrongUse = 2;
+constexpr int kFailed = 1, kWrongUse = 2, kUntold = 3;
 
 /// As `trb --json` prints an error.
 int refuse(const Error& error) {
@@ -27,6 +28,16 @@ int refuse(const Error& error) {
       {"code", Value{std::string(errc_name(error.code))}}, {"what", Value{error.what}}, {"cure", Value{error.hint}}};
   std::printf("%s\n", dump_json(Value{Value::Object{{"error", Value{out}}}}).c_str());
   return kFailed;
+}
+
+/// There is no memory left, and so none for an answer that is put together.
+[[noreturn]] void refuse_for_memory() {
+  constexpr std::string_view kText =
+      R"({"error":{"code":"too_large","what":"the simulation needs more memory than it may have",)"
+      R"("cure":"use fewer robots, tasks or faults, sensors that are read less often, or play fewer seconds"}})"
+      "\n";
+  const bool is_told = ::write(STDOUT_FILENO, kText.data(), kText.size()) > 0;
+  ::_exit(is_told ? kFailed : kUntold);
 }
 
 Status write_trace(const Job& job, std::uint64_t messages) {
@@ -163,5 +174,6 @@ int main(int count, char** words) {
         count == 2 ? stdout : stderr);
     return count == 2 ? 0 : trb::simulator::kWrongUse;
   }
+  std::set_new_handler(trb::simulator::refuse_for_memory);
   return trb::simulator::simulate(trb::simulator::job_text(words[count - 1]), for_program);
 }

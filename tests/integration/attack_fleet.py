@@ -17,7 +17,7 @@ import wire
 
 TARGET, FRIEND = "ant", "bee"
 ATTACKERS = ("cat", "dog", "elk", "fox", "gnu", "hen", "ibis", "jay", "kite", "lark")
-SANITIZED = any(name in (support.PROGRAMS / "trb-router").read_bytes() for name in (b"__asan_init", b"__tsan_init"))
+SANITIZED = support.is_sanitized()
 SLOWEST_S = 6 if SANITIZED else 1.5  # an honest answer, on a machine that others use too
 MEMORY_MIB = 96  # what an attack may use while it lasts: see "Memory" in services/router/README.md
 DESCRIPTORS = 64

@@ -7,6 +7,7 @@ import os
 import pathlib
 import signal
 import time
+import unittest
 
 import support
 from gateway_case import CLOUD, ROBOT, GatewayCase
@@ -21,6 +22,7 @@ SCENARIO = {"name": "there and back", "tasks": [THERE, {**THERE, "id": "look"}, 
 TRIED = {"protocol": "talkrobots", "scenario": SCENARIO, "link": "wifi", "seed": 3, "times": {"go_to": {"mean": 2, "deviation": 0.1}}}
 OVER = ("done", "failed", "cancelled")
 WAIT_S = 60
+GIBIBYTE = 1 << 30
 
 
 class Simulations(GatewayCase):
@@ -142,6 +144,17 @@ class Simulations(GatewayCase):
         self.assertEqual(opened, [0, 1, 2], "it has descriptors of the gateway")
         self.assertEqual(self.viewer.ask("GET", "/api/v1/health").status, 200)
 
+    @unittest.skipIf(support.is_sanitized(), "a sanitizer reserves more addresses than any bound")
+    def test_one_may_have_a_gibibyte_of_addresses(self):
+        self.started(LARGE)
+        def bound():
+            pid = self.simulator()
+            is_it = pid and os.readlink(f"/proc/{pid}/exe").endswith("trb-simulator")
+            rows = pathlib.Path(f"/proc/{pid}/limits").read_text().splitlines() if is_it else []
+            return next((row.split()[3:5] for row in rows if row.startswith("Max address space")), None)
+        self.fleet.wait("the simulator", bound, WAIT_S)
+        self.assertEqual(bound(), [str(GIBIBYTE)] * 2)
+
     def test_one_that_runs_is_cancelled_and_the_next_one_begins(self):
         first, second = self.started(LARGE), self.started(SMALL)
         self.assertEqual(self.read(second)["state"], "queued")
@@ -192,10 +205,6 @@ class Simulations(GatewayCase):
         self.assertEqual([one["pointer"] for one in refused.json["errors"]], ["/scenario"])
         self.assertIn("task 'back' waits for thermometer", refused.json["errors"][0]["detail"])
 
-    def test_every_kind_of_fault_and_a_described_link_are_played_as_trb_plays_their_files(self):
-        faults = [{"kind": "clock", "node": "r0", "ahead_s": -30, "drift_ppm": 200}, {"kind": "clock", "node": "r2", "is_1970": True},
-                  {"kind": "disk", "node": "cloud", "commit_s": 0.05}, {"kind": "battery", "node": "r1", "percent": 90, "per_second": 1},
-                  {"at": 1, "kind": "cut", "node": "r0", "other": "r1", "way": "there"}, {"at": 2, "kind": "heal", "node": "r0", "other": "r1"},
     def test_a_condition_on_a_sensor_of_the_cloud_is_decided_too_and_a_time_needs_a_skill(self):
         when = {"sensor": "humidity", "of": "cloud", "op": "<", "value": 60, "unit": "percent"}
         job = {**TRIED, "scenario": {"name": "dry", "tasks": [{**THERE, "when": when}]}}
@@ -208,6 +217,10 @@ class Simulations(GatewayCase):
         self.assert_problem(refused, 422)
         self.assertEqual([(one["pointer"], one["hint"]) for one in refused.json["errors"]], [("/times/goto", "did you mean 'go_to'?")])
 
+    def test_every_kind_of_fault_and_a_described_link_are_played_as_trb_plays_their_files(self):
+        faults = [{"kind": "clock", "node": "r0", "ahead_s": -30, "drift_ppm": 200}, {"kind": "clock", "node": "r2", "is_1970": True},
+                  {"kind": "disk", "node": "cloud", "commit_s": 0.05}, {"kind": "battery", "node": "r1", "percent": 90, "per_second": 1},
+                  {"at": 1, "kind": "cut", "node": "r0", "other": "r1", "way": "there"}, {"at": 2, "kind": "heal", "node": "r0", "other": "r1"},
                   {"at": 4, "kind": "partition", "nodes": ["r0", "cloud"]}, {"at": 6, "kind": "heal", "nodes": ["r0", "cloud"]},
                   {"at": 7, "kind": "fail", "node": "r2"}, {"at": 9, "kind": "repair", "node": "r2"},
                   {"at": 10, "kind": "kill", "node": "r1"}, {"at": 12, "kind": "start", "node": "r1"},

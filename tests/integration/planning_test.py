@@ -4,6 +4,7 @@ import io
 import json
 import os
 import pathlib
+import resource
 import signal
 import subprocess
 import tempfile
@@ -136,6 +137,18 @@ class Simulate(unittest.TestCase):
             self.assertEqual(sum(line["bytes"] for line in lines), counted["bytes"])
             self.assertEqual([line["at_s"] for line in lines], sorted(line["at_s"] for line in lines))
             self.assertEqual(os.listdir(folder), ["trace.jsonl"])
+
+    @unittest.skipIf(support.is_sanitized(), "a sanitizer reserves more addresses than any bound")
+    def test_without_memory_it_says_what_makes_a_simulation_smaller(self):
+        job = json.dumps({"protocol": "talkrobots", "robots": 200, "tasks": 1000})
+        bound = 32 << 20
+        done = subprocess.run([support.PROGRAMS / "trb-simulator", job], capture_output=True, text=True, timeout=60,
+                              preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (bound, bound)))
+        self.assertEqual(done.returncode, 1, done.stderr)
+        error = json.loads(done.stdout)["error"]
+        self.assertEqual(error["code"], "too_large")
+        self.assertIn("memory", error["what"])
+        self.assertIn("fewer robots", error["cure"])
 
     def test_the_real_cores_do_the_tasks_and_one_seed_is_one_run(self):
         words = ("simulate", "--protocol", "talkrobots", "--robots", 3, "--tasks", 4, "--link", "wifi", "--seed", 3)

@@ -17,6 +17,11 @@ from skips import main  # noqa: E402, F401
 PROGRAMS = pathlib.Path(os.environ.get("TRB_BIN_DIR", REPO / "build" / "dev" / "bin"))
 
 
+def is_sanitized():
+    """Such programs take longer, and reserve more of addresses and memory than they use."""
+    return any(name in (PROGRAMS / "trb-router").read_bytes() for name in (b"__asan_init", b"__tsan_init"))
+
+
 _held = {}  # block: the socket that holds it, until this program ends
 
 

@@ -23,7 +23,22 @@ namespace {
 
 constexpr int kNotStarted = 127;
 constexpr int kLast = 19;  ///< nice: everything else goes first
+constexpr rlim_t kMostMemory = 1U << 30U;
 constexpr std::size_t kMaxError = 16U << 10U;
+
+/// What a sanitizer reserves of addresses is no memory, and more than any bound.
+#if defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+#define TRB_RESERVES_ADDRESSES
+#endif
+#elif defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define TRB_RESERVES_ADDRESSES
+#endif
+#ifdef TRB_RESERVES_ADDRESSES
+constexpr bool kIsBounded = false;
+#else
+constexpr bool kIsBounded = true;
+#endif
 
 using Pipe = std::array<int, 2>;
 
@@ -41,8 +56,10 @@ void close_both(const Pipe& pipe) {
   supervisor::die_with_parent(parent);
   setpgid(0, 0);
   setpriority(PRIO_PROCESS, 0, kLast);
-  const bool is_set =
-      dup2(job, STDIN_FILENO) >= 0 && dup2(answer[1], STDOUT_FILENO) >= 0 && dup2(progress[1], STDERR_FILENO) >= 0;
+  const rlimit most{kMostMemory, kMostMemory};
+  const bool is_bounded = !kIsBounded || setrlimit(RLIMIT_AS, &most) == 0;
+  const bool is_set = is_bounded && dup2(job, STDIN_FILENO) >= 0 && dup2(answer[1], STDOUT_FILENO) >= 0 &&
+                      dup2(progress[1], STDERR_FILENO) >= 0;
   // Sockets of people and robots are none of its business.
   if (is_set && close_range(STDERR_FILENO + 1, ~0U, 0) == 0) execl(program, program, "--progress", "-", nullptr);
   _exit(kNotStarted);

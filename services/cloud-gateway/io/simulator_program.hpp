@@ -18,8 +18,8 @@ struct SimulatorProgram {
 };
 
 /// Starts trb-simulator, which stands beside this program: in a group of its own, behind everything else (nice 19),
-/// without any descriptor of this process, and ended by the kernel when this process ends, however it does.
-/// Errors: missing (no such program), io_error.
+/// with 1 GiB of memory at most (but under a sanitizer), without any descriptor of this process, and ended by the
+/// kernel when this process ends, however it does. Errors: missing (no such program), io_error.
 Result<SimulatorProgram> start_simulator(const std::string& job);
 
 /// Why a process that has ended gave no answer; `said`: what it has printed.
