@@ -39,7 +39,7 @@ export const FIELDS: Record<WishedKind, FaultField[]> = {
 export const BOUNDS: Record<NumberField, Bounds> = {
   at: { min: 0, max: WEEK },
   lasts: { min: 0, max: WEEK },
-  ahead_s: { min: -1e10, max: 1e10 },
+  ahead_s: { min: -1.5e9, max: 1.5e9 },
   drift_ppm: { min: -100_000, max: 100_000, isWhole: true },
   commit_s: { min: 0, max: 60, isNeeded: true },
   percent: { min: 0, max: 100, isNeeded: true },
