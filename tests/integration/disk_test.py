@@ -5,6 +5,7 @@ import json
 import os
 import pathlib
 import shutil
+import signal
 import stat
 import unittest
 
@@ -160,6 +161,124 @@ class Robot(unittest.TestCase):
         self.disk.room()
         self.fleet.wait("the boot number is stored", lambda: not self.fleet.services("drone")["router"]["note"], 15)
         self.fleet.wait("the scheduler comes by itself", lambda: self.is_up("scheduler"), 20)
+
+
+HOVER = {"robot": "drone", "skill": "hover", "data": {"duration": 1}, "retries": 3}
+
+
+def hovers(count):
+    """A run of tasks one after the other, each of which may simply be done again."""
+    tasks = [dict(HOVER, id=f"hover{i}", **({"after": [f"hover{i - 1}"]} if i else {})) for i in range(count)]
+    return json.dumps({"name": "hovers", "tasks": tasks})
+
+
+class Work(unittest.TestCase):
+    """A node with a robot: what it takes while its disk is full, and what becomes of what it has taken."""
+    files = 0
+
+    def setUp(self):
+        self.fleet = support.make_fleet(self, trb_fleet.Fleet, block=173, robots={"drone": trb_fleet.ROBOTS["drone"]})
+        self.disk = own_world.SmallDisk(self.fleet.dir("drone"), "24m", self.files)
+        self.addCleanup(self.disk.gone)
+        self.addCleanup(self.fleet.stop)
+        folder = support.temporary_folder(self)
+        self.paths = {count: folder / f"{count}.json" for count in (1, 6)}
+        for count, path in self.paths.items():
+            path.write_text(hovers(count))
+        self.fleet.start()
+        self.fleet.wait_formed()
+
+    def submit(self, count=1):
+        return self.fleet.trb("scenario", "run", self.paths[count], "--json", node="drone", check=False)
+
+    def taken(self, count=1):
+        done = self.submit(count)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return json.loads(done.stdout)["run"]
+
+    def tasks(self, run):
+        done = self.fleet.trb("run", "show", run, "--json", node="drone", check=False)
+        return [task["state"] for task in json.loads(done.stdout)["tasks"]] if done.returncode == 0 else []
+
+    def wait_finished(self, run):
+        self.fleet.wait(f"{run} has FINISHED", lambda: (now := self.tasks(run)) and set(now) == {"FINISHED"}, 40)
+
+    def findings(self):
+        report = self.fleet.trb("doctor", "--json", node="drone", check=False)
+        return {row["cause"]: row for row in json.loads(report.stdout)["findings"]}
+
+    def check_refused(self, code, command):
+        done = self.submit()
+        self.assertNotEqual(done.returncode, 0, done.stdout)
+        for word in code, str(self.fleet.dir("drone")), command:
+            self.assertIn(word, done.stdout)
+
+    def wait_waiting(self):
+        """The scheduler is there, and refuses."""
+        self.fleet.wait("the doctor says that it waits", lambda: "service_waits" in self.findings(), 30)
+        self.assertEqual(self.fleet.services("drone")["scheduler"]["state"], "up")
+
+    def restart_scheduler(self):
+        before = self.fleet.services("drone")["scheduler"]["instance"]
+        os.kill(self.fleet.pid("drone", "scheduler"), signal.SIGTERM)
+        self.fleet.wait("the scheduler is up again", lambda: (now := self.fleet.services("drone")["scheduler"])["state"] == "up"
+                        and now["instance"] != before, 20)
+
+    def noted(self):
+        """What everybody in the fleet is told of the node: the page shows it, too."""
+        return self.fleet.services("drone")["router"]["note"]
+
+
+class FullDisk(Work):
+    def test_with_little_room_it_takes_no_run_and_ends_those_that_it_has(self):
+        run = self.taken(6)
+        self.disk.fill(but=4_000_000)
+        self.check_refused("queue_full", "df -h")
+        self.assertEqual(self.findings()["disk_full"]["severity"], "problem")
+        self.assertIn("the disk of", self.noted())
+        self.wait_finished(run)
+        self.disk.room()
+        self.assertEqual(self.noted(), "")
+        self.wait_finished(self.taken())
+
+    def test_without_any_room_its_scheduler_waits_and_goes_on_by_itself(self):
+        run = self.taken(6)
+        self.fleet.wait("a task has ended", lambda: "FINISHED" in self.tasks(run), 20)
+        self.disk.fill()
+        self.wait_waiting()
+        self.check_refused("no_service", "df -h")
+        self.assertEqual(self.findings()["disk_full"]["severity"], "problem")
+        self.disk.room()
+        self.wait_finished(run)
+        self.wait_finished(self.taken())
+
+    def test_a_node_that_starts_without_any_room_is_ready_and_goes_on_by_itself(self):
+        run = self.taken(6)
+        self.fleet.wait("a task has ended", lambda: "FINISHED" in self.tasks(run), 20)
+        self.fleet.nodes.pop("drone").stop()
+        self.disk.fill()
+        self.fleet.start_node("drone")
+        self.fleet.nodes["drone"].wait_line("ready", 20)
+        self.wait_waiting()
+        self.disk.room()
+        self.wait_finished(run)
+
+
+class NoFiles(Work):
+    files = 400
+
+    def test_without_inodes_it_takes_no_run_and_ends_those_that_it_has(self):
+        run = self.taken(6)
+        self.disk.take_files()
+        self.check_refused("queue_full", "df -i")
+        self.assertEqual(self.findings()["no_inodes"]["severity"], "problem")
+        self.wait_finished(run)
+        self.restart_scheduler()  # the files that it leaves are those that it needs again
+        self.wait_finished(run)
+        self.check_refused("queue_full", "df -i")
+        self.disk.room()
+        self.wait_finished(run)
+        self.wait_finished(self.taken())
 
 
 class Rights(unittest.TestCase):

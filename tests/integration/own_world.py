@@ -3,6 +3,7 @@ import ctypes
 import fcntl
 import os
 import pathlib
+import shutil
 import socket
 import struct
 import subprocess
@@ -59,16 +60,23 @@ def put_over(path, text, folder):
 class SmallDisk:
     """Moves a folder onto a disk of its own, which can be filled to the last byte."""
 
-    def __init__(self, folder, size="4m"):
+    def __init__(self, folder, size="16m", files=0):
+        """files: how many there may be; 0: any number."""
         self.folder = pathlib.Path(folder)
         aside = self.folder.with_name(self.folder.name + "-aside")
         self.folder.rename(aside)
         self.folder.mkdir(mode=0o700)
-        mount("none", self.folder, "tmpfs", options=f"size={size},mode=0700")
+        mount("none", self.folder, "tmpfs", options=f"size={size},mode=0700,nr_inodes={files}")
         subprocess.run(["cp", "-a", f"{aside}/.", self.folder], check=True)
         self.ballast = self.folder / "ballast"
+        self.many = self.folder / "many"
 
-    def fill(self):
+    def fill(self, but=0):
+        """To the last byte, or until so many bytes are left."""
+        if but:
+            with open(self.ballast, "ab") as file:
+                os.posix_fallocate(file.fileno(), 0, self.left("f_bavail") * self.left("f_frsize") - but)
+            return
         with open(self.ballast, "ab", buffering=0) as file:
             for size in 1 << 16, 1 << 12, 1:
                 try:
@@ -77,8 +85,18 @@ class SmallDisk:
                 except OSError:
                     pass
 
+    def left(self, what):
+        return getattr(os.statvfs(self.folder), what)
+
+    def take_files(self):
+        """No file can be made any more."""
+        self.many.mkdir()
+        while self.left("f_favail") > 0:
+            (self.many / str(self.left("f_favail"))).touch()
+
     def room(self):
         self.ballast.unlink(missing_ok=True)
+        shutil.rmtree(self.many, ignore_errors=True)
 
     def gone(self):
         unmount(self.folder)

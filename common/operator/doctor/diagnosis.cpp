@@ -111,8 +111,15 @@ class Doctor {
       if (entry.state != "up")
         problem("service_down", entry.service, "the service is " + entry.state,
                 "see trb logs NODE_DIR " + entry.service);
+      if (entry.state == "up" && entry.service == "scheduler") scheduler_waits();
       if (!entry.note.empty()) note("service_note", entry.service, entry.note, "see trb service list");
     }
+  }
+
+  /// It is there, and refuses: its files cannot be opened.
+  void scheduler_waits() {
+    if (!seen_.no_runs || seen_.no_runs->code != Errc::no_service) return;
+    problem("service_waits", "scheduler", seen_.no_runs->what, seen_.no_runs->hint);
   }
 
   void robot() {

@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "common/base/config_fault.hpp"
+#include "common/base/disk_state.hpp"
+#include "common/base/result.hpp"
 #include "common/base/time.hpp"
 #include "proto/bodies/bus.hpp"
 #include "proto/bodies/link.hpp"
@@ -51,14 +53,6 @@ struct RobotProbe {
   Port port = Port::not_tried;
 };
 
-/// The disk that the node's folder is on.
-struct DiskState {
-  std::uint64_t free_bytes = 0;  ///< for a user that is not root
-  std::uint64_t free_files = 0;  ///< inodes, the same way
-  std::uint64_t files = 0;       ///< inodes in all; 0: the file system does not count them
-  bool read_only = false;
-};
-
 struct Observed {
   std::string node;  ///< id, from node.json
   ConfigFaults faults;
@@ -66,14 +60,15 @@ struct Observed {
   std::size_t seeds = 0;  ///< node.json
   std::optional<Certificate> own;
   UtcTime now;
-  std::optional<DiskState> disk;
+  std::optional<DiskState> disk;             ///< that the node's folder is on
   std::optional<bool> clock_set;             ///< by something that keeps it set, such as NTP
   std::vector<std::string> missing_sockets;  ///< files of the bus that should be there
   bool bus_key_refused = false;              ///< over TCP: the router does not know the key of trb
   bool answers = false;                      ///< the router answers a probe
   bool inbox_open = false;                   ///< its port for other routers accepts connections
   RouteTable routes;
-  RunTable runs;  ///< how many the scheduler has and accepts; open_max 0: no answer
+  RunTable runs;                 ///< how many the scheduler has and accepts; open_max 0: no answer
+  std::optional<Error> no_runs;  ///< why it does not say
   ServiceTable services;
   LinkErrorTable errors;
   std::vector<AddressProbe> addresses;

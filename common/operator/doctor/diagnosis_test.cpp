@@ -205,6 +205,9 @@ TEST_CASE("on the node itself: no router, a socket that is gone, a service that 
   Ant service;
   service.seen.services.services = {{"scheduler", "silent", 1, 1, "1.0", 5, 5, {}, {}}};
   check_only(service.seen, "service_down", "scheduler");
+  service.seen.services.services = {{"scheduler", "up", 1, 1, "1.0", 5, 0, {}, {}}};
+  service.seen.no_runs = fail(Errc::no_service, "it waits: the disk is full", "make room");
+  check_only(service.seen, "service_waits", "scheduler");
   Ant robot;
   robot.seen.routes.routes[0].profile.robot = "OFFLINE";
   robot.seen.routes.routes[0].profile.detail = "connection refused";

@@ -5,12 +5,9 @@
 
 namespace trb::op {
 
-/// Less than this is a full disk, in bytes: a journal's growth of some minutes.
-inline constexpr std::uint64_t kFullBytes = 8'000'000;
-/// Less than this is told before it is full, in bytes.
+/// Less than this is told before the disk is full (kFullBytes), in bytes.
 inline constexpr std::uint64_t kLittleBytes = 200'000'000;
 /// The same in files.
-inline constexpr std::uint64_t kFullFiles = 16;
 inline constexpr std::uint64_t kFewFiles = 1'000;
 
 /// A disk that takes nothing more is a problem, one with little room a note; so is a clock that nothing sets.

@@ -27,8 +27,11 @@ struct RouterQuestions {
   static Callback<Answer> into(const std::shared_ptr<RouterQuestions>& all, Answer Observed::*field) {
     return [all, field](Result<Answer> answer) {
       if (answer) all->seen.*field = std::move(*answer);
-      if (--all->open == 0) all->next(std::move(all->seen));
+      all->answered();
     };
+  }
+  void answered() {
+    if (--open == 0) next(std::move(seen));
   }
 };
 
@@ -87,7 +90,13 @@ void observe_router(Session& session, Observed seen, const ObservedNext& next) {
   all->seen.answers = true;
   request_routes(session, RouterQuestions::into(all, &Observed::routes));
   session.ask_node<ServiceTable>(ServiceListRequest{}, RouterQuestions::into(all, &Observed::services));
-  session.ask_node<RunTable>(RunListRequest{}, RouterQuestions::into(all, &Observed::runs));
+  session.ask_node<RunTable>(RunListRequest{}, [all](Result<RunTable> answer) {
+    if (answer)
+      all->seen.runs = std::move(*answer);
+    else
+      all->seen.no_runs = answer.error();
+    all->answered();
+  });
   session.ask_node<LinkErrorTable>(LinkErrorTableRequest{}, RouterQuestions::into(all, &Observed::errors));
 }
 

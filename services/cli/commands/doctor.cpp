@@ -82,7 +82,7 @@ op::Examination examine_service(const std::string& service) {
   NodeCheck check = check_node_dir(".", true, drivers::robot_transports());
   out.seen.node = check.config.id;
   out.seen.faults = std::move(check.faults);
-  out.seen.disk = op::disk_state(".");
+  out.seen.disk = disk_state(".");
   out.seen.clock_set = op::is_clock_set();
   Result<std::unique_ptr<Probe>> visit = Probe::visit(service);
   out.seen.bus_key_refused = !visit && visit.error().code == Errc::wrong_key;

@@ -4,6 +4,7 @@
 #include "common/config/cloud_file.hpp"
 #include "common/log/log.hpp"
 #include "common/security/node_keys.hpp"
+#include "common/service/waiting.hpp"
 #include "proto/body.hpp"
 #include "services/cloud-gateway/io/api/once.hpp"
 #include "services/cloud-gateway/io/http/tls_files.hpp"
@@ -64,26 +65,43 @@ Result<std::unique_ptr<Access>> open_access(const NodeConfig& config, const Clou
   return access;
 }
 
+/// What a gateway keeps: an account's rights and their use, what was, who is signed in.
+struct Stores {
+  std::unique_ptr<GatewayDb> db;
+  std::unique_ptr<HistoryStore> history;
+  std::unique_ptr<Access> access;
+};
+
+Status open_stores(const NodeConfig& config, const CloudSettings& cloud, const NodeCertificate& keys, Stores& out) {
+  if (auto made = make_private_dir(config.dir + "/state"); !made) return made;
+  auto db = open_db(config, cloud, keys);
+  if (!db) return db.error();
+  auto history = open_history(config, cloud);
+  if (!history) return history.error();
+  auto access = open_access(config, cloud, keys, **db);
+  if (!access) return access.error();
+  out = {std::move(*db), std::move(*history), std::move(*access)};
+  return Done{};
+}
+
 }  // namespace
 
 Result<int> start(NodeConfig config) {
   init_crypto();
   ConfigFaults faults;  // reported by the check
   const CloudSettings cloud = read_cloud_file(config.dir, faults);
-  if (auto made = make_private_dir(config.dir + "/state"); !made) return made.error();
   const auto keys = load_node_certificate(config.dir);
   if (!keys) return keys.error();
-  const auto db = open_db(config, cloud, *keys);
-  if (!db) return db.error();
-  auto history = open_history(config, cloud);
-  if (!history) return history.error();
-  const auto access = open_access(config, cloud, *keys, **db);
-  if (!access) return access.error();
+  const ServiceOptions options{config.dir, "cloud-gateway", {}, FleetView::hears()};
+  Stores stores;
+  const auto waited = wait_for_files(options, [&] { return open_stores(config, cloud, *keys, stores); });
+  if (!waited || *waited) return waited ? Result<int>(**waited) : waited.error();
   const auto files = provide_tls_files(config.dir, certificate_names(cloud), now().utc);
   if (!files) return files.error();
-  const auto service = Service::open({config.dir, "cloud-gateway", {}, FleetView::hears()});
+  const auto service = Service::open(options);
   if (!service) return service.error();
-  Process process(**service, **db, std::move(*history), **access, config.dir, std::move(config.places), files->ends);
+  Process process(**service, *stores.db, std::move(stores.history), *stores.access, config.dir,
+                  std::move(config.places), files->ends);
   return process.run(server_settings(*files, cloud), cloud.origins());
 }
 

@@ -16,6 +16,11 @@ std::string join_notes(const std::string& first, const std::string& second) {
   return out.substr(0, end);
 }
 
+std::string disk_note(const RouterConfig& own) {
+  const Status room = own.disk_room ? own.disk_room() : Status(Done{});
+  return room ? "" : room.error().what + "; " + room.error().hint;
+}
+
 }  // namespace
 
 Result<Body> Answers::to_request(const Message& message, Now now) const {
@@ -113,7 +118,7 @@ ServiceTable Answers::service_table(Now now) const {
                             to_seconds(now.mono - started_),
                             0,
                             {},
-                            join_notes(membership_.note(now), updates_.note())});
+                            join_notes(join_notes(membership_.note(now), updates_.note()), disk_note(own))});
   for (const std::string& name : own.services) {
     if (name != "router") table.services.push_back(entry_of(name, now));
   }

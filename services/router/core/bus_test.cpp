@@ -73,6 +73,21 @@ Bytes payload_of(std::string_view kind, const std::string& node) {
 
 }  // namespace
 
+TEST_CASE("a full disk is shown with the router, and no longer once there is room") {
+  Bus bus;
+  RouterConfig config = bus.ant.core->config();
+  Status room = fail(Errc::queue_full, "the disk of /n is full", "make room");
+  config.disk_room = [&] { return room; };
+  bus.ant.core = std::make_unique<RouterCore>(std::move(config));
+  const auto is_noted = [&] {
+    const auto table = bus.ant.core->answers().service_table(bus.fleet.now);
+    return table.services.at(0).note.find("the disk of /n is full; make room") != std::string::npos;
+  };
+  CHECK(is_noted());
+  room = Done{};
+  CHECK_FALSE(is_noted());
+}
+
 TEST_CASE("an operator's service takes users' words, and hears the middleware's without taking them") {
   Bus bus;
   CHECK(bus.hello(1, "fault-tally", {"fault_tally"}) == "service_welcome");

@@ -58,6 +58,8 @@ struct RouterConfig {
   std::function<std::uint64_t()> random;
   /// Has this link room for a frame of this size? Asked before a megabyte is hashed for nothing; empty: always.
   std::function<bool(std::uint64_t link, std::size_t bytes)> has_room;
+  /// Whether the disk of the node's folder takes new work, as trb::takes_more says it; empty: it does.
+  std::function<Status()> disk_room{};
 };
 
 /// From when on people are warned that a certificate ends.

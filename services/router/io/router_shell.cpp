@@ -1,7 +1,9 @@
 #include "services/router/io/router_shell.hpp"
 
 #include <csignal>
+#include <filesystem>
 
+#include "common/base/disk_state.hpp"
 #include "common/security/keys.hpp"
 #include "common/transport/signals.hpp"
 #include "services/router/core/metrics_text.hpp"
@@ -37,6 +39,10 @@ RouterShell::RouterShell(RouterConfig config, const ShellOptions& options)
 
 RouterConfig RouterShell::with_ports(RouterConfig config) const {
   config.random = random_u64;
+  config.disk_room = [dir = std::filesystem::current_path().string()]() -> Status {
+    const auto disk = disk_state(dir);
+    return disk ? takes_more(*disk, dir) : Status(Done{});
+  };
   config.has_room = [this](LinkId link, std::size_t bytes) { return links_.has_room(link, bytes); };
   return config;
 }

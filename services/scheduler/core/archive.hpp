@@ -29,6 +29,8 @@ class Archive {
   Archive& operator=(const Archive&) = delete;
   virtual ~Archive() = default;
 
+  /// Whether a new run may be taken: its records need room. Error: queue_full, with what is short and the cure.
+  [[nodiscard]] virtual Status has_room() const = 0;
   /// Nothing: the run is not over here.
   [[nodiscard]] virtual std::optional<Over> over(const std::string& run) const = 0;
   /// Nothing: it is not here, or its record has made room for younger ones.

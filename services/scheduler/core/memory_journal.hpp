@@ -18,9 +18,12 @@ class MemoryArchive final : public Archive {
   [[nodiscard]] std::size_t size() const { return records_.size(); }
   /// How many runs are known to be over.
   [[nodiscard]] std::size_t known() const { return over_.size(); }
+  /// What has_room() answers from now on.
+  void set_room(Status room) { room_ = std::move(room); }
   /// How many records are kept: the oldest go.
   void keep_most(std::size_t most) { most_ = most; }
 
+  [[nodiscard]] Status has_room() const override { return room_; }
   [[nodiscard]] std::optional<Over> over(const std::string& run) const override;
   [[nodiscard]] std::optional<JournalArchive> record(const std::string& run) const override;
   [[nodiscard]] std::vector<std::string> ids(const std::string& beginning, std::size_t limit) const override;
@@ -35,6 +38,7 @@ class MemoryArchive final : public Archive {
   std::map<std::uint64_t, JournalArchive> records_;  ///< in the order in which they came
   std::map<std::string, Known> over_;
   std::size_t most_ = 100'000;
+  Status room_ = Done{};
   std::uint64_t count_ = 0;
 };
 

@@ -30,6 +30,8 @@ class RunLookup {
   /// Defers a message that is of a later epoch than is known, and requests the decisions of its sender; false if it is
   /// not. If it cannot be deferred it is refused.
   bool defer_for_decisions(Run& run, std::uint32_t epoch, const Inbound& from, Step step);
+  /// Archive::has_room().
+  [[nodiscard]] Status has_room() const { return archive_.has_room(); }
   /// The run's fate if it is in the archive, and not open.
   [[nodiscard]] std::optional<Over> over(const std::string& run) const;
   /// Refuses what is about a run that is over; a peer that may not know yet gets the record that it has FINISHED.

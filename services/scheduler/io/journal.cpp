@@ -2,7 +2,10 @@
 
 #include <sqlite3.h>
 
+#include <filesystem>
+
 #include "common/base/bytes.hpp"
+#include "common/base/disk_state.hpp"
 #include "common/base/files.hpp"
 #include "services/scheduler/core/view.hpp"
 
@@ -264,6 +267,12 @@ Status JournalFile::prune(UtcTime steady) {
   if (!statement) return statement.error();
   sqlite3_bind_int64(statement->get(), 1, steady.ns);
   return finish(statement->get());
+}
+
+Status JournalFile::has_room() const {
+  const std::string folder = std::filesystem::path(path_).parent_path();
+  const auto disk = disk_state(folder);
+  return disk ? takes_more(*disk, folder) : Status(Done{});
 }
 
 std::optional<Over> JournalFile::over(const std::string& run) const {

@@ -48,6 +48,7 @@ class JournalFile final : public Archive {
   Status prune(UtcTime steady);
 
   // A record that cannot be read counts as missing; open() and load() report damage.
+  [[nodiscard]] Status has_room() const override;
   [[nodiscard]] std::optional<Over> over(const std::string& run) const override;
   [[nodiscard]] std::optional<JournalArchive> record(const std::string& run) const override;
   [[nodiscard]] std::vector<std::string> ids(const std::string& beginning, std::size_t most) const override;

@@ -5,6 +5,7 @@
 #include "common/log/log.hpp"
 #include "common/security/node_keys.hpp"
 #include "common/service/service.hpp"
+#include "common/service/waiting.hpp"
 #include "services/scheduler/core/scheduler_core.hpp"
 #include "services/scheduler/io/journal.hpp"
 
@@ -27,17 +28,26 @@ Result<int> run(const NodeConfig& node, const NodeCertificate& keys, Service& se
   return service.run(core);
 }
 
+Status open_journal(const NodeConfig& node, std::unique_ptr<JournalFile>& journal) {
+  if (auto made = make_private_dir(node.dir + "/state"); !made) return made;
+  auto opened = JournalFile::open(node.dir + "/state/journal.db", std::int64_t{node.archive_mb} << 20U);
+  if (!opened) return opened.error();
+  journal = std::move(*opened);
+  return Done{};
+}
+
 }  // namespace
 
 Result<int> start(NodeConfig node) {
   const auto keys = load_node_certificate(node.dir);
   if (!keys) return keys.error();
-  if (auto made = make_private_dir(node.dir + "/state"); !made) return made.error();
-  auto journal = JournalFile::open(node.dir + "/state/journal.db", std::int64_t{node.archive_mb} << 20U);
-  if (!journal) return journal.error();
-  auto service = Service::open({node.dir, "scheduler", SchedulerCore::Taken::subtypes()});
+  const ServiceOptions options{node.dir, "scheduler", SchedulerCore::Taken::subtypes()};
+  std::unique_ptr<JournalFile> journal;
+  const auto waited = wait_for_files(options, [&] { return open_journal(node, journal); });
+  if (!waited || *waited) return waited ? Result<int>(**waited) : waited.error();
+  auto service = Service::open(options);
   if (!service) return service.error();
-  return run(node, *keys, **service, **journal);
+  return run(node, *keys, **service, *journal);
 }
 
 }  // namespace trb::scheduler

@@ -97,6 +97,24 @@ TEST_CASE("no more than 512 runs are open") {
   CHECK(nack_of(submit(512)) == "queue_full");
 }
 
+TEST_CASE("a node whose disk is full takes no new run, and goes on with those that it has") {
+  Fleet fleet;
+  for (const char* robot : {"ridgeback", "ur3"}) fleet.add(robot, Role::robot);
+  const auto submit = [&](char letter) {
+    const SignedRecord start = fleet.make_start(chain({"ur3"}), "ur3", seconds(60), std::string(32, letter));
+    return fleet.tell("ur3", "ur3", MessageType::command, RunSubmit{start});
+  };
+  REQUIRE(sent<RunAccepted>(submit('a')).size() == 1);
+  fleet["ur3"].archive->set_room(fail(Errc::queue_full, "the disk of /n/state is full", "make room"));
+  const Outbox refused = submit('b');
+  CHECK(refused.journal.empty());
+  REQUIRE(sent<Nack>(refused).size() == 1);
+  CHECK(sent<Nack>(refused)[0].what == "the disk of /n/state is full");
+  CHECK(sent<RunAccepted>(submit('a')).size() == 1);  // known, so it is only confirmed
+  fleet["ur3"].archive->set_room(Done{});
+  CHECK(sent<RunAccepted>(submit('b')).size() == 1);
+}
+
 TEST_CASE("runs are asked for by the beginning of their id, newest first") {
   Fleet fleet;
   add_demonstration(fleet);

@@ -21,7 +21,7 @@ Status DefinitionHandler::check_new(const Run& run, Step step) const {
     return fail(Errc::expired, "run " + run.id() + " has expired before it came here",
                 "compare the nodes' clocks (trb doctor), or give it a longer life: --expires-h");
   }
-  if (!runs_.full()) return Done{};
+  if (!runs_.full()) return lookup_.has_room();
   return fail(Errc::queue_full, std::to_string(RunStore::kMaxRuns) + " runs are open here",
               "abort those that nobody needs: trb run list");
 }

@@ -1,0 +1,33 @@
+// A service whose files cannot be opened yet, as on a full disk: it is there, so that its node can be seen and stopped;
+// who sends to it is told why it refuses; and it tries again by itself.
+#pragma once
+
+#include <functional>
+#include <optional>
+
+#include "common/actor/core.hpp"
+#include "common/base/result.hpp"
+#include "common/service/service.hpp"
+
+namespace trb {
+
+/// Refuses every command and request, with no_service and this reason, and reads nothing else: whoever owes it
+/// something sends it again.
+class WaitingCore final : public Core {
+ public:
+  explicit WaitingCore(Error why) : why_(std::move(why)) {}
+  void on_welcome(const NodeIdentity&, Now, Outbox&) override {}
+  void on(const Inbound& message, Now now, Outbox& out) override;
+  void tick(Now, Outbox&) override {}
+  [[nodiscard]] std::optional<MonotonicTime> next_deadline() const override { return std::nullopt; }
+
+ private:
+  Error why_;
+};
+
+/// Calls `open` until it is done; if that fails with io_error, or the disk of the node's folder has next to no room,
+/// the service waits, and tries again every second. Nothing: it is open; a status: the process was asked to end
+/// meanwhile. Errors: every other one of `open`, those of Service::open.
+Result<std::optional<int>> wait_for_files(const ServiceOptions& options, const std::function<Status()>& open);
+
+}  // namespace trb
