@@ -2,6 +2,7 @@
 import shutil
 import subprocess
 
+import hall
 import image
 from image import REPO, Root, run
 
@@ -9,7 +10,7 @@ DISK_MB = 1600
 STATE_MB = 48
 STATE_FILES = 256
 MODULES = ["virtio_pci", "virtio_blk", "ext4"]
-PACKAGES = "systemd systemd-sysv udev dbus util-linux e2fsprogs procps"
+PACKAGES = "systemd systemd-sysv udev dbus util-linux e2fsprogs procps curl"
 INIT = """#!/bin/busybox sh
 /bin/busybox --install -s /bin
 mount -t proc proc /proc; mount -t sysfs sysfs /sys; mount -t devtmpfs dev /dev
@@ -27,13 +28,6 @@ After=sysinit.target
 [Service]
 ExecStart=/usr/local/sbin/orders
 Restart=no
-[Install]
-WantedBy=multi-user.target
-"""
-ROBOT = """[Unit]
-Description=a virtual arm
-[Service]
-ExecStart=/usr/bin/trb-virtual-ur --address 127.0.9.2
 [Install]
 WantedBy=multi-user.target
 """
@@ -75,7 +69,7 @@ def disk(folder, packages, store):
         place.copy(file, f"/root/{file.name}")
     place.copy(REPO / "tests/vm/orders", "/usr/local/sbin/orders")
     place.at("/usr/local/sbin/orders").chmod(0o755)
-    for name, text in (("orders", ORDERS), ("robot", ROBOT)):
+    for name, text in {"orders": ORDERS, **hall.UNITS}.items():
         place.write(f"/etc/systemd/system/{name}.service", text)
         wants = place.at(f"/etc/systemd/system/multi-user.target.wants/{name}.service")
         if not wants.is_symlink():

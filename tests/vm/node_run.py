@@ -6,6 +6,7 @@ import pathlib
 import re
 import shutil
 import signal
+import subprocess
 import sys
 import tempfile
 import time
@@ -15,12 +16,13 @@ for folder in (HERE, HERE.parent / "integration", HERE.parent / "support"):
     sys.path.insert(0, str(folder))
 
 import debian_image  # noqa: E402
+import hall  # noqa: E402
 import image  # noqa: E402
+from hall import NODE  # noqa: E402
 from machine import Machine  # noqa: E402
 from run import Cleanups, check  # noqa: E402
 from steps import Steps  # noqa: E402
 
-NODE = "/var/lib/talkrobots/node"
 MOST_EXPOSED = 3.0
 LONG = 900  # s, for what a machine without acceleration does on a busy computer
 TURNS = 16  # some seconds each: a run that a slow machine does not finish between two looks at it
@@ -35,21 +37,15 @@ def scenario(turns):
     return json.dumps({"name": "turns", "tasks": tasks})
 
 
-JOIN = [
-    "cd /var/lib/talkrobots && runuser -u trbots -- trb node new node --robot arm1 --like ur --address 127.0.9.2 --network 127.0.9.1 --interface 127.0.9.1",
-    "TRB_PASSPHRASE=a-hall-for-trying trb fleet init /root/authority",
-    f"cp {NODE}/keys/request.json /root && TRB_PASSPHRASE=a-hall-for-trying trb fleet sign /root/authority /root/request.json",
-    f"install -o trbots -g trbots -m 0600 /root/certificate.json {NODE}/keys/certificate.json",
-    f"runuser -u trbots -- trb check {NODE}",
-]
 step = Steps()
 
 
 class Story:
-    def __init__(self, folder, vmlinuz, starter, disks):
+    def __init__(self, folder, vmlinuz, starter, disks, joined=None):
         self.folder, self.vmlinuz, self.starter, self.disks = folder, vmlinuz, starter, disks
-        self.machine = None
+        self.machine, self.joined = None, joined
         self.figures = []
+        self.kept = None  # a run that has FINISHED
 
     # ---- the machine
 
@@ -58,6 +54,16 @@ class Story:
         self.machine = Machine(self.folder, self.vmlinuz, self.starter, self.disks, 1024, "rw systemd.show_status=0 systemd.default_timeout_start_sec=900", clock)
         self.machine.wait_ready(LONG)
         return time.monotonic() - began
+
+    def keep_disks(self, folder):
+        """As they are now, for later runs that begin here."""
+        self.sh("sync")
+        self.machine.monitor("stop")
+        folder.mkdir(parents=True)
+        for disk in self.disks:
+            subprocess.run(["cp", "--sparse=always", disk, folder], check=True)
+        (folder / "kept").write_text(self.kept)
+        self.machine.monitor("cont")
 
     def cut(self):
         """The power: what the machine had not given to its disk is lost."""
@@ -76,6 +82,11 @@ class Story:
             if found:
                 return found
             check(time.monotonic() < end, f"{what}: not within {timeout} s")
+
+    def line_of(self, path, event):
+        """The line of a program's JSON that tells this event."""
+        lines = [json.loads(line) for line in self.sh(f"cat {path}").splitlines() if line.startswith("{")]
+        return next((line for line in lines if line.get("event") == event), None)
 
     # ---- the node
 
@@ -119,9 +130,11 @@ class Story:
         self.wait_well()
         run = self.wait("it takes a run", lambda: (taken := self.submit())[0] and taken[1])
         self.wait_finished(run)
+        return run
 
     def pid(self, program):
-        said, code = self.machine.sh(f"pidof {program}")
+        """Of the robot's node; the cloud's runs the same programs."""
+        said, code = self.machine.sh(f"pgrep -f '{program} {NODE}$'")
         return said.split()[0] if code == 0 else None
 
 
@@ -135,7 +148,7 @@ def booted(story):
 def installed(story):
     """`apt install ./talkrobots*.deb`: nothing is started and nothing has failed, for there is no node yet"""
     began = time.monotonic()
-    story.sh("cd /root && DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends ./talkrobots_*.deb ./talkrobots-virtual*.deb")
+    story.sh("cd /root && DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends ./talkrobots_*.deb ./talkrobots-cloud*.deb ./talkrobots-virtual*.deb")
     story.sh("trb help | grep -q '^trb: '")
     story.figures.append(f"install: {time.monotonic() - began:.1f} s")
     check(story.sh("systemctl is-enabled talkrobots talkrobots-sensor-bus").split() == ["enabled", "enabled"], "the units are enabled")
@@ -155,17 +168,25 @@ def locked_up(story):
 
 @step
 def joined(story):
-    """a node's folder is made, signed and started: `systemctl start` returns once it is ready"""
-    for order in JOIN:
+    """a node joins by a code, and is started: `systemctl start` returns once it is ready"""
+    for order in hall.MAKE_CLOUD:
         story.sh(order)
+    began = time.monotonic()
+    hall.join(story)
+    story.figures.append(f"trb node new, fleet invite, node join: {time.monotonic() - began:.1f} s")
     for name, turns in (("short", 1), ("long", TURNS)):
         story.sh(f"echo '{scenario(turns)}' > /root/{name}.json")
-    story.sh("chmod 755 /root; chmod 644 /root/*.json; systemctl start robot")
+    story.sh("chmod 755 /root; chmod 644 /root/*.json")
     began = time.monotonic()
     story.sh("systemctl start talkrobots")
     story.figures.append(f"systemctl start talkrobots: {time.monotonic() - began:.1f} s")
     check(story.sh("systemctl show -P SubState talkrobots") == "running", "it runs")
     story.wait_well()
+    hall.first_sign_in(story)
+    check(hall.noted_on_page(story) == "", "the page has nothing to say of it")
+    story.kept = story.goes_on()
+    if story.joined:
+        story.keep_disks(story.joined)
 
 
 @step
@@ -208,28 +229,48 @@ def one_line_an_event(story):
     story.figures.append(f"journal: {len(lines)} lines")
 
 
+def refused(story, *words):
+    """No run is taken, and who submits one reads why, and what to do; but for the moment in which the scheduler starts again."""
+    def is_told():
+        accepted, said = story.submit()
+        check(not accepted, f"a run was taken: {said}")
+        return said if all(word in said for word in words) else None
+    print(f"       {story.wait(f'it is refused with {words}', is_told, 120)[:240]}")
+
+
+def begun(story):
+    """A run that has been acknowledged, and a task of which has ended."""
+    run = story.wait("it takes a run", lambda: (taken := story.submit("long"))[0] and taken[1])
+    story.wait("a task has ended", lambda: '"FINISHED"' in json.dumps(story.asked(f"run show {run}")))
+    return run
+
+
 @step
 def no_room(story):
-    """the disk is full: the doctor says so, no run is taken, what was acknowledged is there; with room again all goes on"""
+    """the disk is full: the doctor and the page say so, no run is taken, also after kill -9; with room again the run goes on"""
+    run = begun(story)
     story.sh("runuser -u trbots -- dd if=/dev/zero of=/var/lib/talkrobots/filler bs=64k 2>/dev/null; sync; true")
     check(story.wait("the doctor says it", lambda: story.findings()[0].get("disk_full"))["severity"] == "problem", "a problem")
-    accepted, said = story.submit()
-    check(not accepted, f"a run was taken: {said}")
-    print(f"       {said[:200]}")
-    story.sh("rm /var/lib/talkrobots/filler; sync")  # until then the scheduler does not start: its journal cannot be opened
+    refused(story, "df -h", NODE)
+    check("df -h" in hall.noted_on_page(story), "the page says it")
+    story.sh(f"kill -9 {story.pid('trb-scheduler')}")
+    story.wait("its scheduler waits", lambda: story.findings()[0].get("service_waits"))
+    refused(story, "no_service", "df -h", NODE)
+    story.sh("rm /var/lib/talkrobots/filler; sync")
+    story.wait_finished(run)
     story.goes_on()
     check(story.runs().get(story.kept) == "FINISHED", "the run that was acknowledged is there")
 
 
 @step
 def no_inodes(story):
-    """no file can be made: the doctor says so; a run is refused or brought to its end, and with room again all goes on"""
+    """no file can be made: the doctor and the page say so, no run is taken; the run that it has comes to its end"""
+    run = begun(story)
     story.sh("cd /var/lib/talkrobots && runuser -u trbots -- bash -c 'mkdir f && i=0; while touch f/$i; do i=$((i+1)); done' 2>/dev/null; true")
     check(story.wait("the doctor says it", lambda: story.findings()[0].get("no_inodes"))["severity"] == "problem", "a problem")
-    accepted, run = story.submit()  # the journal's own files are there, and have room
-    print(f"       {'taken' if accepted else run[:200]}")
-    if accepted:
-        story.wait_finished(run)
+    refused(story, "df -i", NODE)
+    check("df -i" in hall.noted_on_page(story), "the page says it")
+    story.wait_finished(run)
     story.sh("rm -r /var/lib/talkrobots/f; sync")
     story.goes_on()
     check(story.runs().get(story.kept) == "FINISHED", "the run that was acknowledged is there")
@@ -243,7 +284,7 @@ def read_only(story):
     accepted, said = story.submit()
     check(not accepted, f"a run was taken: {said}")
     print(f"       {said[:200]}")
-    story.sh("mount -o remount,rw /var/lib/talkrobots; systemctl reset-failed talkrobots; systemctl restart talkrobots")
+    story.sh("mount -o remount,rw /var/lib/talkrobots")  # systemd tries again and again
     story.goes_on()
     check(story.kept in story.runs(), "the run that was acknowledged is there")
 
@@ -270,11 +311,25 @@ def tell(story):
         print(log.read_text(errors="replace")[-3000:] if log.exists() else "the machine said nothing")
 
 
+FIRST = (booted, installed, joined)  # of every part
+
+
+def booted_again(story):
+    """it boots with a node that has joined before"""
+    story.boot()
+    story.kept = (story.joined / "kept").read_text()
+    story.wait_well()
+
+
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("packages", type=pathlib.Path)
     parser.add_argument("--keep", action="store_true")
+    parser.add_argument("--joined", type=pathlib.Path)
+    parser.add_argument("--only", action="append", metavar="PART", choices=[each.__name__ for each in step.all if each not in FIRST])
     words = parser.parse_args()
+    if words.only:
+        step.all = [each for each in step.all if each in FIRST or each.__name__ in words.only]
     for each in (signal.SIGTERM, signal.SIGHUP):
         signal.signal(each, lambda *_: sys.exit(1))  # so that all is cleaned up
     store = image.REPO / "build/package"
@@ -283,8 +338,12 @@ def main():
     cleanups.addCleanup(*(print, f"left behind: {folder}") if words.keep else (shutil.rmtree, folder))
     try:
         vmlinuz, version = image.kernel()
-        disks = [debian_image.disk(folder, words.packages, store), debian_image.state_disk(folder)]
-        story = Story(folder, vmlinuz, debian_image.starter(folder, version), disks)
+        if words.joined and words.joined.exists():
+            disks = [shutil.copy(words.joined / name, folder) for name in ("disk", "state")]
+            step.all = [booted_again, *(each for each in step.all if each not in FIRST)]
+        else:
+            disks = [debian_image.disk(folder, words.packages, store), debian_image.state_disk(folder)]
+        story = Story(folder, vmlinuz, debian_image.starter(folder, version), disks, words.joined)
         cleanups.addCleanup(lambda: story.machine and story.machine.stop())
         return step.play(story, (AssertionError, OSError, RuntimeError, ValueError), tell)
     except (OSError, RuntimeError) as fault:
