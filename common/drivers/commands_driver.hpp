@@ -31,6 +31,12 @@ class CommandsDriver : public Driver {
         commands_(std::move(commands)),
         requests_(vendor.requests.begin(), vendor.requests.end()) {}
 
+  /// commands.json has no words for a halt.
+  static void refuse_halt(Token token, const DriverOut& out) {
+    const std::string why = "commands.json has no \"stop\" for this robot: the motion goes on";
+    out.refuse("no_stop", why);
+    out.emit(Halted{token, false, why});
+  }
   /// A value may be asked for by its own name, or by the subtype of its request.
   [[nodiscard]] std::string_view name_of_value(std::string_view name) const {
     const auto request = requests_.find(name);

@@ -46,6 +46,11 @@ struct Ended {  ///< a command with a skill's name is over
   bool well = false;
   std::string text;  ///< the result, or the reason of the failure
 };
+struct Halted {  ///< of halt(): the command moves the robot no more
+  Token token = 0;
+  bool well = true;    ///< false: the robot does not take the halt, and its motion goes on
+  std::string text{};  ///< why not
+};
 struct Refused {  ///< the message does not reach the robot, or the robot refuses it
   Token token = 0;
   Error error;
@@ -80,8 +85,8 @@ struct LinkUp {};
 struct LinkDown {
   std::string reason;
 };
-using DriverEvent = std::variant<HandedOver, Started, Ended, Refused, Said, FaultSaid, FaultOver, ValuesHeard, Stopped,
-                                 Released, LinkUp, LinkDown>;
+using DriverEvent = std::variant<HandedOver, Started, Ended, Halted, Refused, Said, FaultSaid, FaultOver, ValuesHeard,
+                                 Stopped, Released, LinkUp, LinkDown>;
 
 class Driver;
 struct EventFrom {
@@ -118,6 +123,9 @@ inline const RobotValue* find_value(const RobotValues& values, std::string_view 
   return found == values.end() ? nullptr : &found->second;
 }
 
+/// After so long the system itself reports a TCP connection as lost that takes nothing any more (io/tcp.cpp: 5 s).
+constexpr Duration kTcpSilence = std::chrono::seconds(6);
+
 class Driver {
  public:
   Driver() = default;
@@ -145,8 +153,12 @@ class Driver {
   [[nodiscard]] virtual bool runs(Token) const { return false; }
   /// No service waits for the message any more: it is dropped unless it is on its way already.
   virtual void forget(Token, Now, const DriverOut&) {}
-  /// Ends the motion of one command, without a fence.
+  /// Ends the motion of one command, without a fence; also of one that the mode does not know any more, because an
+  /// earlier connection began it. Halted tells that the robot has taken it, if that can be seen; Ended or Refused may
+  /// come before it. After LinkDown none of them comes: the halt may be lost.
   virtual void halt(Token token, Now now, const DriverOut& out) = 0;
+  /// What was sent this long ago has reached the robot, unless LinkDown came meanwhile.
+  [[nodiscard]] virtual Duration silence_bound() const { return kTcpSilence; }
 
   /// Drops everything that waits and orders the robot to stop. The ticket comes back in Stopped; without a connection
   /// there is none.

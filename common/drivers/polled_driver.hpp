@@ -50,13 +50,12 @@ class PolledDriver : public CommandsDriver<Words> {
   void forget(Token token, Now, const DriverOut&) override { queue_.forget(token); }
 
   void halt(Token token, Now now, const DriverOut& out) override {
-    if (!queue_.halt(token) || !takes_orders()) return;
+    if (!queue_.halt(token)) return out.emit(Halted{token});
+    if (!takes_orders()) return;
     auto steps = fill("stop", {});
-    if (!steps || steps->empty()) {
-      return out.refuse("no_stop", "commands.json has no \"stop\" for this robot: the motion goes on");
-    }
+    if (!steps || steps->empty()) return CommandsDriver<Words>::refuse_halt(token, out);
     out.out.count("to_robot.stop");
-    queue_.add_urgent({Purpose::halt, 0, false, std::move(*steps), 0});
+    queue_.add_urgent({Purpose::halt, token, false, std::move(*steps), 0});
     pump(now, out);
   }
   Result<Token> stop(Now now, const DriverOut& out) override {

@@ -32,7 +32,7 @@ class RequestQueue {
 
   struct Job {
     Purpose purpose{};
-    Token token = 0;  ///< of the message, or the stop's ticket
+    Token token = 0;  ///< of the message, of the one that is halted, or the stop's ticket
     bool skill = false;
     std::vector<Step> steps;
     std::size_t done = 0;  ///< steps that were answered successfully

@@ -289,6 +289,20 @@ class Vanished(Case):
         self.fleet.wait("it moves", lambda: self.fleet.send("move", json.dumps(HOME)).returncode == 0, 15)
         self.assertEqual(len(self.programs()), 2)
 
+    def test_of_a_skill_that_times_out_while_the_controller_hangs_nobody_knows_and_the_arm_is_halted_once_it_is_back(self):
+        run = self.run_skill("hasty", joints=FAR)
+        self.wait_line("started")
+        self.fleet.robot.child.send_signal(signal.SIGSTOP)
+        task = self.wait_end(run)
+        self.assertEqual(task["outcome"], "interrupted", task)
+        self.assertIn("timed out after 1 s, and nobody knows whether the robot was halted", task["reason"])
+        self.abort(run)
+        self.fleet.robot.child.send_signal(signal.SIGCONT)
+        self.fleet.wait_robot("ONLINE")
+        self.wait_line("stopped")
+        self.assert_finished(self.run_skill("move_joints", joints=HOME))
+        self.assertEqual(len(self.programs()), 2)
+
 
 class FaultsByWord(Case):
     def test_what_cannot_be_done_is_refused_with_the_way_out(self):

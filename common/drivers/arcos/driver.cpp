@@ -90,13 +90,16 @@ void ArcosDriver::halt(Token token, Now now, const DriverOut& out) {
   if (runs(token)) journey_.reset();
   if (!online()) return;
   const auto words = own_words("stop");
-  if (!words) return out.refuse("no_stop", words.error().what + ": the motion goes on");
+  if (!words) return refuse_halt(token, out);
   out.out.count("to_robot.stop");
   send(*words, now, out);
+  halting_ = token;
+  told_at_ = now.mono;
 }
 
 Result<Token> ArcosDriver::stop(Now now, const DriverOut& out) {
   end_journey("the robot was stopped", out);
+  halting_.reset();
   if (!online()) return offline();
   const auto words = own_words("stop");
   if (!words) return words.error();
@@ -139,6 +142,7 @@ void ArcosDriver::on_down(Channel channel, const std::string& reason, Now, const
   sip_.reset();
   stop_waits_.reset();
   release_waits_.reset();
+  halting_.reset();
   if (!was_online) return;
   // The mode-adapter's skill desk reports a skill's end: it is unknown whether the robot arrives.
   journey_.reset();
@@ -197,6 +201,7 @@ void ArcosDriver::go_on(Now now, const DriverOut& out) {
 
 void ArcosDriver::confirm(Now now, const DriverOut& out) {
   if (now.mono - told_at_ < kSipPeriod) return;
+  if (halting_ && sip_->stands()) out.emit(Halted{*std::exchange(halting_, std::nullopt)});
   if (stop_waits_ && sip_->stands()) out.emit(Stopped{*std::exchange(stop_waits_, std::nullopt)});
   if (release_waits_ && sip_->motors()) out.emit(Released{*std::exchange(release_waits_, std::nullopt)});
 }

@@ -28,6 +28,7 @@ class ArcosDriver : public CommandsDriver<std::vector<ArcosStep>> {
   Result<Progress> hand_over(const Handover& message, Now now, const DriverOut& out) override;
   [[nodiscard]] bool runs(Token token) const override { return journey_ && journey_->token == token; }
   void halt(Token token, Now now, const DriverOut& out) override;
+  [[nodiscard]] Duration silence_bound() const override { return kArcosSilence; }
   Result<Token> stop(Now now, const DriverOut& out) override;
   Result<Token> release(Now now, const DriverOut& out) override;
 
@@ -66,9 +67,10 @@ class ArcosDriver : public CommandsDriver<std::vector<ArcosStep>> {
 
   bool motors_wanted_ = true;
   MonotonicTime enabled_at_;  ///< when ENABLE was sent
-  MonotonicTime told_at_;     ///< when stop or release was sent
+  MonotonicTime told_at_;     ///< when stop, release or a halt was sent
   std::optional<Token> stop_waits_;
   std::optional<Token> release_waits_;
+  std::optional<Token> halting_;  ///< the command that is to end
 };
 
 }  // namespace trb::drivers

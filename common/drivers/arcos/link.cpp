@@ -16,7 +16,6 @@ constexpr std::size_t kMaxName = 60;
 constexpr Duration kEcho = std::chrono::seconds(1);
 constexpr Duration kClosing = std::chrono::milliseconds(300);
 constexpr Duration kAwake = std::chrono::seconds(1);
-constexpr Duration kSilent = std::chrono::seconds(3);
 
 /// Name, class and subclass, each ended by a zero byte.
 std::string identity_of(BytesView contents) {
@@ -94,7 +93,7 @@ void ArcosLink::open(const ArcosPacket& answer, Now now, const DriverOut& out) {
 
 std::optional<std::string> ArcosLink::tick(Now now, const DriverOut& out) {
   if (stage_ == Stage::open) {
-    if (now.mono - last_sip_ >= kSilent) return "the robot has said nothing for 3 s";
+    if (now.mono - last_sip_ >= kArcosSilence) return "the robot has said nothing for 3 s";
     if (now.mono - last_sent_ >= kAwake) send(arcos_command(kPulse), now, out);
   }
   if (stage_ != Stage::sync || now.mono < due_) return std::nullopt;
@@ -106,7 +105,7 @@ std::optional<std::string> ArcosLink::tick(Now now, const DriverOut& out) {
 
 std::optional<MonotonicTime> ArcosLink::next_deadline() const {
   if (stage_ == Stage::sync) return due_;
-  if (stage_ == Stage::open) return std::min(last_sip_ + kSilent, last_sent_ + kAwake);
+  if (stage_ == Stage::open) return std::min(last_sip_ + kArcosSilence, last_sent_ + kAwake);
   return std::nullopt;
 }
 

@@ -10,6 +10,9 @@
 
 namespace trb::drivers {
 
+/// After so long without a packet of the robot's the connection is given up.
+constexpr Duration kArcosSilence = std::chrono::seconds(3);
+
 /// stage | heard                      | then
 /// ------|----------------------------|--------------------------------------------------------------------
 /// sync  | the echo of SYNC0, SYNC1   | the next SYNC

@@ -71,14 +71,21 @@ void C3Driver::forget(Token token, Now now, const DriverOut& out) {
 }
 
 void C3Driver::halt(Token token, Now now, const DriverOut& out) {
-  if (jobs_.halt(token, now, out)) end_motion(now, out);
+  if (!jobs_.halt(token, now, out)) return out.emit(Halted{token});
+  end_motion(token, now, out);
 }
 
-void C3Driver::end_motion(Now now, const DriverOut& out) {
+void C3Driver::end_motion(Token token, Now now, const DriverOut& out) {
   if (!up_ || turns_.told_to_stop()) return;
   out.out.count("to_robot.stop");
-  turns_.end_motion(now, out);
-  jobs_.begin_next(now, out);
+  turns_.end_motion(token, now, out);
+  go_on(true, now, out);
+}
+
+/// A turn may have come further; `free`: commands go on.
+void C3Driver::go_on(bool free, Now now, const DriverOut& out) {
+  if (!turns_.ends_motion()) jobs_.drop_halted();
+  if (free) jobs_.begin_next(now, out);
 }
 
 Result<Token> C3Driver::stop(Now now, const DriverOut& out) {
@@ -199,8 +206,7 @@ void C3Driver::on_answer(const C3Link::Answer& answer, Now now, const DriverOut&
       return values_.on_request(answer, out);
     case C3Purpose::stop:
     case C3Purpose::release:
-      if (turns_.on_written(answer, now, out)) jobs_.begin_next(now, out);
-      return;
+      return go_on(turns_.on_written(answer, now, out), now, out);
     case C3Purpose::note:
       return;
   }
@@ -225,7 +231,7 @@ void C3Driver::on_probe(Probe what, const C3Reply& reply, Now now, const DriverO
     case Probe::out:
       return raised ? messages_.on_raised(link_, now, out) : void();
     case Probe::stopped:
-      return turns_.on_stopped(raised, now, out) ? jobs_.begin_next(now, out) : void();
+      return go_on(turns_.on_stopped(raised, now, out), now, out);
     case Probe::stop_message:
       return on_stop_message(raised, now, out);
     case Probe::error:
@@ -248,7 +254,7 @@ void C3Driver::on_stop_message(bool raised, Now now, const DriverOut& out) {
 /// reported as failed must not go on then, so the robot is ordered to stop it.
 void C3Driver::on_program_stopped(Now now, const DriverOut& out) {
   const C3Jobs::Broken broken = jobs_.fail_all(faults_.why_stopped(), out);
-  if (broken.moved) end_motion(now, out);
+  if (broken.moved) end_motion(0, now, out);
   if (broken.offered) jobs_.clear_offer(now, out);
 }
 

@@ -26,6 +26,7 @@ class C3Driver : public Driver {
   [[nodiscard]] bool runs(Token token) const override { return jobs_.runs(token); }
   void forget(Token token, Now now, const DriverOut& out) override;
   void halt(Token token, Now now, const DriverOut& out) override;
+  [[nodiscard]] Duration silence_bound() const override { return C3Link::kAnswerTime; }
   Result<Token> stop(Now now, const DriverOut& out) override;
   Result<Token> release(Now now, const DriverOut& out) override;
   [[nodiscard]] bool told_to_stop() const override { return turns_.told_to_stop(); }
@@ -39,7 +40,8 @@ class C3Driver : public Driver {
  private:
   enum class Probe : std::uint64_t { chunk, command, done, out, stopped, stop_message, error, error_of_stop };
 
-  void end_motion(Now now, const DriverOut& out);
+  void end_motion(Token token, Now now, const DriverOut& out);
+  void go_on(bool free, Now now, const DriverOut& out);
   void poll(Now now, const DriverOut& out);
   void probe(Probe what, const std::string& variable, Now now, const DriverOut& out);
   void drop_connection(const std::string& counted, const std::string& reason, Now now, const DriverOut& out);

@@ -27,6 +27,7 @@ struct C3Job {
   std::string source;
   bool tracked = false;    ///< a service waits for its end
   bool forgotten = false;  ///< no service waits for its answer any more
+  bool halted = false;     ///< it is to end; what the program says of its end may have come before
   std::vector<C3Step> steps;
   std::size_t next = 0;  ///< the first step that is not done yet
   bool offers = false;   ///< the last step sets the command flag, which the program clears when it takes the message

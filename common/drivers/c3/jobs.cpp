@@ -40,7 +40,7 @@ C3Jobs::C3Jobs(const Parts& parts, const Program& program, Commands commands)
 
 Status C3Jobs::may_take() const {
   const bool skill_waits = std::ranges::any_of(waiting_, &C3Job::tracked);
-  if (skill_waits || (current_ && current_->tracked)) {
+  if (skill_waits || (current_ && current_->tracked && !current_->halted)) {
     return fail(Errc::busy, "a skill runs, and the robot's program does one thing at a time",
                 "wait for its end, or stop it");
   }
@@ -117,15 +117,22 @@ void C3Jobs::forget(Token token, Now now, const DriverOut& out) {
 }
 
 bool C3Jobs::halt(Token token, Now now, const DriverOut& out) {
-  std::erase_if(waiting_, [&](const C3Job& job) { return job.token == token; });
-  if (!current_ || current_->token != token) return false;
-  const bool moves = current_->phase == C3Job::Phase::running;
-  if (moves) {
-    current_.reset();
-  } else {
+  if (std::erase_if(waiting_, [&](const C3Job& job) { return job.token == token; }) > 0) return false;
+  if (!current_ || current_->token != token) return true;
+  if (!may_be_taken()) {
     withdraw(now, out);
+    return false;
   }
-  return moves;
+  current_->halted = true;
+  current_->waits_since.reset();
+  if (current_->phase != C3Job::Phase::running) clear_offer(now, out);
+  return true;
+}
+
+/// The robot may have the last write that it needs to begin.
+bool C3Jobs::may_be_taken() const {
+  if (current_->phase != C3Job::Phase::writing || !program_.fields) return true;
+  return current_->next + 1 >= current_->steps.size();
 }
 
 /// The program must not take it any more. If it has just done so, its end counts as a late one.
@@ -177,6 +184,7 @@ void C3Jobs::check_patience(Now now, const DriverOut& out) {
 
 void C3Jobs::on_written(const C3Link::Answer& answer, Now now, const DriverOut& out) {
   if (!current_ || static_cast<std::uint64_t>(current_->number) != answer.ask.about) return;
+  if (current_->halted) return;
   if (!answer.reply.ok) return refuse(refused_by_robot(answer), now, out);
   if (current_->steps[current_->next].awaits_clear) {
     current_->waits_since = now.mono;

@@ -20,6 +20,7 @@ namespace trb::drivers {
 /// running         | the done flag is FALSE   | Started, once
 /// running         | the done flag, ours      | Ended, an answer, or Refused; the next message
 /// any             | the done flag, another's | counted as late
+/// halted          | its end, before the stop | as of one that runs
 /// any             | the connection is lost   | Refused, unless it has been answered
 class C3Jobs {
  public:
@@ -46,8 +47,12 @@ class C3Jobs {
   Status add(const Handover& message, Now now, const DriverOut& out);
   [[nodiscard]] bool runs(Token token) const;
   void forget(Token token, Now now, const DriverOut& out);
-  /// True: it was being carried out, and its motion has to be ended.
+  /// True: the program may carry it out, or one that is not known any more, and the motion has to be ended. Until
+  /// drop_halted() its end is still told.
   bool halt(Token token, Now now, const DriverOut& out);
+  void drop_halted() {
+    if (current_ && current_->halted) current_.reset();
+  }
   /// Begins the first waiting message, unless one is in progress.
   void begin_next(Now now, const DriverOut& out);
 
@@ -82,6 +87,7 @@ class C3Jobs {
     return current_ && current_->phase == phase && current_->waits_since;
   }
   [[nodiscard]] Status may_take() const;
+  [[nodiscard]] bool may_be_taken() const;
   Result<C3Job> make_job(const Handover& message);
   Status add_words(const Handover& message, C3Job& job) const;
   void do_step(Now now, const DriverOut& out);

@@ -3,12 +3,6 @@
 #include <algorithm>
 
 namespace trb::drivers {
-namespace {
-
-constexpr Duration kAnswerTime = std::chrono::seconds(2);
-
-}  // namespace
-
 bool C3Link::ask(C3Ask ask, Now now, const DriverOut& out) {
   if (waiting_.size() >= kMost) return false;
   waiting_.push_back(std::move(ask));

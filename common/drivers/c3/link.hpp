@@ -29,6 +29,7 @@ struct C3Ask {
 class C3Link {
  public:
   static constexpr std::size_t kMost = 256;
+  static constexpr Duration kAnswerTime = std::chrono::seconds(2);
 
   /// False: the queue is full.
   bool ask(C3Ask ask, Now now, const DriverOut& out);

@@ -6,21 +6,22 @@ namespace trb::drivers {
 
 Token C3Turns::stop(Now now, const DriverOut& out) {
   told_to_stop_ = true;
-  return begin(true, false, now, out);
+  return begin(true, false, 0, now, out);
 }
 
 Token C3Turns::release(Now now, const DriverOut& out) {
-  return begin(false, false, now, out);
+  return begin(false, false, 0, now, out);
 }
 
-void C3Turns::end_motion(Now now, const DriverOut& out) {
-  begin(true, true, now, out);
+void C3Turns::end_motion(Token token, Now now, const DriverOut& out) {
+  begin(true, true, token, now, out);
 }
 
-Token C3Turns::begin(bool stop, bool own, Now now, const DriverOut& out) {
+Token C3Turns::begin(bool stop, bool own, Token halts, Now now, const DriverOut& out) {
+  if (ends_motion()) out.emit(Halted{open_->halts, false, "another stop or release took its place"});
   const std::vector<C3Step>& steps = stop ? words_.stop : words_.release;
   const Token ticket = ++last_ticket_;
-  open_ = Turn{stop, own, ticket, steps.size()};
+  open_ = Turn{stop, own, ticket, steps.size(), halts};
   const C3Purpose purpose = stop ? C3Purpose::stop : C3Purpose::release;
   for (const C3Step& step : steps) link_.urge({purpose, step.variable, step.value, ticket}, now, out);
   polls_.soon(now);
@@ -32,7 +33,9 @@ bool C3Turns::on_written(const C3Link::Answer& answer, Now now, const DriverOut&
   if (!open_ || open_->ticket != answer.ask.about) return false;
   // What the robot refuses is not confirmed: its requester is notified at the deadline.
   if (!answer.reply.ok) {
-    out.refuse("robot_error", refused_by_robot(answer).text());
+    const Error why = refused_by_robot(answer);
+    if (ends_motion()) out.emit(Halted{open_->halts, false, why.what});
+    out.refuse("robot_error", why.text());
     return false;
   }
   return --open_->unanswered == 0 && !words_.told_by_robot && confirm(false, now, out);
@@ -45,7 +48,8 @@ bool C3Turns::on_stopped(bool stopped, Now now, const DriverOut& out) {
 bool C3Turns::confirm(bool by_robot, Now now, const DriverOut& out) {
   const Turn turn = *std::exchange(open_, std::nullopt);
   if (turn.stop && turn.own) {
-    begin(false, true, now, out);
+    out.emit(Halted{turn.halts});
+    begin(false, true, 0, now, out);
     return !open_;
   }
   if (turn.stop) {

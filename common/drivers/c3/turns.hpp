@@ -11,7 +11,7 @@ namespace trb::drivers {
 /// -----------|---------------------------------------------|----------------------------------
 /// stop       | its stopped variable is TRUE                | Stopped; nothing goes on
 /// release    | it is FALSE                                 | Released; commands go on
-/// end_motion | TRUE, then FALSE after a release of its own | nothing is told; commands go on
+/// end_motion | TRUE, then FALSE after a release of its own | Halted at TRUE; commands go on at FALSE
 ///
 /// Without a stopped variable the answers to the writes count, without words for it nothing is awaited at all; Stopped
 /// says then that the robot was merely told.
@@ -26,8 +26,11 @@ class C3Turns {
   /// Returns the ticket of the stop or release. An open turn gives way to it.
   Token stop(Now now, const DriverOut& out);
   Token release(Now now, const DriverOut& out);
-  /// Ends the running motion, without a fence.
-  void end_motion(Now now, const DriverOut& out);
+  /// Ends the motion of that command, without a fence. Halted{.., false}: the robot refuses it, or another turn has
+  /// taken its place.
+  void end_motion(Token token, Now now, const DriverOut& out);
+  /// The robot has not confirmed yet that the motion has ended.
+  [[nodiscard]] bool ends_motion() const { return open_ && open_->own && open_->stop; }
 
   [[nodiscard]] bool open() const { return open_.has_value(); }
   [[nodiscard]] bool told_to_stop() const { return told_to_stop_; }
@@ -45,8 +48,9 @@ class C3Turns {
     bool own = false;  ///< only to end a motion
     Token ticket = 0;
     std::size_t unanswered = 0;  ///< of its writes
+    Token halts = 0;             ///< own: the command that is to end
   };
-  Token begin(bool stop, bool own, Now now, const DriverOut& out);
+  Token begin(bool stop, bool own, Token halts, Now now, const DriverOut& out);
   bool confirm(bool by_robot, Now now, const DriverOut& out);
 
   C3Link& link_;

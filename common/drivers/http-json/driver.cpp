@@ -148,6 +148,7 @@ Status HttpJsonDriver::remember(const HttpCall& words, const HttpAnswer& answer)
 
 void HttpJsonDriver::on_done(const Job& job, const DriverOut& out) {
   if (job.purpose == Purpose::stop) out.emit(Stopped{job.token});
+  if (job.purpose == Purpose::halt) out.emit(Halted{job.token});
   if (job.purpose == Purpose::stop || job.purpose == Purpose::halt) return out.emit(FaultOver{kWouldNotStop});
   if (job.purpose == Purpose::release) return out.emit(Released{job.token});
   out.emit(HandedOver{job.token});
@@ -158,11 +159,12 @@ void HttpJsonDriver::on_refused(const Job& job, Error error, const DriverOut& ou
   if (job.done > 0) error.what += "; the " + std::to_string(job.done) + " requests before it were answered well";
   if (job.purpose == Purpose::command) return out.emit(Refused{job.token, std::move(error)});
   out.refuse("robot_error", error.text());
-  if (job.purpose != Purpose::release) say_would_not_stop(error, out);
+  if (job.purpose != Purpose::release) say_would_not_stop(job, error, out);
 }
 
 /// Its requester is notified at its deadline that nothing was confirmed; all others must know at once.
-void HttpJsonDriver::say_would_not_stop(const Error& error, const DriverOut& out) {
+void HttpJsonDriver::say_would_not_stop(const Job& job, const Error& error, const DriverOut& out) {
+  if (job.purpose == Purpose::halt) out.emit(Halted{job.token, false, error.what});
   out.emit(FaultSaid{"", Severity::critical, "the robot refused to stop: " + error.what, kWouldNotStop, false});
 }
 
@@ -186,7 +188,7 @@ void HttpJsonDriver::on_lost_job(const std::string& reason, const DriverOut& out
   if (job.purpose == Purpose::command || job.purpose == Purpose::release) return on_refused(queue_.pop(), lost, out);
   // Stopping twice does no harm: it stays, and is sent first on the next connection.
   out.out.count("to_robot.stop_again");
-  if (++job.lost == kStopsLost) say_would_not_stop(lost, out);
+  if (++job.lost == kStopsLost) say_would_not_stop(job, lost, out);
 }
 
 void HttpJsonDriver::go_offline(const std::string& reason, const DriverOut& out) {

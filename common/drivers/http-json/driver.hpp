@@ -34,6 +34,8 @@ class HttpJsonDriver : public PolledDriver<std::vector<HttpCall>, HttpStep, Http
   /// Connections come and go with HTTP: the robot is online if it has answered, until no connection can be made for
   /// long.
   [[nodiscard]] bool online() const override { return heard_; }
+  /// An answer to each request of a halt, on one of three connections, and to the request that is under way.
+  [[nodiscard]] Duration silence_bound() const override { return kMostRequests * timeout_; }
 
   void on_up(Channel channel, Now now, const DriverOut& out) override;
   void on_down(Channel channel, const std::string& reason, Now now, const DriverOut& out) override;
@@ -42,6 +44,8 @@ class HttpJsonDriver : public PolledDriver<std::vector<HttpCall>, HttpStep, Http
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const override;
 
  private:
+  static constexpr int kMostRequests = 10;
+
   Result<std::vector<HttpStep>> fill(std::string_view subtype, BytesView data) const override;
   void pump(Now now, const DriverOut& out) override;
   [[nodiscard]] bool takes_orders() const override { return heard_; }
@@ -54,7 +58,7 @@ class HttpJsonDriver : public PolledDriver<std::vector<HttpCall>, HttpStep, Http
   void on_done(const Job& job, const DriverOut& out);
   void on_refused(const Job& job, Error error, const DriverOut& out);
   void on_lost_job(const std::string& reason, const DriverOut& out);
-  static void say_would_not_stop(const Error& error, const DriverOut& out);
+  static void say_would_not_stop(const Job& job, const Error& error, const DriverOut& out);
   void go_offline(const std::string& reason, const DriverOut& out);
 
   std::string host_;

@@ -65,17 +65,31 @@ void LinesDriver::forget(Token token, Now, const DriverOut&) {
 }
 
 void LinesDriver::halt(Token token, Now now, const DriverOut& out) {
-  if (tracked_ && tracked_->token == token) tracked_.reset();
-  if (sender_.remove(token) || !up_) return;
+  if (sender_.remove(token)) return on_halted(token, out);
+  if (!up_) return;
   // The robot discards its incomplete message, whoever sent it.
-  sender_.drop_current(fail(Errc::conflict, "the robot was stopped while it took this message", "send it again"), out);
+  sender_.drop_current(token, fail(Errc::conflict, "the robot was stopped while it took this message", "send it again"),
+                       out);
   told_to_stop_ = true;
+  halting_ = Halting{token, last_ticket_ + 1};
   sender_.urgent(Urgent::stop, ++last_ticket_, now, out);
   sender_.urgent(Urgent::release, last_ticket_, now, out);
 }
 
+/// Until now the robot may have reported that it has come to its end.
+void LinesDriver::on_halted(Token token, const DriverOut& out) {
+  if (tracked_ && tracked_->token == token) tracked_.reset();
+  out.emit(Halted{token});
+}
+
+Duration LinesDriver::silence_bound() const {
+  const bool acknowledges = settings_.acknowledge && settings_.framing != Framing::delay;
+  return acknowledges ? seconds(settings_.ack_timeout_s) : kTcpSilence;
+}
+
 Result<Token> LinesDriver::stop(Now now, const DriverOut& out) {
   tracked_.reset();
+  halting_.reset();
   sender_.drop_all(fail(Errc::fenced, "the robot was stopped before it took this message", "trb release " + own_id_),
                    out);
   if (!up_) return not_connected();
@@ -103,6 +117,7 @@ void LinesDriver::on_down(Channel channel, const std::string& reason, Now, const
   if (channel != Channel::field || !up_) return;
   up_ = false;
   tracked_.reset();
+  halting_.reset();
   const bool silent = reason == "ack_timeout";
   sender_.drop_all(fail(silent ? Errc::timeout : Errc::robot_offline,
                         silent ? "the robot did not acknowledge a field in time (ack_timeout)"
@@ -142,7 +157,10 @@ void LinesDriver::take_field(std::string_view field, Now now, const DriverOut& o
 }
 
 void LinesDriver::take_confirmation(Urgent urgent, Now now, const DriverOut& out) {
-  sender_.on_urgent_done(urgent, now, out);
+  const auto confirmed = sender_.on_urgent_done(urgent, now, out);
+  if (urgent == Urgent::stop && halting_ && confirmed && *confirmed >= halting_->ticket) {
+    on_halted(std::exchange(halting_, std::nullopt)->token, out);
+  }
   if (urgent == Urgent::release && !sender_.urgent_pending()) told_to_stop_ = false;
 }
 

@@ -21,6 +21,7 @@ class LinesDriver : public Driver {
   Result<Progress> hand_over(const Handover& message, Now now, const DriverOut& out) override;
   void forget(Token token, Now now, const DriverOut& out) override;
   void halt(Token token, Now now, const DriverOut& out) override;
+  [[nodiscard]] Duration silence_bound() const override;
   Result<Token> stop(Now now, const DriverOut& out) override;
   Result<Token> release(Now now, const DriverOut& out) override;
   [[nodiscard]] bool told_to_stop() const override { return told_to_stop_; }
@@ -38,7 +39,12 @@ class LinesDriver : public Driver {
     std::string subtype;
     std::string skill;
   };
+  struct Halting {  ///< a command that is to end, until the robot confirms the stop with that ticket
+    Token token = 0;
+    Token ticket = 0;
+  };
 
+  void on_halted(Token token, const DriverOut& out);
   void read_fields(Now now, const DriverOut& out);
   void take_field(std::string_view field, Now now, const DriverOut& out);
   void take_confirmation(Urgent urgent, Now now, const DriverOut& out);
@@ -57,6 +63,7 @@ class LinesDriver : public Driver {
   bool told_to_stop_ = false;
   Token last_ticket_ = 0;
   std::optional<Tracked> tracked_;
+  std::optional<Halting> halting_;
 };
 
 }  // namespace trb::drivers

@@ -47,9 +47,9 @@ void FieldSender::drop_all(const Error& why, const DriverOut& out) {
   begin_next();
 }
 
-void FieldSender::drop_current(const Error& why, const DriverOut& out) {
+void FieldSender::drop_current(Token halted, const Error& why, const DriverOut& out) {
   if (field_ == 0 || queue_.empty()) return;
-  out.emit(Refused{queue_.front().token, why});
+  if (queue_.front().token != halted) out.emit(Refused{queue_.front().token, why});
   queued_bytes_ -= queue_.front().data.size();
   queue_.pop_front();
   begin_next();
@@ -81,10 +81,10 @@ void FieldSender::on_ok(Now now, const DriverOut& out) {
   pump(now, out);
 }
 
-void FieldSender::on_urgent_done(Urgent urgent, Now now, const DriverOut& out) {
+std::optional<Token> FieldSender::on_urgent_done(Urgent urgent, Now now, const DriverOut& out) {
   if (urgents_.empty() || !urgents_.front().written || urgents_.front().urgent != urgent) {
     out.out.count("refused.stray_confirmation");
-    return;
+    return std::nullopt;
   }
   const Token ticket = urgents_.front().ticket;
   urgents_.pop_front();
@@ -96,6 +96,7 @@ void FieldSender::on_urgent_done(Urgent urgent, Now now, const DriverOut& out) {
     out.emit(Released{ticket});
   }
   pump(now, out);
+  return ticket;
 }
 
 bool FieldSender::urgent_waits() const {

@@ -34,12 +34,13 @@ class FieldSender {
   bool remove(Token token);
   /// Everything that waits is Refused; the robot must discard an incomplete message.
   void drop_all(const Error& why, const DriverOut& out);
-  /// The message whose fields are being sent is Refused.
-  void drop_current(const Error& why, const DriverOut& out);
+  /// The message whose fields are being sent is Refused, unless it is `halted`: the robot may have it whole.
+  void drop_current(Token halted, const Error& why, const DriverOut& out);
 
   void urgent(Urgent urgent, Token ticket, Now now, const DriverOut& out);
   void on_ok(Now now, const DriverOut& out);
-  void on_urgent_done(Urgent urgent, Now now, const DriverOut& out);
+  /// The ticket that the robot has confirmed, if it was asked for that.
+  std::optional<Token> on_urgent_done(Urgent urgent, Now now, const DriverOut& out);
 
   /// Writes what is due. False: the robot has not acknowledged in time, the connection can no longer be used.
   [[nodiscard]] bool tick(Now now, const DriverOut& out);

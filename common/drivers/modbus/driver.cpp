@@ -33,7 +33,8 @@ ModbusDriver::ModbusDriver(const DriverSettings& settings, ModbusCommands comman
                    {.offline = "the robot's controller is not connected",
                     .robot = "device",
                     .answered = "the device had acknowledged",
-                    .steps = "writes"}) {
+                    .steps = "writes"}),
+      timeout_(seconds(modbus_settings(settings.commands).timeout_s)) {
   commands_ = std::move(commands.commands);
 }
 
@@ -100,6 +101,7 @@ void ModbusDriver::on_done(const Job& job, const DriverOut& out) {
     out.emit(Stopped{job.token, true});
     out.emit(FaultOver{kWouldNotStop});
   }
+  if (job.purpose == Purpose::halt) out.emit(Halted{job.token});
   if (job.purpose == Purpose::release) out.emit(Released{job.token});
   if (job.purpose != Purpose::command) return;
   out.out.count("from_robot.done");
@@ -112,6 +114,7 @@ void ModbusDriver::on_exception(const Job& job, std::uint8_t exception, const Dr
   if (job.done > 0) error.what += "; the " + std::to_string(job.done) + " writes before it were done";
   if (job.purpose == Purpose::command) return out.emit(Refused{job.token, error});
   out.refuse("robot_error", error.text());
+  if (job.purpose == Purpose::halt) out.emit(Halted{job.token, false, error.what});
   // Its requester is notified at its deadline that nothing was confirmed; all others must know at once.
   if (job.purpose != Purpose::release) {
     out.emit(FaultSaid{"", Severity::critical, "the device refused to stop: " + error.what, kWouldNotStop, false});

@@ -26,6 +26,9 @@ class ModbusDriver : public PolledDriver<std::vector<ModbusAssignment>, ModbusWr
   /// A connection alone is not enough: a hung device still accepts it.
   [[nodiscard]] bool online() const override { return up_ && heard_; }
 
+  /// An answer to each write of a halt, and to the call that is under way, or the connection is closed.
+  [[nodiscard]] Duration silence_bound() const override { return kMostCalls * timeout_; }
+
   void on_up(Channel channel, Now now, const DriverOut& out) override;
   void on_down(Channel channel, const std::string& reason, Now now, const DriverOut& out) override;
   void on_bytes(Channel channel, BytesView bytes, Now now, const DriverOut& out) override;
@@ -33,6 +36,8 @@ class ModbusDriver : public PolledDriver<std::vector<ModbusAssignment>, ModbusWr
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const override;
 
  private:
+  static constexpr int kMostCalls = 10;
+
   Result<std::vector<ModbusWrite>> fill(std::string_view subtype, BytesView data) const override;
   void pump(Now now, const DriverOut& out) override;
   [[nodiscard]] bool takes_orders() const override { return up_; }
@@ -42,6 +47,8 @@ class ModbusDriver : public PolledDriver<std::vector<ModbusAssignment>, ModbusWr
   void on_done(const Job& job, const DriverOut& out);
   void on_exception(const Job& job, std::uint8_t exception, const DriverOut& out);
   [[nodiscard]] static Error lost(const Job& job, bool under_way, const std::string& reason);
+
+  Duration timeout_;
 };
 
 }  // namespace trb::drivers

@@ -11,7 +11,6 @@ constexpr int kStateCode = 90;
 constexpr Duration kPoll = std::chrono::milliseconds(200);
 /// The program's own values are read while it has nothing else to do.
 constexpr Duration kPollProgram = std::chrono::milliseconds(500);
-constexpr Duration kServiceTime = std::chrono::seconds(2);
 /// A request that is not refused within this time is being carried out.
 constexpr Duration kRefusalTime = std::chrono::milliseconds(300);
 constexpr Duration kAnswerTime = std::chrono::seconds(5);
@@ -67,7 +66,7 @@ Status RapidDriver::may_take() const {
                 "clear the fault on the robot's panel and switch its motors on");
   }
   const bool skill_waits = std::ranges::any_of(jobs_, &Job::tracked);
-  if (skill_waits || (current_ && current_->tracked)) {
+  if (skill_waits || (current_ && current_->tracked && !current_->halted)) {
     return fail(Errc::busy, "a skill runs, and its move blocks the robot's program", "wait for its end, or stop it");
   }
   if (jobs_.size() < kMaxJobs) return Done{};
@@ -146,17 +145,29 @@ void RapidDriver::forget(Token token, Now, const DriverOut&) {
 }
 
 void RapidDriver::halt(Token token, Now now, const DriverOut& out) {
-  std::erase_if(jobs_, [&](const Job& job) { return job.token == token; });
-  if (current_ && current_->token == token) end_motion(now, out);
+  if (std::erase_if(jobs_, [&](const Job& job) { return job.token == token; }) > 0) return out.emit(Halted{token});
+  if (current_ && current_->token == token) {
+    current_->halted = true;
+    answer_by_ = now.mono + kAnswerTime;
+  }
+  end_motion(token, now, out);
 }
 
 /// The service task ends the motion; the program then answers the request that began it.
-void RapidDriver::end_motion(Now now, const DriverOut& out) {
-  current_.reset();
-  answer_by_ = now.mono + kAnswerTime;
+void RapidDriver::end_motion(Token token, Now now, const DriverOut& out) {
   if (!service_up_ || told_to_stop_) return;
   out.out.count("to_robot.stop");
-  begin_turn(true, true, now, out);
+  begin_turn(true, true, now, out, token);
+}
+
+/// The stop or release that ends only a motion is not confirmed any more.
+void RapidDriver::give_up_halt(const std::string& why, const DriverOut& out) {
+  if (turn_ && turn_->own && turn_->stop) out.emit(Halted{turn_->halts, false, why});
+}
+
+void RapidDriver::on_halted(Token token, const DriverOut& out) {
+  if (current_ && current_->halted) current_.reset();
+  out.emit(Halted{token});
 }
 
 Result<Token> RapidDriver::stop(Now now, const DriverOut& out) {
@@ -174,11 +185,12 @@ Result<Token> RapidDriver::release(Now now, const DriverOut& out) {
   return begin_turn(false, false, now, out);
 }
 
-Token RapidDriver::begin_turn(bool stop, bool own, Now now, const DriverOut& out) {
+Token RapidDriver::begin_turn(bool stop, bool own, Now now, const DriverOut& out, Token halts) {
+  give_up_halt("another stop or release took its place", out);
   const auto steps = fill(stop ? "stop" : "release", {});
   const std::size_t count = steps ? steps->size() : 0;
   const Token ticket = ++last_ticket_;
-  turn_ = Turn{stop, own, ticket, count};
+  turn_ = Turn{stop, own, ticket, count, halts};
   const RapidPurpose purpose = stop ? RapidPurpose::stop : RapidPurpose::release;
   for (std::size_t i = 0; i < count; ++i) {
     service_.urge({purpose, (*steps)[i].code, (*steps)[i].text, ticket, {}}, now, out);
@@ -271,7 +283,8 @@ void RapidDriver::check_times(Now now, const DriverOut& out) {
     lost_by_.reset();
     if (current_) {
       end_job(false, "the robot's motors went off" + (error_.empty() ? "" : ": " + error_), now, out);
-      end_motion(now, out);
+      answer_by_ = now.mono + kAnswerTime;
+      end_motion(0, now, out);
     }
   }
   if (answer_by_ && now.mono >= *answer_by_) {

@@ -33,6 +33,7 @@ class RapidDriver : public CommandsDriver<RapidCommand> {
   [[nodiscard]] bool runs(Token token) const override;
   void forget(Token token, Now now, const DriverOut& out) override;
   void halt(Token token, Now now, const DriverOut& out) override;
+  [[nodiscard]] Duration silence_bound() const override { return kServiceTime; }
   Result<Token> stop(Now now, const DriverOut& out) override;
   Result<Token> release(Now now, const DriverOut& out) override;
 
@@ -43,6 +44,9 @@ class RapidDriver : public CommandsDriver<RapidCommand> {
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const override;
 
  private:
+  /// A service task that answers nothing for so long is given up.
+  static constexpr Duration kServiceTime = std::chrono::seconds(2);
+
   struct Question {
     std::string name;
     RapidQuestion words;
@@ -58,6 +62,7 @@ class RapidDriver : public CommandsDriver<RapidCommand> {
     bool tracked = false;
     bool told_started = false;
     bool forgotten = false;
+    bool halted = false;  ///< it is to end; its answer may tell that it came to its own end before
     std::vector<Step> steps;
     std::size_t next = 0;
     std::uint64_t number = 0;
@@ -69,6 +74,7 @@ class RapidDriver : public CommandsDriver<RapidCommand> {
     bool own = false;
     Token ticket = 0;
     std::size_t unanswered = 0;
+    Token halts = 0;  ///< own: the command that is to end
   };
   struct Asked {
     std::string subtype;
@@ -81,8 +87,10 @@ class RapidDriver : public CommandsDriver<RapidCommand> {
   Result<Progress> ask_value(const Handover& message, const std::string& name, Now now, const DriverOut& out);
   void begin_next(Now now, const DriverOut& out);
   void send_step(Now now, const DriverOut& out);
-  void end_motion(Now now, const DriverOut& out);
-  Token begin_turn(bool stop, bool own, Now now, const DriverOut& out);
+  void end_motion(Token token, Now now, const DriverOut& out);
+  Token begin_turn(bool stop, bool own, Now now, const DriverOut& out, Token halts = 0);
+  void give_up_halt(const std::string& why, const DriverOut& out);
+  void on_halted(Token token, const DriverOut& out);
   void drop_all(const Error& why, const DriverOut& out);
   void poll(Now now, const DriverOut& out);
   void check_times(Now now, const DriverOut& out);

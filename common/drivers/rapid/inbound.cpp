@@ -83,7 +83,11 @@ void RapidDriver::on_step(const RapidPort::Answer& answer, Now now, const Driver
     return begin_next(now, out);
   }
   if (!answer.answer.ok) return end_job(false, reason_of(answer.answer), now, out);
-  if (++current_->next < current_->steps.size()) return send_step(now, out);
+  if (++current_->next < current_->steps.size()) {
+    if (!current_->halted) return send_step(now, out);
+    current_.reset();  // the rest of it is not begun
+    return begin_next(now, out);
+  }
   end_job(true, answer.answer.text, now, out);
 }
 
@@ -104,14 +108,17 @@ void RapidDriver::end_job(bool well, const std::string& text, Now now, const Dri
 void RapidDriver::on_turn(const RapidPort::Answer& answer, Now now, const DriverOut& out) {
   if (!turn_ || turn_->ticket != answer.ask.about) return;
   // What the robot does not confirm stays open: its requester is notified at the deadline.
-  if (!answer.answer.ok)
+  if (!answer.answer.ok) {
+    give_up_halt("the robot refuses to stop: " + reason_of(answer.answer), out);
     return out.refuse("robot_error", "the robot refuses to stop or go on: " + reason_of(answer.answer));
+  }
   if (--turn_->unanswered == 0) confirm_turn(true, now, out);
 }
 
 void RapidDriver::confirm_turn(bool by_robot, Now now, const DriverOut& out) {
   const Turn turn = *std::exchange(turn_, std::nullopt);
   if (turn.stop && turn.own) {
+    on_halted(turn.halts, out);
     begin_turn(false, true, now, out);
   } else if (turn.stop) {
     out.emit(Stopped{turn.ticket, by_robot});

@@ -9,6 +9,8 @@ namespace {
 
 /// The bridge sends its state every second.
 constexpr Duration kSilent = std::chrono::seconds(4);
+/// A value of the robot's that comes so long after a halt was published shows that the way to it was not lost.
+constexpr Duration kHaltHeard = std::chrono::milliseconds(500);
 constexpr std::ptrdiff_t kMaxPending = 64;
 constexpr std::string_view kPosition = "position";
 
@@ -125,12 +127,9 @@ void RosDriver::halt(Token token, Now now, const DriverOut& out) {
   forget(token, now, out);
   if (!up_) return;
   auto commands = fill("stop", {});
-  if (!commands || commands->empty()) {
-    return out.refuse("no_stop", "commands.json has no \"stop\" for this robot: the motion goes on");
-  }
+  if (!commands || commands->empty()) return refuse_halt(token, out);
   out.out.count("to_robot.stop");
-  // No requester waits for this stop: it has no ticket.
-  send(std::move(*commands), {Purpose::release, 0, "stop", {}, 0}, out);
+  send(std::move(*commands), {Purpose::halt, token, "stop", {}, 0}, out);
 }
 
 Result<Token> RosDriver::stop(Now, const DriverOut& out) {
@@ -174,7 +173,7 @@ void RosDriver::on_bridge(const BridgeEvent& event, Now now, const DriverOut& ou
     const Pending pending = at->second;
     return on_failed(event.token, pending, event, out);
   }
-  if (event.result == BridgeResult::done) return on_done(event.token, at->second, out);
+  if (event.result == BridgeResult::done) return on_done(event.token, at->second, now, out);
   const Pending pending = at->second;
   if (pending.purpose != Purpose::watch) pending_.erase(at);
   on_value(pending, event, now, out);
@@ -188,9 +187,12 @@ void RosDriver::on_value(const Pending& pending, const BridgeEvent& event, Now n
   if (pending.purpose != Purpose::watch) return;
   values_[pending.subtype] = RobotValue{numbers_of(event.data), event.data, now.mono};
   out.emit(ValuesHeard{});
+  if (halting_ && now.mono - halting_->at >= kHaltHeard) {
+    out.emit(Halted{std::exchange(halting_, std::nullopt)->token});
+  }
 }
 
-void RosDriver::on_done(std::uint64_t key, Pending& pending, const DriverOut& out) {
+void RosDriver::on_done(std::uint64_t key, Pending& pending, Now now, const DriverOut& out) {
   if (pending.left > 1) {
     --pending.left;
     return;
@@ -200,7 +202,8 @@ void RosDriver::on_done(std::uint64_t key, Pending& pending, const DriverOut& ou
   if (ended.purpose == Purpose::command) out.emit(HandedOver{ended.token});
   // ROS does not report that a robot stands still: the stop was only sent.
   if (ended.purpose == Purpose::stop) out.emit(Stopped{ended.token, false});
-  if (ended.purpose == Purpose::release && ended.token != 0) out.emit(Released{ended.token});
+  if (ended.purpose == Purpose::halt) halting_ = Halting{ended.token, now.mono};
+  if (ended.purpose == Purpose::release) out.emit(Released{ended.token});
 }
 
 void RosDriver::on_failed(std::uint64_t key, const Pending& pending, const BridgeEvent& event, const DriverOut& out) {
@@ -210,6 +213,7 @@ void RosDriver::on_failed(std::uint64_t key, const Pending& pending, const Bridg
     return out.emit(Refused{pending.token, error});
   }
   if (pending.purpose == Purpose::watch) questions_.find(pending.subtype)->second.watch = 0;
+  if (pending.purpose == Purpose::halt) out.emit(Halted{pending.token, false, error.what});
   // A stop or release that nothing received stays unanswered: its requester is notified at its deadline.
   out.refuse("bridge", pending.subtype + ": " + error.text());
 }
@@ -253,6 +257,7 @@ void RosDriver::unwatch(std::string_view subtype, const DriverOut& out) {
 
 void RosDriver::go_down(const std::string& reason, const DriverOut& out) {
   up_ = false;
+  halting_.reset();
   values_.clear();
   for (auto& [subtype, question] : questions_) question.watch = 0;
   for (const auto& [key, pending] : std::exchange(pending_, {})) {

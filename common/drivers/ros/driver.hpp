@@ -34,6 +34,8 @@ class RosDriver : public CommandsDriver<std::vector<RosMessage>> {
   void unwatch(std::string_view subtype, const DriverOut& out) override;
   void forget(Token token, Now now, const DriverOut& out) override;
   void halt(Token token, Now now, const DriverOut& out) override;
+  /// Within it trb-ros-bridge gives up a master that does not answer.
+  [[nodiscard]] Duration silence_bound() const override { return std::chrono::seconds(7); }
   Result<Token> stop(Now now, const DriverOut& out) override;
   Result<Token> release(Now now, const DriverOut& out) override;
 
@@ -48,10 +50,10 @@ class RosDriver : public CommandsDriver<std::vector<RosMessage>> {
     bool always = false;      ///< watched as long as ROS is available
     std::uint64_t watch = 0;  ///< the bridge's token; 0: it is not watched
   };
-  enum class Purpose : std::uint8_t { command, request, stop, release, watch };
+  enum class Purpose : std::uint8_t { command, request, halt, stop, release, watch };
   struct Pending {
     Purpose purpose{};
-    Token token = 0;       ///< the message's or the ticket
+    Token token = 0;       ///< the message's, also of the one that is halted, or the ticket
     std::string subtype;   ///< of a request or a watch
     std::string source;    ///< the requester
     std::size_t left = 0;  ///< publications that are not done yet
@@ -61,7 +63,7 @@ class RosDriver : public CommandsDriver<std::vector<RosMessage>> {
   std::uint64_t send(std::vector<BridgeCommand> commands, Pending pending, const DriverOut& out);
   std::uint64_t ask(const Question& question, BridgeAction action, Pending pending, const DriverOut& out);
   void on_value(const Pending& pending, const BridgeEvent& event, Now now, const DriverOut& out);
-  void on_done(std::uint64_t key, Pending& pending, const DriverOut& out);
+  void on_done(std::uint64_t key, Pending& pending, Now now, const DriverOut& out);
   void on_failed(std::uint64_t key, const Pending& pending, const BridgeEvent& event, const DriverOut& out);
   void watch_all(const DriverOut& out);
   void go_down(const std::string& reason, const DriverOut& out);
@@ -72,6 +74,11 @@ class RosDriver : public CommandsDriver<std::vector<RosMessage>> {
   bool up_ = false;
   std::uint64_t connection_ = 0;
   MonotonicTime heard_;  ///< when the bridge's last state was received
+  struct Halting {
+    Token token = 0;
+    MonotonicTime at;  ///< when it was published
+  };
+  std::optional<Halting> halting_;
   std::uint64_t last_key_ = 0;
   std::map<std::uint64_t, Pending> pending_;  ///< by the bridge's token
   RobotValues values_;

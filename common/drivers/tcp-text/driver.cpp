@@ -12,6 +12,8 @@ namespace {
 constexpr Duration kHung = std::chrono::seconds(3);
 /// A state read this long after a command was written is certainly newer than the command.
 constexpr Duration kStatePeriod = std::chrono::milliseconds(100);
+/// A state read this long after a halt was written comes after the last words of the program that it has ended.
+constexpr Duration kHaltShown = std::chrono::milliseconds(300);
 /// An error this shortly before a stop counts as its cause.
 constexpr Duration kSameCause = std::chrono::seconds(2);
 /// The same warning is sent to the fleet once in this time, and different ones with this pause between them.
@@ -108,16 +110,24 @@ void TcpTextDriver::forget(Token token, Now, const DriverOut& out) {
 }
 
 void TcpTextDriver::halt(Token token, Now now, const DriverOut& out) {
-  if (track_.drop(token, out) || !command_up_) return;
-  if (stop_text_.empty()) {
-    return out.refuse("no_stop", "commands.json has no \"stop\" for this robot: the motion goes on");
-  }
+  if (track_.halt(token)) return out.emit(Halted{token});
+  if (!command_up_) return;
+  if (stop_text_.empty()) return refuse_halt(token, out);
   out.out.count("to_robot.stop");
   write_line(stop_text_, now, out);
+  halting_ = Halting{token, now.mono};
+}
+
+void TcpTextDriver::look_at_halt(Now now, const DriverOut& out) {
+  if (!halting_ || program_running_ || now.mono - halting_->at < kHaltShown) return;
+  const Token token = std::exchange(halting_, std::nullopt)->token;
+  track_.drop(token, out);
+  out.emit(Halted{token});
 }
 
 Result<Token> TcpTextDriver::stop(Now now, const DriverOut& out) {
   const bool was_idle = surely_idle() && now.mono - last_state_ < kHung;
+  halting_.reset();
   track_.drop_all(fail(Errc::fenced, "the robot was stopped before it took this message", "trb release " + own_id_),
                   out);
   if (!command_up_) return fail(Errc::robot_offline, "the robot's controller is not connected");
@@ -172,6 +182,7 @@ void TcpTextDriver::on_down(Channel channel, const std::string& reason, Now, con
   if (channel == Channel::data) data_up_ = false;
   if (!monitor_up_) safety_ = kUrSafetyNormal;  // after a reconnection every fault is reported again
   if (!before || online()) return;
+  halting_.reset();
   track_.drop_all(fail(Errc::robot_offline, "the connection to the robot's controller was lost: " + reason,
                        "look at its power and network"),
                   out);
@@ -235,6 +246,7 @@ void TcpTextDriver::on_state(const UrState& state, Now now, const DriverOut& out
   if (!before && online()) out.emit(LinkUp{});
   report_safety(state.safety, now, out);
   if (const auto why = disabled(now)) track_.on_disabled(*why, out);
+  look_at_halt(now, out);
   if (surely_idle()) confirm_stop(out);
   out.emit(ValuesHeard{});
 }

@@ -44,8 +44,14 @@ class TcpTextDriver : public CommandsDriver<TcpCommand> {
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const override;
 
  private:
+  struct Halting {
+    Token token = 0;
+    MonotonicTime at;  ///< when it was written
+  };
+
   Status submit_program(const Handover& message, std::string_view lines, const DriverOut& out);
   void write_line(std::string_view text, Now now, const DriverOut& out);
+  void look_at_halt(Now now, const DriverOut& out);
   void on_event(const UrEvent& event, Now now, const DriverOut& out);
   void on_state(const UrState& state, Now now, const DriverOut& out);
   void remember_state(const UrState& state, Now now);
@@ -86,6 +92,7 @@ class TcpTextDriver : public CommandsDriver<TcpCommand> {
   MonotonicTime last_write_;
   std::uint64_t programs_ = 0;
   std::optional<Token> stop_waits_;
+  std::optional<Halting> halting_;
   RobotValues values_;
   ProgramTrack track_;
   UrMonitor monitor_;

@@ -84,11 +84,12 @@ void ProgramTrack::on_disabled(const Error& why, const DriverOut& out) {
   drop_all(why, out);
 }
 
+bool ProgramTrack::halt(Token token) {
+  return std::erase_if(waiting_, [&](const Program& program) { return program.token == token; }) > 0;
+}
+
 bool ProgramTrack::drop(Token token, const DriverOut& out) {
-  const auto found =
-      std::find_if(waiting_.begin(), waiting_.end(), [&](const Program& program) { return program.token == token; });
-  const bool only_waited = found != waiting_.end();
-  if (only_waited) waiting_.erase(found);
+  const bool only_waited = halt(token);
   if (running_ && running_->program.token == token) running_.reset();
   if (sent_ && sent_->token == token) {
     sent_.reset();

@@ -42,6 +42,8 @@ class ProgramTrack {
 
   /// True if it had not been sent yet: then there is nothing to stop.
   bool drop(Token token, const DriverOut& out);
+  /// True if it had not been sent yet. Else its end is still reported, because it may come before the halt.
+  bool halt(Token token);
   /// Waiting programs and the one that was sent are Refused; the running one is forgotten.
   void drop_all(const Error& why, const DriverOut& out);
 

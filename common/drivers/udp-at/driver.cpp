@@ -10,8 +10,6 @@ namespace {
 
 /// The drone needs a command at least every 50 ms.
 constexpr Duration kCommandPeriod = std::chrono::milliseconds(30);
-/// After this long without a command the drone considers its link lost; after this long without navdata the node does.
-constexpr Duration kLost = std::chrono::seconds(2);
 constexpr Duration kWakePeriod = std::chrono::seconds(1);
 constexpr Duration kDemoPeriod = std::chrono::milliseconds(500);
 constexpr Duration kYounger = std::chrono::milliseconds(100);
@@ -119,6 +117,8 @@ void AtDriver::halt(Token token, Now now, const DriverOut& out) {
   if (!online_) return;
   out.out.count("to_robot.stop");
   flight_.stop(drone_, stop_lands_);
+  halting_ = token;
+  stopped_at_ = now.mono;
   write(now, out);
 }
 
@@ -128,6 +128,7 @@ Result<Token> AtDriver::stop(Now now, const DriverOut& out) {
   if (!online_) return offline();
   if (!commands_.contains("stop")) return fail(Errc::unknown_subtype, "commands.json has no \"stop\" for this robot");
   told_to_stop_ = true;
+  halting_.reset();
   out.out.count("to_robot.stop");
   flight_.stop(drone_, stop_lands_);
   stop_waits_ = ++last_ticket_;
@@ -137,9 +138,9 @@ Result<Token> AtDriver::stop(Now now, const DriverOut& out) {
 }
 
 void AtDriver::confirm_stop(Now now, const DriverOut& out) {
-  if (!stop_waits_ || now.mono - stopped_at_ < kYounger || !at_stands(drone_)) return;
-  out.emit(Stopped{*stop_waits_, true});
-  stop_waits_.reset();
+  if (now.mono - stopped_at_ < kYounger || !at_stands(drone_)) return;
+  if (halting_) out.emit(Halted{*std::exchange(halting_, std::nullopt)});
+  if (stop_waits_) out.emit(Stopped{*std::exchange(stop_waits_, std::nullopt), true});
 }
 
 Result<Token> AtDriver::release(Now, const DriverOut& out) {
@@ -222,6 +223,7 @@ void AtDriver::go_down(const std::string& reason, const DriverOut& out) {
   if (!std::exchange(online_, false)) return;
   flight_.lose(reason, out);
   stop_waits_.reset();
+  halting_.reset();
   // From now on nothing is sent: the drone's own watchdog makes it hover, then land.
   const bool in_air = drone_.has(kArFlying);
   out.emit(FaultSaid{"", in_air ? Severity::critical : Severity::warning,

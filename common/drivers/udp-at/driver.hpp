@@ -25,6 +25,7 @@ class AtDriver : public CommandsDriver<std::vector<AtLine>> {
   [[nodiscard]] bool runs(Token token) const override { return flight_.runs(token); }
   void forget(Token token, Now now, const DriverOut& out) override;
   void halt(Token token, Now now, const DriverOut& out) override;
+  [[nodiscard]] Duration silence_bound() const override { return kLost; }
   Result<Token> stop(Now now, const DriverOut& out) override;
   Result<Token> release(Now now, const DriverOut& out) override;
 
@@ -35,6 +36,10 @@ class AtDriver : public CommandsDriver<std::vector<AtLine>> {
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const override;
 
  private:
+  /// After this long without a command the drone considers its link lost; after this long without navdata the node
+  /// does.
+  static constexpr Duration kLost = std::chrono::seconds(2);
+
   [[nodiscard]] Status check_state(const std::vector<AtOrder>& orders) const;
   Result<bool> begin(const Handover& message, const std::vector<AtOrder>& orders, Now now, const DriverOut& out);
   void on_navdata(const ArNavdata& drone, Now now, const DriverOut& out);
@@ -64,8 +69,9 @@ class AtDriver : public CommandsDriver<std::vector<AtLine>> {
   bool watchdog_due_ = false;
   std::optional<MonotonicTime> bitten_;  ///< since when its watchdog's bit is set
   std::optional<Token> stop_waits_;
-  MonotonicTime stopped_at_;
-  std::vector<AtCall> calls_;  ///< for the next datagram
+  std::optional<Token> halting_;  ///< the command that is to end
+  MonotonicTime stopped_at_;      ///< when one of them was sent
+  std::vector<AtCall> calls_;     ///< for the next datagram
   AtFlight flight_;
   AtConfigs configs_;
   RobotValues values_;

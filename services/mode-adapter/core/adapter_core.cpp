@@ -147,6 +147,7 @@ void ModeAdapterCore::on_event(Driver& mode, const DriverEvent& event, Now now, 
                  [&](const Ended& ended) {
                    if (desk_.owns(ended.token)) desk_.on_ended(ended, now, out);
                  },
+                 [&](const Halted& halted) { desk_.on_halted(halted, now, out); },
                  [&](const Refused& refused) {
                    if (desk_.owns(refused.token)) return desk_.on_refused(refused.error, now, out);
                    if (hand_.owns(refused.token)) return hand_.on_refused(refused, now, out);
@@ -156,7 +157,10 @@ void ModeAdapterCore::on_event(Driver& mode, const DriverEvent& event, Now now, 
                  [&](const FaultSaid& fault) { faults_.on_fault(fault, now, out); },
                  [&](const FaultOver& over) { faults_.on_over(over, now, out); },
                  [&](const ValuesHeard&) { on_values(mode, now, out); },
-                 [&](const Stopped& stopped) { stops_.on_stopped(&mode, stopped, out); },
+                 [&](const Stopped& stopped) {
+                   desk_.on_stopped(&mode);
+                   stops_.on_stopped(&mode, stopped, out);
+                 },
                  [&](const Released& released) { stops_.on_released(&mode, released, out); },
                  [&](const LinkUp&) { on_link_up(mode, now, out); },
                  [&](const LinkDown& down) { on_link_down(mode, down.reason, now, out); },
@@ -189,6 +193,7 @@ void ModeAdapterCore::on_link_up(Driver& mode, Now now, Outbox& out) {
   out.count("from_robot.ready");
   if (&mode == &robot_.primary()) status_.on_up();
   stops_.on_link_up(mode, now, out);
+  desk_.on_link_up(mode, stops_.fenced(), now, out);
   hand_.on_link_up(mode, now, out);
 }
 

@@ -18,6 +18,13 @@ constexpr std::string_view kJoints = "joints";
 /// A monitor's state that is read this long after the command's start certainly belongs to it.
 constexpr Duration kStatePeriod = std::chrono::milliseconds(100);
 
+/// What was on its way when the link broke may still be heard after the halt was written, and delay the silence.
+constexpr Duration kOnItsWay = std::chrono::seconds(1);
+
+MonotonicTime has_halt_at(const Driver& mode, Now now) {
+  return now.mono + mode.silence_bound() + kOnItsWay;
+}
+
 /// The robot's result as JSON text.
 std::string as_json(const std::string& text) {
   if (text.empty() || parse_json(text)) return text;
@@ -73,6 +80,7 @@ bool SkillDesk::answer_known(const Inbound& message, const AttemptKey& key, Outb
 
 std::optional<Error> SkillDesk::refusal(const Execute& order) {
   if (running_) return fail(Errc::busy, "the robot carries out '" + running_->skill->name + "'", "wait for its end");
+  if (busy()) return fail(Errc::busy, "the robot is halted: it may still do what was ended", "wait a moment");
   if (!outcomes_.make_room())
     return fail(Errc::busy, "too many outcomes wait to be journaled", "look at the scheduler");
   const Skill* skill = robot_.settings.description.find_skill(order.skill);
@@ -120,7 +128,8 @@ Status SkillDesk::hand_over(const Execute& order, const Skill& skill, Now now, O
                      token,     &mode,
                      now.mono,  now.mono + seconds(std::min(timeout_s, 1e8)),
                      timeout_s, std::move(call->target),
-                     {}};
+                     {},        {}};
+  owed_.reset();
   if (*progress == Progress::handed_over) on_under_way(now);
   return Done{};
 }
@@ -131,8 +140,7 @@ void SkillDesk::cancel(const Inbound& message, const CancelExecution& order, Now
   }
   const std::string reason = "cancelled: " + order.reason;
   if (running_ && running_->key == order.key) {
-    halt(now, out);
-    end(TaskOutcome::failed, reason, {}, now, out);
+    halt(reason, now, out);
   } else if (outcomes_.find(order.key) == nullptr) {
     if (!outcomes_.make_room()) {
       return out.nack(message, fail(Errc::busy, "too many outcomes wait to be journaled", "look at the scheduler"));
@@ -152,7 +160,9 @@ void SkillDesk::on_under_way(Now now) {
 }
 
 void SkillDesk::on_ended(const Ended& ended, Now now, Outbox& out) {
-  if (!ended.well) return end(TaskOutcome::failed, ended.text, {}, now, out);
+  if (!ended.well) {
+    return end(TaskOutcome::failed, running_->halting ? running_->halting->reason : ended.text, {}, now, out);
+  }
   // A robot's `done` counts as the end only where the description says so: "arrived" may come before the position.
   if (running_->skill->end.kind == EndKind::acknowledgement) {
     end(TaskOutcome::finished, {}, as_json(ended.text), now, out);
@@ -161,13 +171,27 @@ void SkillDesk::on_ended(const Ended& ended, Now now, Outbox& out) {
 
 void SkillDesk::on_refused(const Error& error, Now now, Outbox& out) {
   const bool nobody_knows = error.code == Errc::robot_offline || error.code == Errc::timeout;
-  end(nobody_knows ? TaskOutcome::interrupted : TaskOutcome::failed, error.what, {}, now, out);
+  if (nobody_knows) return interrupt(error.what, now, out);
+  end(TaskOutcome::failed, running_->halting ? running_->halting->reason : error.what, {}, now, out);
+}
+
+void SkillDesk::on_halted(const Halted& halted, Now now, Outbox& out) {
+  if (owed_ && owed_->token == halted.token) owed_.reset();
+  if (!owns(halted.token) || !running_->halting) return;
+  if (!halted.well) return interrupt(halted.text, now, out);
+  end(TaskOutcome::failed, running_->halting->reason, {}, now, out);
+}
+
+bool SkillDesk::ends_by_value() const {
+  if (!running_->under_way_at) return false;
+  const EndKind kind = running_->skill->end.kind;
+  // A robot that is halted may well come to the state of one that is done.
+  return kind == EndKind::position || (kind == EndKind::state && !running_->halting);
 }
 
 void SkillDesk::on_values(const Driver* mode, Now now, Outbox& out) {
-  if (!running_ || running_->mode != mode || !running_->under_way_at) return;
+  if (!running_ || running_->mode != mode || !ends_by_value()) return;
   const SkillEnd& wanted = running_->skill->end;
-  if (wanted.kind != EndKind::position && wanted.kind != EndKind::state) return;
   std::string_view name = wanted.state;
   if (name.empty()) name = mode->value(kPosition) != nullptr ? kPosition : kJoints;
   const RobotValue* value = mode->value(name);
@@ -176,9 +200,7 @@ void SkillDesk::on_values(const Driver* mode, Now now, Outbox& out) {
 }
 
 void SkillDesk::on_information(const Driver* mode, std::string_view subtype, BytesView data, Now now, Outbox& out) {
-  if (!running_ || running_->mode != mode || !running_->under_way_at) return;
-  const EndKind kind = running_->skill->end.kind;
-  if (kind != EndKind::state && kind != EndKind::position) return;
+  if (!running_ || running_->mode != mode || !ends_by_value()) return;
   const auto numbers = read_numbers(data);
   if (numbers) look_at(subtype, *numbers, now, out);
 }
@@ -210,26 +232,48 @@ bool SkillDesk::reached(std::string_view name, const std::vector<double>& number
 void SkillDesk::on_fault(std::string_view capability, Severity severity, const std::string& text, Now now,
                          Outbox& out) {
   if (!running_ || severity < Severity::critical || running_->skill->capability != capability) return;
-  if (!ends_unseen(running_->skill->end)) return;
-  halt(now, out);
-  end(TaskOutcome::failed, text, {}, now, out);
+  if (ends_unseen(running_->skill->end)) halt(text, now, out);
+}
+
+void SkillDesk::on_link_up(Driver& mode, bool fenced, Now now, Outbox& out) {
+  if (!owed_ || owed_->mode != &mode || fenced) return;
+  owed_->until = has_halt_at(mode, now);
+  mode.halt(owed_->token, now, robot_.to(mode, out));
 }
 
 void SkillDesk::on_link_down(const Driver* mode, const std::string& reason, Now now, Outbox& out) {
   if (running_ && running_->mode == mode) interrupt("the robot's connection was lost: " + reason, now, out);
+  if (owed_ && owed_->mode == mode) owed_->until.reset();
+}
+
+void SkillDesk::on_stopped(const Driver* mode) {
+  if (owed_ && owed_->mode == mode) owed_.reset();
 }
 
 void SkillDesk::interrupt(const std::string& reason, Now now, Outbox& out) {
-  if (running_) end(TaskOutcome::interrupted, reason, {}, now, out);
+  if (!running_) return;
+  if (!running_->halting) return end(TaskOutcome::interrupted, reason, {}, now, out);
+  owed_ = Owed{running_->mode, running_->token};
+  end(TaskOutcome::interrupted,
+      running_->halting->reason + ", and nobody knows whether the robot was halted: " + reason, {}, now, out);
 }
 
 std::optional<MonotonicTime> SkillDesk::timed_end() const {
-  if (!running_ || !running_->under_way_at || running_->skill->end.kind != EndKind::time) return std::nullopt;
+  if (!running_ || running_->halting || !running_->under_way_at) return std::nullopt;
+  if (running_->skill->end.kind != EndKind::time) return std::nullopt;
   return *running_->under_way_at + seconds(running_->skill->end.duration_s);
 }
 
-void SkillDesk::halt(Now now, Outbox& out) {
-  running_->mode->halt(running_->token, now, robot_.to(*running_->mode, out));
+void SkillDesk::halt(const std::string& reason, Now now, Outbox& out) {
+  if (running_->halting) return;
+  Driver& mode = *running_->mode;
+  running_->halting = Halting{reason, has_halt_at(mode, now)};
+  mode.halt(running_->token, now, robot_.to(mode, out));
+}
+
+std::optional<MonotonicTime> SkillDesk::limit() const {
+  if (running_) return running_->halting ? running_->halting->until : running_->deadline;
+  return owed_ ? owed_->until : std::nullopt;
 }
 
 void SkillDesk::end(TaskOutcome outcome, const std::string& reason, std::string data, Now now, Outbox& out) {
@@ -248,17 +292,18 @@ void SkillDesk::keep(Outcome outcome, Now now, Outbox& out) {
 
 void SkillDesk::tick(Now now, Outbox& out) {
   if (const auto timed = timed_end(); timed && now.mono >= *timed) end(TaskOutcome::finished, {}, {}, now, out);
-  if (running_ && now.mono >= running_->deadline) {
-    const std::string reason = "timed out after " + number_text(running_->timeout_s) + " s";
-    halt(now, out);
-    end(TaskOutcome::failed, reason, {}, now, out);
-  }
+  if (const auto at = limit(); at && now.mono >= *at) on_limit(now, out);
   outcomes_.resend(now, [&](const Outcome& outcome) { out.information(robot_.settings.id, outcome); });
 }
 
+void SkillDesk::on_limit(Now now, Outbox& out) {
+  if (!running_) return owed_.reset();
+  if (running_->halting) return end(TaskOutcome::failed, running_->halting->reason, {}, now, out);
+  halt("timed out after " + number_text(running_->timeout_s) + " s", now, out);
+}
+
 std::optional<MonotonicTime> SkillDesk::next_deadline() const {
-  const auto limit = running_ ? std::optional(running_->deadline) : std::nullopt;
-  return earlier(earlier(limit, timed_end()), outcomes_.next_deadline());
+  return earlier(earlier(limit(), timed_end()), outcomes_.next_deadline());
 }
 
 }  // namespace trb::adapter

@@ -6,11 +6,25 @@
 
 namespace trb::adapter {
 
-/// message          | unknown attempt                     | running            | ended
-/// -----------------|-------------------------------------|--------------------|--------
-/// Execute          | begins; Nack; or failed at once     | "running"          | its Outcome
-/// CancelExecution  | failed, so that it never begins     | halted, failed     | its Outcome
-/// ExecutionQuery   | "unknown"                           | "running"          | its Outcome
+/// message          | unknown attempt                     | running            | halting    | ended
+/// -----------------|-------------------------------------|--------------------|------------|------------
+/// Execute          | begins; Nack; or failed at once     | "running"          | "running"  | its Outcome
+/// CancelExecution  | failed, so that it never begins     | halting, "running" | "running"  | its Outcome
+/// ExecutionQuery   | "unknown"                           | "running"          | "running"  | its Outcome
+///
+/// event                                   | running                      | halting
+/// ----------------------------------------|------------------------------|---------------------------------------
+/// its time-out; a fault that ends it      | halting                      | -
+/// its end is reported; its place is seen  | finished, failed             | the same: it came before the halt
+/// a state or a time that ends it          | finished, failed             | -: the halt may have brought it about
+/// the robot has the halt                  | -                            | failed
+/// silence_bound() and 1 s have passed     | -                            | failed: a lost link would have shown
+/// the robot refuses the halt              | -                            | interrupted: nobody knows
+/// a stop; the link is lost                | interrupted: nobody knows    | interrupted, and the halt is owed
+///
+/// A halt that is owed is given again at the mode's LinkUp, unless the robot is fenced. Until it is confirmed, or as
+/// long as above, nothing begins. A confirmed stop pays it, too. The process does not outlive its debt: to the
+/// scheduler the attempt is interrupted either way.
 class SkillDesk {
  public:
   explicit SkillDesk(RobotSide& robot) : robot_(robot) {}
@@ -21,26 +35,39 @@ class SkillDesk {
   void query(const Inbound& message, const ExecutionQuery& query, Outbox& out);
   void journaled(const OutcomeJournaled& outcome) { outcomes_.acknowledge(outcome.key); }
 
-  [[nodiscard]] bool busy() const { return running_.has_value(); }
+  /// A skill runs or is halted, or the robot is told what it may have missed.
+  [[nodiscard]] bool busy() const { return running_ || (owed_ && owed_->until); }
   [[nodiscard]] bool owns(Token token) const { return running_ && running_->token == token; }
 
   /// The robot has received the command.
   void on_under_way(Now now);
   void on_ended(const Ended& ended, Now now, Outbox& out);
   void on_refused(const Error& error, Now now, Outbox& out);
+  void on_halted(const Halted& halted, Now now, Outbox& out);
   void on_values(const Driver* mode, Now now, Outbox& out);
   /// Information from the robot to its own node may be the state or position that ends a skill.
   void on_information(const Driver* mode, std::string_view subtype, BytesView data, Now now, Outbox& out);
-  /// A fault that takes the running skill's capability away: if no other event would end the skill, it is halted and
-  /// has failed.
+  /// A fault that takes the running skill's capability away: if no other event would end the skill, it is halted.
   void on_fault(std::string_view capability, Severity severity, const std::string& text, Now now, Outbox& out);
+  void on_link_up(Driver& mode, bool fenced, Now now, Outbox& out);
   void on_link_down(const Driver* mode, const std::string& reason, Now now, Outbox& out);
+  /// The robot has confirmed a stop.
+  void on_stopped(const Driver* mode);
   void interrupt(const std::string& reason, Now now, Outbox& out);
 
   void tick(Now now, Outbox& out);
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const;
 
  private:
+  struct Halting {
+    std::string reason;   ///< why it is halted
+    MonotonicTime until;  ///< then the robot has the halt, if its link is not known to be lost
+  };
+  struct Owed {  ///< a halt that may have been lost
+    Driver* mode = nullptr;
+    Token token = 0;
+    std::optional<MonotonicTime> until{};  ///< as above; none: it is not given again yet
+  };
   struct Running {
     AttemptKey key;
     const Skill* skill = nullptr;
@@ -51,6 +78,7 @@ class SkillDesk {
     double timeout_s = 0;
     std::vector<double> target;
     std::optional<MonotonicTime> under_way_at;
+    std::optional<Halting> halting{};
   };
 
   bool answer_known(const Inbound& message, const AttemptKey& key, Outbox& out);
@@ -59,13 +87,18 @@ class SkillDesk {
   Status hand_over(const Execute& order, const Skill& skill, Now now, Outbox& out);
   void look_at(std::string_view name, const std::vector<double>& numbers, Now now, Outbox& out);
   [[nodiscard]] bool reached(std::string_view name, const std::vector<double>& numbers) const;
+  /// Does a value of the robot's show its end now?
+  [[nodiscard]] bool ends_by_value() const;
   [[nodiscard]] std::optional<MonotonicTime> timed_end() const;
-  void halt(Now now, Outbox& out);
+  [[nodiscard]] std::optional<MonotonicTime> limit() const;
+  void halt(const std::string& reason, Now now, Outbox& out);
+  void on_limit(Now now, Outbox& out);
   void end(TaskOutcome outcome, const std::string& reason, std::string data, Now now, Outbox& out);
   void keep(Outcome outcome, Now now, Outbox& out);
 
   RobotSide& robot_;
   std::optional<Running> running_;
+  std::optional<Owed> owed_;
   Outcomes outcomes_;
 };
 

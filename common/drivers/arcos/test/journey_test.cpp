@@ -165,3 +165,24 @@ TEST_CASE("a robot that vanishes on its way: nobody knows whether it arrives, an
   fixture.live(1);
   CHECK(fixture.order().empty());
 }
+
+TEST_CASE("a goto is halted once the wheels stand; if the robot falls silent before, it is halted when it is back") {
+  for (const bool silent : {false, true}) {
+    PioneerFixture fixture;
+    fixture.connect();
+    const Execute drive = adapter::order("go_to", R"({"place":"dock"})");
+    fixture.deliver(MessageType::command, drive, "pioneer1");
+    fixture.robot.speed = 300;
+    fixture.live(0.2);
+    fixture.deliver(MessageType::command, CancelExecution{drive.key, "enough"}, "pioneer1");
+    fixture.live(0.3);
+    CHECK(fixture.told<Outcome>().empty());
+    if (silent) fixture.wait(3.1);
+    fixture.robot.speed = 0;
+    if (!silent) fixture.live(0.2);
+    CHECK(fixture.one<Outcome>().outcome == (silent ? TaskOutcome::interrupted : TaskOutcome::failed));
+    const auto before = fixture.counted("to_robot.stop");
+    if (silent) fixture.connect();
+    CHECK(fixture.counted("to_robot.stop") == before + (silent ? 1 : 0));
+  }
+}

@@ -95,7 +95,7 @@ TEST_CASE("while a stop is open nothing begins") {
   CHECK(fixture.sent() == "READY=FALSE ");
 }
 
-TEST_CASE("what is halted while it runs is to be stopped; what is not yet taken is withdrawn") {
+TEST_CASE("what is halted is to be stopped if the program may have it, and is withdrawn; else it is only withdrawn") {
   JobsFixture moving;
   CHECK(moving.add(1));
   moving.written();
@@ -104,8 +104,12 @@ TEST_CASE("what is halted while it runs is to be stopped; what is not yet taken 
   FieldFixture offered;
   offered.offer(1);
   offered.sent();
-  CHECK_FALSE(offered.jobs.halt(1, offered.now, offered.out));
+  CHECK(offered.jobs.halt(1, offered.now, offered.out));
   CHECK(offered.sent() == "TRB_COMMAND=FALSE ");
+  FieldFixture writing;
+  CHECK(writing.jobs.add({1, MessageType::command, "wave", "operator", "1", ""}, writing.now, writing.out));
+  CHECK_FALSE(writing.jobs.halt(1, writing.now, writing.out));
+  CHECK_FALSE(writing.jobs.runs(1));
 }
 
 TEST_CASE("a chunk waits until the program has taken the one before") {

@@ -44,15 +44,19 @@ TEST_CASE("a release lets commands go on, and the robot is no longer told to sto
   CHECK_FALSE(fixture.turns.told_to_stop());
 }
 
-TEST_CASE("a motion is ended by a stop and a release of its own, of which nobody is told") {
+TEST_CASE("a motion is ended by a stop and a release of its own, and its halt is told between them") {
   TurnsFixture fixture;
-  fixture.turns.end_motion(fixture.now, fixture.out);
+  fixture.turns.end_motion(1, fixture.now, fixture.out);
   fixture.turns.on_written(fixture.answer("TRUE"), fixture.now, fixture.out);
   CHECK_FALSE(fixture.turns.on_stopped(true, fixture.now, fixture.out));
   CHECK(fixture.sent() == "TRB_STOP=FALSE ");
   fixture.turns.on_written(fixture.answer("FALSE"), fixture.now, fixture.out);
   CHECK(fixture.turns.on_stopped(false, fixture.now, fixture.out));
   CHECK_FALSE(fixture.turns.told_to_stop());
+  const auto halted = fixture.told<Halted>();
+  REQUIRE(halted.size() == 1);
+  CHECK(halted[0].token == 1);
+  CHECK(halted[0].well);
   CHECK(fixture.events.empty());
 }
 

@@ -296,3 +296,31 @@ TEST_CASE("http: a way that needs what no answer has told yet is refused, and no
   fixture.command("again", "");
   CHECK(fixture.serve() == "DELETE /queue/7");
 }
+
+TEST_CASE("http: a skill is halted once the robot has answered that; if it refuses, nobody knows") {
+  for (const int status : {200, 503}) {
+    OnlineMir fixture;
+    const Execute drive = order("drive", R"({"mission": "dock"})");
+    fixture.deliver(MessageType::command, drive, "mir");
+    fixture.serve();
+    fixture.deliver(MessageType::command, CancelExecution{drive.key, "enough"}, "mir");
+    CHECK(fixture.asked() == R"(PUT /status {"state_id": 4})");
+    CHECK(fixture.told<Outcome>().empty());
+    fixture.answer_with(status, "{}");
+    CHECK(fixture.one<Outcome>().outcome == (status == 200 ? TaskOutcome::failed : TaskOutcome::interrupted));
+  }
+}
+
+TEST_CASE("http: a robot that is away before it has answered the halt is halted when it is back") {
+  OnlineMir fixture;
+  const Execute drive = order("drive", R"({"mission": "dock"})");
+  fixture.deliver(MessageType::command, drive, "mir");
+  fixture.serve();
+  fixture.deliver(MessageType::command, CancelExecution{drive.key, "enough"}, "mir");
+  CHECK(fixture.asked() == R"(PUT /status {"state_id": 4})");
+  fixture.down(Channel::command, "no route to host");
+  fixture.wait(1.1);
+  CHECK(fixture.one<Outcome>().outcome == TaskOutcome::interrupted);
+  fixture.up(Channel::command);
+  CHECK(fixture.serve().starts_with(R"(PUT /status {"state_id": 4})"));
+}

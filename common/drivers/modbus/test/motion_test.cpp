@@ -145,3 +145,34 @@ TEST_CASE("modbus: a skill that times out is stopped without a fence") {
   CHECK(fixture.memory[{ModbusKind::coil, 0}] == 0);
   CHECK(fixture.answer(fixture.command("set_speed", "0.5")).find("fenced") == std::string::npos);
 }
+
+TEST_CASE("modbus: a skill is halted once the device has acknowledged it; if it refuses, nobody knows") {
+  for (const std::uint8_t exception : {0, 4}) {
+    OnlinePlc fixture;
+    const Execute run = order("run", R"({"speed": 0.5})");
+    fixture.deliver(MessageType::command, run, "conveyor");
+    fixture.serve();
+    fixture.deliver(MessageType::command, CancelExecution{run.key, "enough"}, "conveyor");
+    CHECK(fixture.asked() == "write coil 0 0");
+    CHECK(fixture.told<Outcome>().empty());
+    fixture.answer_call(exception);
+    const auto outcome = fixture.one<Outcome>();
+    CHECK(outcome.outcome == (exception == 0 ? TaskOutcome::failed : TaskOutcome::interrupted));
+    CHECK(outcome.reason.starts_with("cancelled: enough"));
+  }
+}
+
+TEST_CASE("modbus: a halt whose answer is lost with the connection is written again before anything else") {
+  OnlinePlc fixture;
+  const Execute run = order("run", R"({"speed": 0.5})");
+  fixture.deliver(MessageType::command, run, "conveyor");
+  fixture.serve();
+  fixture.deliver(MessageType::command, CancelExecution{run.key, "enough"}, "conveyor");
+  CHECK(fixture.asked() == "write coil 0 0");
+  fixture.down(Channel::command, "no answer in time");
+  CHECK(fixture.one<Outcome>().outcome == TaskOutcome::interrupted);
+  fixture.up(Channel::command);
+  CHECK(fixture.serve() == "coil 0 0");
+  CHECK(fixture.answer(fixture.deliver(MessageType::command, order("run", R"({"speed": 0.5})", 2), "conveyor")) ==
+        "running");
+}

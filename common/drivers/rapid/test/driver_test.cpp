@@ -206,6 +206,48 @@ TEST_CASE("a skill that takes too long: its motion is ended, and its answer is l
   CHECK(fixture.counted("refused.late_answer") == 1);
 }
 
+TEST_CASE("a move that came to its end before the service task has confirmed its halt has finished") {
+  RapidFixture fixture;
+  fixture.confirms = false;
+  fixture.deliver(MessageType::request, order("home", ""), "abb");
+  fixture.live(1);
+  fixture.deliver(MessageType::command, CancelExecution{attempt(), "enough"}, "abb");
+  fixture.live(0.1);
+  CHECK(fixture.turns == "91 #");
+  CHECK(fixture.told<Outcome>().empty());
+  fixture.program("2 1#");
+  CHECK(fixture.one<Outcome>().outcome == TaskOutcome::finished);
+}
+
+TEST_CASE("a service task that refuses a halt: nobody knows") {
+  RapidFixture fixture;
+  fixture.confirms = false;
+  fixture.deliver(MessageType::request, order("home", ""), "abb");
+  fixture.live(1);
+  fixture.deliver(MessageType::command, CancelExecution{attempt(), "enough"}, "abb");
+  fixture.live(0.1);
+  fixture.service("91 0 not now#");
+  CHECK(fixture.one<Outcome>().outcome == TaskOutcome::interrupted);
+}
+
+TEST_CASE("a halt that is lost with the connection is given again before all else") {
+  RapidFixture fixture;
+  fixture.confirms = false;
+  fixture.deliver(MessageType::request, order("home", ""), "abb");
+  fixture.live(1);
+  fixture.deliver(MessageType::command, CancelExecution{attempt(), "enough"}, "abb");
+  fixture.live(2.1);
+  CHECK(fixture.one<Outcome>().outcome == TaskOutcome::interrupted);
+  fixture.turns.clear();
+  fixture.confirms = true;
+  fixture.up(Channel::monitor);
+  fixture.down(Channel::command, "gone");
+  fixture.up(Channel::command);
+  fixture.live(0.1);
+  CHECK(fixture.turns == "91 #92 #");
+  CHECK(fixture.answer(fixture.deliver(MessageType::command, order("home", "", 2), "abb")) == "running");
+}
+
 TEST_CASE("a program that never answers the move that was ended is dialled again") {
   RapidFixture fixture;
   fixture.deliver(MessageType::request, order("home", ""), "abb");

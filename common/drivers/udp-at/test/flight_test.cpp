@@ -213,11 +213,26 @@ TEST_CASE("a drone that does not take off: said after 3 s, and it is not left to
   CHECK(fixture.last("REF") == kRefGround);
 }
 
+TEST_CASE("a drone that is not heard any more after it was cancelled: nobody knows, and it hovers once it is back") {
+  DroneFixture fixture(kHovering);
+  fixture.execute("hover", R"({"duration": 30})");
+  fixture.deliver(MessageType::command, CancelExecution{attempt(), "the run is aborted"}, "drone");
+  CHECK(fixture.told<Outcome>().empty());
+  fixture.wait(2.1);
+  CHECK(fixture.one<Outcome>().outcome == TaskOutcome::interrupted);
+  const auto before = fixture.counted("to_robot.stop");
+  fixture.live(0.3, kHovering);
+  CHECK(fixture.counted("to_robot.stop") == before + 1);
+  CHECK(fixture.core.idle());
+}
+
 TEST_CASE("a skill that times out or is cancelled stands in the air, without a fence") {
   DroneFixture fixture(kHovering);
   fixture.execute("hover", R"({"duration": 30})");
   fixture.deliver(MessageType::command, CancelExecution{attempt(), "the run is aborted"}, "drone");
-  CHECK(get<Outcome>(fixture.told<Outcome>().at(0).body).outcome == TaskOutcome::failed);
+  CHECK(fixture.told<Outcome>().empty());
+  fixture.live(0.2, kHovering);  // its navdata shows that it stands
+  CHECK(fixture.one<Outcome>().outcome == TaskOutcome::failed);
   CHECK(fixture.last("REF") == kRefAir);
   CHECK(fixture.answer(fixture.execute("land")) == "failed");  // the same attempt
   CHECK(fixture.answer(fixture.deliver(MessageType::command, order("land", "", 2), "drone")) == "running");
