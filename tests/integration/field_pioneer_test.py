@@ -3,6 +3,7 @@ Pioneer, by the channel's cases and in a fleet. Addresses 127.0.206.x and 127.0.
 import json
 import os
 import signal
+import socket
 import subprocess
 import unittest
 
@@ -27,6 +28,22 @@ class Channel(unittest.TestCase):
         self.assertEqual([row for row in rows if row["verdict"] == "WRONG"], [])
         self.assertEqual({row["case"] for row in rows if row["verdict"] != "ok"},
                          {"no-acknowledge", "numbers", "chunks", "done", "stop-ends-skill", "stopped-refuses"})
+
+
+    def test_a_session_that_ended_between_its_sync_and_its_open_is_dislodged(self):
+        root = support.temporary_folder(self)
+        address = "127.0.207.8"
+        robot = trb_fleet.Process([support.PROGRAMS / "trb-virtual-pioneer", "--address", address, "--die-with-parent"], root / "robot.log")
+        self.addCleanup(robot.stop)
+        robot.wait_line("8101", 10)
+        with socket.create_connection((address, 8101), timeout=10) as gone:
+            for number in range(3):
+                gone.sendall(bytes([0xfa, 0xfb, 3, number, 0, number]))
+                self.assertTrue(gone.recv(256))
+        robot.wait_line("disconnected", 10)
+        program = trb_fleet.Process([PROGRAM, "127.0.206.8", "40000", address, "8101", address], root / "program.log")
+        self.addCleanup(program.stop)
+        robot.wait_line("command 1", 20)  # OPEN
 
 
 class InAFleet(unittest.TestCase):

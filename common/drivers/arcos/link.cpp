@@ -1,6 +1,7 @@
 #include "common/drivers/arcos/link.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "common/drivers/arcos/state.hpp"
 #include "common/drivers/arcos/syntax.hpp"
@@ -98,7 +99,8 @@ std::optional<std::string> ArcosLink::tick(Now now, const DriverOut& out) {
   }
   if (stage_ != Stage::sync || now.mono < due_) return std::nullopt;
   if (attempts_ == kAttempts) return "no answer to SYNC0: no robot that speaks ARCOS is there, or it is switched off";
-  closing_ = false;
+  // Somebody before may have gone between SYNC2 and OPEN: then SYNC0 is a PULSE, which nothing answers.
+  if (!std::exchange(closing_, false)) send(arcos_command(kArcosClose), now, out);
   sync_from_start(now, out);
   return std::nullopt;
 }

@@ -11,7 +11,7 @@
 #include <time.h>
 #include <unistd.h>
 
-enum { PULSE = 0, OPEN = 1, SYNCS = 3, STOPPED = 0x32, MOVING = 0x33, OUT_OF_SEQUENCE = 0xff };
+enum { PULSE = 0, OPEN = 1, CLOSE = 2, SYNCS = 3, STOPPED = 0x32, MOVING = 0x33, OUT_OF_SEQUENCE = 0xff };
 enum { COUNTER = 0x7fff }; /* x and y are counted in 15 bits */
 static const double SILENT_S = 2, AGAIN_S = 0.5, PULSE_S = 0.5;
 
@@ -176,7 +176,11 @@ int arcos_turn(struct arcos *a) {
   }
   now = arcos_now();
   if (now - a->heard > SILENT_S) arcos_hang_up(a);
-  if (a->synced < SYNCS && now - a->asked > AGAIN_S) begin_anew(a);
+  if (a->synced < SYNCS && now - a->asked > AGAIN_S) {
+    /* Somebody before may have gone between SYNC2 and OPEN: then SYNC0 is a PULSE, which nothing answers. */
+    write_bare(a, CLOSE);
+    begin_anew(a);
+  }
   if (a->synced == SYNCS && now - a->pulsed > PULSE_S) {
     a->pulsed = now;
     write_bare(a, PULSE);
