@@ -52,7 +52,11 @@ void AbortHandler::handle(const AbortConfirmed& body, const Inbound& from, Step 
 void AbortHandler::confirm(Run& run, Step step) const {
   if (!run.orders().is_aborted() || executor_.runs(run.id())) return;
   for (const std::string& member : run.work().take_unconfirmed()) {
-    step.out.information(member, AbortConfirmed{run.id()});
+    if (run.deliveries().pending().owes(DeliveryKind::results, member)) {
+      run.work().note_abort_from(member);  // once it archives the run it takes no result of it any more
+    } else {
+      step.out.information(member, AbortConfirmed{run.id()});
+    }
   }
 }
 

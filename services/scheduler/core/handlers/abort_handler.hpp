@@ -19,7 +19,8 @@ class AbortHandler {
   void handle(const RunAbort& body, const Inbound& from, Step step);
   void handle(const AbortConfirmed& body, const Inbound& from, Step step);
 
-  /// At a step's end: confirms an abort once nothing of the run is under way here.
+  /// At a step's end: confirms an abort once nothing of the run is under way here, and who passed it on has every
+  /// result that it is owed.
   void confirm(Run& run, Step step) const;
   /// At a step's end: has this node's order signed when a failed task ends the run.
   void order_on_failure(Run& run, Step step) const;

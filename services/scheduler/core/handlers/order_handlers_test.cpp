@@ -52,6 +52,16 @@ TEST_CASE("an order of a peer is journaled, owed to all, and confirmed once noth
   CHECK(targets<AbortConfirmed>(ordering.at_end_of_step()).empty());
 }
 
+TEST_CASE("an abort is confirmed to a member once it has the result that it is owed") {
+  Ordering ordering;
+  ordering.known.finish("task-0");
+  ordering.known.send(ordering.aborts, "cloud", RunAbort{ordering.known.abort()});
+  ordering.known.send(ordering.aborts, "drone", RunAbort{ordering.known.abort()});
+  CHECK(targets<AbortConfirmed>(ordering.at_end_of_step()) == Names{"drone"});
+  CHECK(ordering.known.run().deliveries().settle(DeliveryKind::results, "cloud", {0}));
+  CHECK(targets<AbortConfirmed>(ordering.at_end_of_step()) == Names{"cloud"});
+}
+
 TEST_CASE("a person's order on this node is answered") {
   Ordering ordering("cloud");
   Outbox out;
