@@ -162,15 +162,15 @@ void RobotSchedule::start_next(Step step) {
   }
 }
 
-/// Without its journal this node does not know what it has done: the run's decider has the results. It is asked for all
-/// of this node's tasks at once: whichever of its answers has none is about each of them.
+/// Without its journal this node does not know what it has done: the run's judge has the results. It is asked for all
+/// of this node's tasks at once.
 bool RobotSchedule::is_surely_new(Run& run, TaskIndex task) const {
   if (!lost_.may_have_held(run.definition().start().created) || run.epochs().judges_here()) return true;
   PendingRequests& requests = run.work().requests();
-  const std::string& decider = run.definition().rule().decider();
-  if (requests.holds_none(decider, task)) return true;
+  const std::string& judge = run.definition().rule().judge();
+  if (requests.has_told(judge, task)) return true;
   for (const TaskIndex own : run.epochs().own_tasks()) {
-    if (run.facts().current(own) == nullptr) requests.need_result(own, decider);
+    if (run.facts().current(own) == nullptr && !requests.has_told(judge, own)) requests.need_result(own, judge);
   }
   return false;
 }

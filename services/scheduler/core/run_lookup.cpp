@@ -42,9 +42,14 @@ bool RunLookup::defer_for_decisions(Run& run, std::uint32_t epoch, const Inbound
            step);
     return true;
   }
-  run.work().requests().await_decisions(from.source);
-  step.out.request(from.source, NeedDefinition{run.id(), run.definition().start().digest, false, true});
+  request_decisions(run, from.source, step);
   return true;
+}
+
+void RunLookup::request_decisions(Run& run, const std::string& node, Step step) const {
+  if (node == node_) return;
+  run.work().requests().await_decisions(node);
+  step.out.request(node, NeedDefinition{run.id(), run.definition().start().digest, false, true});
 }
 
 std::optional<Over> RunLookup::over(const std::string& run) const {

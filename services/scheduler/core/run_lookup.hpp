@@ -32,6 +32,8 @@ class RunLookup {
   bool defer_for_decisions(Run& run, std::uint32_t epoch, const Inbound& from, Step step);
   /// Archive::has_room().
   [[nodiscard]] Status has_room() const { return archive_.has_room(); }
+  /// Requests the decisions on the run of a node that knows of a later epoch.
+  void request_decisions(Run& run, const std::string& node, Step step) const;
   /// The run's fate if it is in the archive, and not open.
   [[nodiscard]] std::optional<Over> over(const std::string& run) const;
   /// Refuses what is about a run that is over; a peer that may not know yet gets the record that it has FINISHED.

@@ -99,8 +99,7 @@ void BatonHandler::on_refusal(const Nack& nack, const Inbound& from, Step step) 
 void BatonHandler::request_decisions(Run& run, const Inbound& from, Step step) {
   const std::vector<std::string> owed = run.deliveries().pending().creditors(DeliveryKind::baton);
   if (std::ranges::find(owed, from.source) == owed.end()) return;
-  run.work().requests().await_decisions(from.source);
-  step.out.request(from.source, NeedDefinition{run.id(), run.definition().start().digest, false, true});
+  lookup_.request_decisions(run, from.source, step);
 }
 
 }  // namespace trb::scheduler

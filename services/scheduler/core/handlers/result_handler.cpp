@@ -1,5 +1,6 @@
 #include "services/scheduler/core/handlers/result_handler.hpp"
 
+#include <algorithm>
 #include <map>
 
 #include "services/scheduler/core/delivery_sender.hpp"
@@ -16,6 +17,20 @@ bool is_under_way(TaskState state) {
 /// Does the node that evaluates a condition report that the task waits for it?
 bool tells_of_condition(const Run& run, TaskIndex task, const TaskProgress& body) {
   return body.state == TaskState::waiting && run.definition().is_conditional(task);
+}
+
+/// The record may be right in an epoch that this node does not know yet.
+bool is_of_later_epoch(const Run& run, const SignedRecord& record) {
+  const auto claimed = decode<TaskResult>(record.payload.bytes);
+  return claimed && claimed->epoch > run.epochs().current();
+}
+
+/// What an answer says of the tasks that its sender was asked for.
+void settle_requests(Run& run, const Results& answer, const std::vector<AttemptKey>& kept, const Inbound& from,
+                     MonotonicTime now) {
+  PendingRequests& requests = run.work().requests();
+  for (const AttemptKey& key : kept) requests.settle_result(*run.index_of(key.task), from.source);
+  if (answer.results.empty()) requests.settle_without_result(from.source, now);
 }
 
 /// The result of an earlier attempt says nothing about this one.
@@ -69,9 +84,10 @@ void ResultHandler::handle(const Results& body, const Inbound& from, Step step) 
   } else if (!choices) {
     refuse(from, choices.error(), step);
   }
+  const auto later = [&](const SignedRecord& record) { return is_of_later_epoch(*run, record); };
+  if (std::ranges::any_of(body.results, later)) lookup_.request_decisions(*run, from.source, step);
   if (from.reply_to != 0) {
-    // An answer without keys: that giver does not hold the results that its baton named.
-    if (journaled.keys.empty()) run->work().requests().drop_results_of(from.source);
+    settle_requests(*run, body, journaled.keys, from, step.now.mono);
   } else if (!journaled.keys.empty()) {
     step.out.information(from.source, std::move(journaled));
   }

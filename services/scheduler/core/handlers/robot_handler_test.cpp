@@ -167,9 +167,9 @@ TEST_CASE(
   CHECK(out.journal.size() == 1);
   CHECK(sent<Execute>(working.at_end_of_step()).empty());
   PendingRequests& requests = working.known.run().work().requests();
-  const std::string& decider = working.known.run().definition().rule().decider();
-  CHECK(requests.take_due_results(working.known.now.mono).at(decider) == std::vector<TaskIndex>{0});
-  requests.drop_results_of(decider);
+  const std::string& judge = working.known.run().definition().rule().judge();
+  CHECK(requests.take_due_results(working.known.now.mono).at(judge) == std::vector<TaskIndex>{0});
+  requests.settle_without_result(judge, working.known.now.mono);
   CHECK(sent<Execute>(working.at_end_of_step()).size() == 1);
 }
 

@@ -1,21 +1,47 @@
 #include "services/scheduler/core/run/pending_requests.hpp"
 
-namespace trb::scheduler {
+#include <utility>
 
-void PendingRequests::drop_results_of(const std::string& giver) {
-  for (const auto& [task, need] : results_) {
-    if (need.giver == giver) none_.insert({giver, task});
+namespace trb::scheduler {
+namespace {
+
+/// An answer may come so long after its request: each of the two is given up after 10 s on its way.
+constexpr Duration kAnswerTime = std::chrono::seconds(30);
+
+}  // namespace
+
+void PendingRequests::settle(std::map<TaskIndex, Need>::iterator need) {
+  told_.insert({need->second.giver, need->first});
+  results_.erase(need);
+}
+
+void PendingRequests::settle_result(TaskIndex task, const std::string& giver) {
+  const auto need = results_.find(task);
+  if (need != results_.end() && need->second.giver == giver) settle(need);
+}
+
+void PendingRequests::settle_without_result(const std::string& giver, MonotonicTime now) {
+  for (auto at = results_.begin(); at != results_.end();) {
+    const auto need = at++;
+    const auto& since = need->second.in_all_since;
+    if (need->second.giver == giver && since && *since <= now) settle(need);
   }
-  std::erase_if(results_, [&](const auto& need) { return need.second.giver == giver; });
 }
 
 std::map<std::string, std::vector<TaskIndex>> PendingRequests::take_due_results(MonotonicTime now) {
+  std::set<std::string> due;
+  for (const auto& [task, need] : results_) {
+    if (need.timer.is_due(now)) due.insert(need.giver);
+  }
   std::map<std::string, std::vector<TaskIndex>> out;
   for (auto& [task, need] : results_) {
-    if (!need.timer.is_due(now)) continue;
+    if (!due.contains(need.giver)) continue;
+    const auto before = asked_.find(need.giver);
+    if (!need.in_all_since) need.in_all_since = before == asked_.end() ? now : before->second + kAnswerTime;
     need.timer.on_sent(now);
     out[need.giver].push_back(task);
   }
+  for (const std::string& giver : due) asked_[giver] = now;
   return out;
 }
 

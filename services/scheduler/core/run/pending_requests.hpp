@@ -17,15 +17,16 @@ class PendingRequests {
   /// A result that this node's next tasks need, and which `giver` should hold. The first giver stays.
   void need_result(TaskIndex task, const std::string& giver) { results_.try_emplace(task, Need{giver}); }
   void drop_result(TaskIndex task) { results_.erase(task); }
-  /// That giver does not hold what it was asked for.
-  void drop_results_of(const std::string& giver);
   void drop_results() { results_.clear(); }
+  /// The giver has answered with a result of the task, final or not: it holds no other.
+  void settle_result(TaskIndex task, const std::string& giver);
+  /// It has answered without any result: it holds none of the tasks that each request had which this may answer.
+  void settle_without_result(const std::string& giver, MonotonicTime now);
   [[nodiscard]] bool needs_results() const { return !results_.empty(); }
-  /// It has answered that it has no result of the task.
-  [[nodiscard]] bool holds_none(const std::string& giver, TaskIndex task) const {
-    return none_.contains({giver, task});
-  }
-  /// The results to be requested now, by giver; they count as requested.
+  /// What it holds of the task, perhaps nothing, has come.
+  [[nodiscard]] bool has_told(const std::string& giver, TaskIndex task) const { return told_.contains({giver, task}); }
+  /// The results to be requested now, by giver; they count as requested. With one that is due all that are needed of
+  /// its giver.
   std::map<std::string, std::vector<TaskIndex>> take_due_results(MonotonicTime now);
 
   /// The decisions on the run are requested from a node.
@@ -44,9 +45,14 @@ class PendingRequests {
   struct Need {
     std::string giver;
     ResendTimer timer = resend_timer();
+    /// From then on no request without this task can be answered any more; empty: it has not been requested.
+    std::optional<MonotonicTime> in_all_since{};
   };
+  void settle(std::map<TaskIndex, Need>::iterator need);
+
   std::map<TaskIndex, Need> results_;
-  std::set<std::pair<std::string, TaskIndex>> none_;
+  std::map<std::string, MonotonicTime> asked_;  ///< the last request for results, by giver
+  std::set<std::pair<std::string, TaskIndex>> told_;
   std::set<std::string> decisions_;
   Pace end_;
 };
