@@ -148,7 +148,7 @@ struct JournalTime {
 };
 
 /// This journal is new although the node is not: the content of the older one is lost, and no task begins before a
-/// person has looked at the robot. `over`: a person has.
+/// person has looked at the robot. `over`: a person has. `time`: after the loss; 0: the clock cannot be trusted yet.
 struct JournalLost {
   static constexpr std::string_view kKind = "journal_lost";
   std::int64_t time = 0;  ///< UTC ns

@@ -1,5 +1,7 @@
 #include "services/scheduler/core/lost_journal.hpp"
 
+#include "common/base/steady_time.hpp"
+
 namespace trb::scheduler {
 namespace {
 
@@ -10,8 +12,10 @@ constexpr std::int64_t kClocksAreSet = 1'577'836'800 * kSecond;  ///< 2020: earl
 
 }  // namespace
 
-bool LostJournal::may_have_held(std::int64_t created) const {
-  return has_been_ && (open_ || time_ < kClocksAreSet || created < time_ + kClocksApart);
+bool LostJournal::may_have_held(std::int64_t created, UtcTime now) const {
+  if (!has_been_) return false;
+  const bool is_known = !open_ && time_ >= kClocksAreSet && created <= now.ns + kClocksApart;
+  return !is_known || created < time_ + kClocksApart;
 }
 
 void LostJournal::tick(const std::string& node, Now now, Outbox& out) {
@@ -25,11 +29,32 @@ void LostJournal::tick(const std::string& node, Now now, Outbox& out) {
   out.command(node, TakeOutOfUse{what}, 0);  // its Ack ends this
 }
 
-void LostJournal::close(Now now, Outbox& out) {
+void LostJournal::close(Outbox& out) {
   if (!open_) return;
   open_ = false;
-  time_ = now.utc.ns;
-  out.record(JournalLost{now.utc.ns, true});
+  keep_time(0, out);
+}
+
+void LostJournal::keep_time(std::int64_t time, Outbox& out) {
+  time_ = time;
+  out.record(JournalLost{time, true});
+}
+
+void LostJournal::watch_clock(Now now, Outbox& out) {
+  if (!has_been_ || open_) return;
+  const std::int64_t offset = now.utc.ns - now.mono.ns;
+  const std::int64_t step = pace_ ? offset - pace_->offset : 0;
+  const std::int64_t slack = SteadyTime::kSlack.count();
+  if (!pace_ || step > slack || step < -slack) pace_ = Pace{offset, now.mono};
+  pace_->offset = offset;
+  if (step > slack && time_ != 0) keep_time(0, out);  // it was taken from a clock that was not set
+  if (time_ == 0 && now.mono - pace_->since >= SteadyTime::kSteady) keep_time(now.utc.ns, out);
+}
+
+std::optional<MonotonicTime> LostJournal::next() const {
+  if (open_) return next_;
+  const bool waits = has_been_ && time_ == 0 && pace_;
+  return waits ? std::optional(pace_->since + SteadyTime::kSteady) : std::nullopt;
 }
 
 }  // namespace trb::scheduler

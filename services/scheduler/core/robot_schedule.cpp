@@ -164,8 +164,8 @@ void RobotSchedule::start_next(Step step) {
 
 /// Without its journal this node does not know what it has done: the run's judge has the results. It is asked for all
 /// of this node's tasks at once.
-bool RobotSchedule::is_surely_new(Run& run, TaskIndex task) const {
-  if (!lost_.may_have_held(run.definition().start().created) || run.epochs().judges_here()) return true;
+bool RobotSchedule::is_surely_new(Run& run, TaskIndex task, UtcTime now) const {
+  if (!lost_.may_have_held(run.definition().start().created, now) || run.epochs().judges_here()) return true;
   PendingRequests& requests = run.work().requests();
   const std::string& judge = run.definition().rule().judge();
   if (requests.has_told(judge, task)) return true;
@@ -178,7 +178,7 @@ bool RobotSchedule::is_surely_new(Run& run, TaskIndex task) const {
 bool RobotSchedule::start_of(Run& run, Step step) {
   for (const TaskIndex task : run.open_tasks().startable()) {
     if (run.work().timers().waits(task)) continue;
-    if (!is_surely_new(run, task)) continue;
+    if (!is_surely_new(run, task, step.now.utc)) continue;
     if (executor_.obstacle(run.tasks()[task].skill).empty()) {
       start(run, task, step);
       return true;

@@ -48,7 +48,7 @@ class RobotSchedule {
   [[nodiscard]] Allowed allowed(const Run& run, const AttemptKey& key, Step step) const;
   [[nodiscard]] std::vector<Run*> by_turn() const;
   /// True if the robot has got its next task.
-  [[nodiscard]] bool is_surely_new(Run& run, TaskIndex task) const;
+  [[nodiscard]] bool is_surely_new(Run& run, TaskIndex task, UtcTime now) const;
   bool start_of(Run& run, Step step);
   void start(Run& run, TaskIndex task, Step step);
 

@@ -129,6 +129,7 @@ void SchedulerCore::advance(Step step) {
   last_steady_ = step.steady;
   keep_time(step);
   if (lost_.open()) report_lost_journal(step);
+  lost_.watch_clock(step.now, step.out);
   archive_runs(step);
   for (Run* run : runs_.runs()) schedule_.update_due(*run, step);
   schedule_.permit_attempt(step);
@@ -177,7 +178,7 @@ void SchedulerCore::report_lost_journal(Step step) {
   if (settings_.has_robot) {
     lost_.tick(settings_.node, step.now, step.out);
   } else {
-    lost_.close(step.now, step.out);
+    lost_.close(step.out);
   }
 }
 

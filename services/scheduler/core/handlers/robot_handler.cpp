@@ -42,7 +42,7 @@ void RobotHandler::confirm_old(const Outcome& body, Step step) {
 }
 
 void RobotHandler::handle(const Ack& body, const Inbound& from, Step step) {
-  if (from.source == node_ && body.state == "out_of_use") lost_.close(step.now, step.out);
+  if (from.source == node_ && body.state == "out_of_use") lost_.close(step.out);
 }
 
 bool RobotHandler::keep_signed(const SignedRecord& record, const Inbound& from, Step step) {

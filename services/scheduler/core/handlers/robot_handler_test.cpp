@@ -6,6 +6,7 @@
 #include "services/scheduler/core/handlers/refusal_handler.hpp"
 #include "services/scheduler/core/robot_schedule.hpp"
 #include "services/scheduler/test/known_run.hpp"
+#include "tests/support/at.hpp"
 
 using namespace trb;
 using namespace trb::scheduler;
@@ -176,14 +177,49 @@ TEST_CASE(
 TEST_CASE("a run that was created after the journal was lost hides nothing, but for clocks that are apart or not set") {
   constexpr std::int64_t kSecond = 1'000'000'000;
   constexpr std::int64_t kLost = 1'800'000'000 * kSecond;
+  constexpr UtcTime kNow{kLost + 3600 * kSecond};
   LostJournal lost;
-  CHECK_FALSE(lost.may_have_held(0));
+  CHECK_FALSE(lost.may_have_held(0, kNow));
   lost.restore({kLost, true});
-  CHECK(lost.may_have_held(kLost - kSecond));
-  CHECK(lost.may_have_held(kLost + 599 * kSecond));
-  CHECK_FALSE(lost.may_have_held(kLost + 601 * kSecond));
+  CHECK(lost.may_have_held(kLost - kSecond, kNow));
+  CHECK(lost.may_have_held(kLost + 599 * kSecond, kNow));
+  CHECK_FALSE(lost.may_have_held(kLost + 601 * kSecond, kNow));
+  // It is of the future: this clock is behind.
+  CHECK(lost.may_have_held(kNow.ns + 601 * kSecond, kNow));
   lost.restore({kLost, false});
-  CHECK(lost.may_have_held(kLost + 601 * kSecond));
+  CHECK(lost.may_have_held(kLost + 601 * kSecond, kNow));
   lost.restore({3600 * kSecond, true});
-  CHECK(lost.may_have_held(kLost));
+  CHECK(lost.may_have_held(kLost, kNow));
+}
+
+TEST_CASE("the time of the loss is taken from a clock that has kept pace for 10 min, and anew if it is set later") {
+  constexpr std::int64_t kDay = 86'400'000'000'000;
+  LostJournal lost;
+  lost.restore({0, false});
+  Outbox out;
+  lost.close(out);
+  // As a PC without a clock: its date is old, though it could be one.
+  UtcTime utc{1'700'000'000'000'000'000};
+  const std::int64_t long_after = utc.ns + 100 * kDay;
+  const UtcTime later{long_after + kDay};
+  const auto watch = [&](double mono_s, UtcTime now) {
+    out.clear();
+    lost.watch_clock({at(mono_s).mono, now}, out);
+    return out.journal.empty() ? -1 : std::any_cast<JournalLost>(out.journal[0].record).time;
+  };
+  CHECK(watch(0, utc) == -1);
+  CHECK(lost.next() == at(600).mono);
+  CHECK(watch(599, utc + seconds(599)) == -1);
+  CHECK(lost.may_have_held(long_after, later));
+  // It is set: from here on it counts.
+  CHECK(watch(600, later) == -1);
+  CHECK(watch(1199, later + seconds(599)) == -1);
+  CHECK(watch(1200, later + seconds(600)) == later.ns + seconds(600).count());
+  CHECK(lost.may_have_held(long_after, later + seconds(600)));
+  CHECK_FALSE(lost.may_have_held(later.ns + kDay, UtcTime{later.ns + kDay}));
+  CHECK_FALSE(lost.next().has_value());
+  // It was wrong for longer than that.
+  CHECK(watch(1201, UtcTime{later.ns + 3 * kDay}) == 0);
+  CHECK(lost.may_have_held(later.ns + kDay, UtcTime{later.ns + 3 * kDay}));
+  CHECK(watch(1801, UtcTime{later.ns + 3 * kDay} + seconds(600)) > later.ns + 3 * kDay);
 }
