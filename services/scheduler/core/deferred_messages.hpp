@@ -1,4 +1,5 @@
-// Messages about runs that this node does not know yet: they wait for the definition, a short while and not many.
+// Messages about runs that this node does not know yet: they wait for the definition, a short while and not many. Who
+// has the most gives way, so that nobody takes the others' places.
 #pragma once
 
 #include <optional>
@@ -16,8 +17,9 @@ class DeferredMessages {
   static constexpr Duration kPatience = std::chrono::seconds(10);
 
   /// Keeps a message for `run`; one of the same sender, run and subtype takes the older one's place, because its owner
-  /// resends. False if there is no place left.
-  bool add(const std::string& run, const Inbound& message, MonotonicTime now);
+  /// resends. Returns the message that has no place: if all are taken the newest of the source that has the most, which
+  /// may be this one.
+  std::optional<Inbound> add(const std::string& run, const Inbound& message, MonotonicTime now);
   /// True if `source` has a message waiting for that run: only then was the definition requested from it.
   [[nodiscard]] bool waits(const std::string& run, const std::string& source) const;
   /// Takes out all messages of a run, in order of arrival.
@@ -36,6 +38,8 @@ class DeferredMessages {
   };
   template <class Match>
   std::vector<Inbound> take_if(Match match);
+  /// The source with the most messages; `first` if no other has more.
+  [[nodiscard]] std::string greediest(const std::string& first) const;
 
   std::vector<Entry> entries_;
 };

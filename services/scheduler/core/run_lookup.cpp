@@ -21,7 +21,7 @@ Run* RunLookup::find(const std::string& run, const Inbound& from, Step step) con
 Run* RunLookup::find_or_defer(const std::string& run, const Blob& digest, const Inbound& from, Step step) {
   const bool answer = from.reply_to != 0 || from.source == node_;
   if (answer || runs_.find(run) != nullptr || archive_.over(run)) return find(run, from, step);
-  if (runs_.full() || !deferred_.add(run, from, step.now.mono)) {
+  if (runs_.full() || !defer(run, from, step)) {
     refuse(from,
            fail(Errc::queue_full, "no place for run " + run + " on '" + node_ + "'",
                 "end some of its " + std::to_string(runs_.runs().size()) + " open runs: trb run list"),
@@ -32,11 +32,22 @@ Run* RunLookup::find_or_defer(const std::string& run, const Blob& digest, const 
   return nullptr;
 }
 
+bool RunLookup::defer(const std::string& run, const Inbound& from, Step step) {
+  const auto without_place = deferred_.add(run, from, step.now.mono);
+  if (!without_place) return true;
+  if (without_place->source == from.source) return false;  // its newest is this one
+  refuse(*without_place,
+         fail(Errc::queue_full,
+              "too many messages of '" + without_place->source + "' wait on '" + node_ + "' for their runs"),
+         step);
+  return true;
+}
+
 bool RunLookup::defer_for_decisions(Run& run, std::uint32_t epoch, const Inbound& from, Step step) {
   if (epoch <= run.epochs().current()) return false;
   // A node that has not sent the decision that its message needs is not asked again.
   const bool can_ask = !handing_out_ && from.reply_to == 0 && from.source != node_;
-  if (!can_ask || !deferred_.add(run.id(), from, step.now.mono)) {
+  if (!can_ask || !defer(run.id(), from, step)) {
     refuse(from,
            fail(Errc::conflict, "run " + run.id() + ": epoch " + std::to_string(epoch) + " is not known here yet"),
            step);

@@ -50,6 +50,9 @@ class RunLookup {
   [[nodiscard]] std::optional<MonotonicTime> next() const { return deferred_.next(); }
 
  private:
+  /// False: it finds no place. Another's message may have to give it up.
+  [[nodiscard]] bool defer(const std::string& run, const Inbound& from, Step step);
+
   std::string node_;
   const RunStore& runs_;
   const Archive& archive_;

@@ -46,6 +46,29 @@ TEST_CASE("what a peer says of an unknown run waits for the definition, 10 s at 
   CHECK(nacks(late) == Names{"unknown_run"});
 }
 
+TEST_CASE("a member that speaks of many unknown runs takes nobody's place: its newest message gives way") {
+  KnownRun known(chain({"ur3"}));
+  const auto unknown = [](std::size_t i) { return std::string(29, 'c') + std::to_string(100 + i); };
+  Outbox out;
+  const auto hear = [&](const std::string& from, std::size_t i) {
+    out.clear();
+    known.lookup.find_or_defer(unknown(i), {}, baton_of(known, from, unknown(i)), known.step(out));
+  };
+  constexpr std::size_t kPlaces = DeferredMessages::kMax;
+  for (std::size_t i = 0; i < kPlaces; ++i) hear("drone", i);
+  CHECK(nacks(out).empty());
+  hear("drone", kPlaces);
+  CHECK(nacks(out) == Names{"queue_full"});
+  CHECK(targets<NeedDefinition>(out).empty());
+  hear("pioneer", kPlaces);
+  CHECK(nacks(out) == Names{"queue_full"});
+  CHECK(targets<Nack>(out) == Names{"drone"});
+  CHECK(targets<NeedDefinition>(out) == Names{"pioneer"});
+  CHECK(known.lookup.awaits_definition(unknown(kPlaces), "pioneer"));
+  CHECK(known.lookup.awaits_definition(unknown(kPlaces - 2), "drone"));
+  CHECK_FALSE(known.lookup.awaits_definition(unknown(kPlaces - 1), "drone"));
+}
+
 TEST_CASE("what is of a later epoch is deferred, and its sender asked for the decisions; not while it is handed out") {
   KnownRun known(chain({"ur3"}));
   Outbox out;

@@ -40,6 +40,14 @@ Run& RunStore::add(std::unique_ptr<Run> run) {
   return added;
 }
 
+bool RunStore::has_place_for(const std::string& submitter) const {
+  if (full()) return false;
+  const auto own = static_cast<std::size_t>(
+      std::ranges::count_if(by_age_, [&](const Run* one) { return one->definition().start().submitter == submitter; }));
+  const std::size_t left_by_others = kMaxRuns - (runs_.size() - own);
+  return own < (left_by_others * 15 + 15) / 16;
+}
+
 Run* RunStore::find(const std::string& run) const {
   const auto found = runs_.find(run);
   return found == runs_.end() ? nullptr : found->second.get();

@@ -29,6 +29,8 @@ class RunStore {
   }
   Run& add(std::unique_ptr<Run> run);
   [[nodiscard]] bool full() const { return runs_.size() >= kMaxRuns; }
+  /// One submitter has at most 15/16 of the places that the others leave: it cannot take them all.
+  [[nodiscard]] bool has_place_for(const std::string& submitter) const;
   [[nodiscard]] Run* find(const std::string& run) const;
   /// By RunDefinition::tag; the oldest of those that bear it.
   [[nodiscard]] Run* find_by_tag(BytesView tag) const;

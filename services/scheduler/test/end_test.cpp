@@ -300,7 +300,8 @@ TEST_CASE("a member that has no place for a run is named, and gets it when there
   for (int i = 0; i < 512; ++i) {
     char id[33];
     std::snprintf(id, sizeof id, "%032x", static_cast<unsigned>(i));
-    fleet.ask("cloud", MessageType::command, RunSubmit{fleet.make_start(chain({"ur3"}), "cloud", seconds(100), id)});
+    const char* submitter = i < 480 ? "cloud" : i < 510 ? "drone" : "pioneer";  // each has its share
+    fleet.ask("cloud", MessageType::command, RunSubmit{fleet.make_start(chain({"ur3"}), submitter, seconds(100), id)});
   }
   submit_nine(fleet, "ridgeback");
   fleet.pass(seconds(60));

@@ -21,8 +21,13 @@ Status DefinitionHandler::check_new(const Run& run, Step step) const {
     return fail(Errc::expired, "run " + run.id() + " has expired before it came here",
                 "compare the nodes' clocks (trb doctor), or give it a longer life: --expires-h");
   }
-  if (!runs_.full()) return lookup_.has_room();
-  return fail(Errc::queue_full, std::to_string(RunStore::kMaxRuns) + " runs are open here",
+  const std::string& submitter = run.definition().start().submitter;
+  if (runs_.has_place_for(submitter)) return lookup_.has_room();
+  const std::string open = std::to_string(RunStore::kMaxRuns) + " runs are open here";
+  return fail(Errc::queue_full,
+              runs_.full() ? open
+                           : "'" + submitter + "' has its share of the " + std::to_string(RunStore::kMaxRuns) +
+                                 " runs that may be open here",
               "abort those that nobody needs: trb run list");
 }
 
