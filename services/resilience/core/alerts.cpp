@@ -19,11 +19,17 @@ void Alerts::restore(std::vector<Alert> alerts, const std::vector<StoredDecision
   book_.prune();
   for (const StoredDecision& stored : decisions) {
     const auto decision = decode<Decision>(stored.record.payload.bytes);
+    if (decision) decided_.insert({decision->run, decision->epoch});
     if (stored.delivered || !decision) continue;
     const Alert* alert = book_.find(decision->alert);
     if (alert == nullptr || alert->state != AlertState::releasing) continue;
     work(alert->id).signing.restore(stored.record, decision->epoch);
   }
+}
+
+void Alerts::keep(const Decision& decision, const SignedRecord& record, Outbox& out) {
+  decided_.insert({decision.run, decision.epoch});
+  out.record(RunDecision{record});
 }
 
 AlertWork& Alerts::work(std::string_view alert) {
@@ -82,7 +88,9 @@ void Alerts::close(Alert& alert, const std::string& why, Outbox& out) {
 
 /// Records what became of the alert's decision, if one was signed.
 void Alerts::record_end(const Alert& alert, DecisionEnd end, Outbox& out) {
-  if (alert.epoch != 0) out.record(DecisionOver{alert.run, alert.epoch, end});
+  if (alert.epoch == 0) return;
+  if (end == DecisionEnd::dropped) decided_.erase({alert.run, alert.epoch});
+  out.record(DecisionOver{alert.run, alert.epoch, end});
 }
 
 void Alerts::finish(Alert& alert, Outbox& out) {
@@ -96,11 +104,11 @@ void Alerts::finish(Alert& alert, Outbox& out) {
           alert.id + ": run " + alert.run.substr(0, 8) + ", epoch " + std::to_string(alert.epoch));
 }
 
-void Alerts::reopen(Alert& alert, const std::string& why, Outbox& out) {
+void Alerts::reopen(Alert& alert, const std::string& why, Outbox& out, bool for_good) {
   record_end(alert, DecisionEnd::dropped, out);
   out.log(LogLevel::warning, "alert_reopened", alert.id + ": " + why);
   AlertWork& is = work(alert.id);
-  const bool refused = is.signing.record().has_value();
+  const bool refused = for_good || is.signing.record().has_value();
   alert.state = AlertState::open;
   alert.verdict = Verdict::none;
   alert.person.clear();

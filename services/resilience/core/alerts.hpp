@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -52,6 +53,11 @@ class Alerts {
   explicit Alerts(Situation& situation) : situation_(situation) {}
 
   void restore(std::vector<Alert> alerts, const std::vector<StoredDecision>& decisions);
+  /// Records a signed decision. The database takes no other one of that run and epoch.
+  void keep(const Decision& decision, const SignedRecord& record, Outbox& out);
+  [[nodiscard]] bool has_decision(const std::string& run, std::uint32_t epoch) const {
+    return decided_.contains({run, epoch});
+  }
 
   AlertBook& book() { return book_; }
   /// Those that are not over, by time, then id.
@@ -73,15 +79,17 @@ class Alerts {
   void close(Alert& alert, const std::string& why, Outbox& out);
   /// The scheduler has the decision.
   void finish(Alert& alert, Outbox& out);
-  /// The decision cannot be carried out: the alert is as before the verdict, and shows why.
-  void reopen(Alert& alert, const std::string& why, Outbox& out);
+  /// The decision cannot be carried out: the alert is as before the verdict, and shows why. `for_good`: the policy does
+  /// not try it again.
+  void reopen(Alert& alert, const std::string& why, Outbox& out, bool for_good = false);
 
  private:
-  static void record_end(const Alert& alert, DecisionEnd end, Outbox& out);
+  void record_end(const Alert& alert, DecisionEnd end, Outbox& out);
 
   Situation& situation_;
   AlertBook book_;
   std::map<std::string, AlertWork, std::less<>> works_;
+  std::set<std::pair<std::string, std::uint32_t>> decided_;  ///< the database's decisions, by run and epoch
 };
 
 }  // namespace trb::resilience

@@ -136,6 +136,13 @@ bool Decisions::add_members(Decision& decision, Alert& alert, const WatchedRun& 
 void Decisions::sign(Alert& alert, const WatchedRun& run, std::vector<TaskRuling> rulings, Now now, Outbox& out) {
   alert.waits_for = "the router's signature";
   Decision decision = decision_of(alert, run, situation_.node(), now);
+  if (alerts_.has_decision(decision.run, decision.epoch)) {
+    return alerts_.reopen(alert,
+                          "epoch " + std::to_string(decision.epoch) +
+                              " of its run was decided before, and the own scheduler knows it no more (was its journal "
+                              "lost?): end the run with --abort and begin it anew",
+                          out, true);
+  }
   decision.tasks = std::move(rulings);
   if (!add_members(decision, alert, run, now, out)) return;
   Signing& signing = alerts_.work(alert.id).signing;
@@ -154,7 +161,7 @@ void Decisions::receive(const SignedRecord& record, Outbox& out) {
     situation_.note_change();
     if (record.kind != kSignedDecision) return;
     alert->epoch = signing.epoch();
-    out.record(RunDecision{record});
+    if (const auto decision = decode<Decision>(record.payload.bytes)) alerts_.keep(*decision, record, out);
     out.record(*alert);
     return;
   }

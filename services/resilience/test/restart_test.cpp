@@ -180,3 +180,48 @@ TEST_CASE("what has happened to a robot is told newest first, also after a resta
     CHECK(get<Nack>(fixture->ask(HistoryListRequest{"", most})).code == "bad_value");
   CHECK(get<Nack>(fixture->ask(HistoryListRequest{"nobody", 5})).code == "unknown_target");
 }
+
+TEST_CASE(
+    "a scheduler that has lost its journal: of an epoch that was decided nothing is signed anew, the alert says why") {
+  auto fixture = paper();
+  fixture->fault("ridgeback", "mobile");
+  fixture->end_task("t4", TaskOutcome::failed, "mobile is broken");
+  const RunView before = fixture->view;
+  CHECK(fixture->decide(Verdict::accept) == "accepted");
+  REQUIRE(fixture->taken.size() == 1);
+  const int signed_before = fixture->heard["sign_request"];
+  // A robot that did not know of epoch 2 has told the scheduler of the run anew.
+  fixture->view = before;
+  fixture->decisions.clear();
+  fixture->changed();
+  for (const bool restarted : {false, true}) {
+    if (restarted) fixture->restart();
+    fixture->wait(seconds(10));
+    CHECK(fixture->decide(Verdict::accept) == "accepted");
+    fixture->wait(seconds(10));
+    CHECK(fixture->run_alert().state == AlertState::open);
+    CHECK(fixture->run_alert().text.find("epoch 2 of its run was decided before") != std::string::npos);
+  }
+  CHECK(fixture->heard["sign_request"] == signed_before);
+  CHECK(fixture->decide(Verdict::abort) == "accepted");
+  fixture->wait(seconds(5));
+  CHECK(fixture->view.state == RunState::aborted);
+}
+
+TEST_CASE("a policy does not insist on an epoch that was decided before its scheduler's journal was lost") {
+  ResilienceSettings settings = default_resilience();
+  settings.policy.automatic = true;
+  settings.policy.max_severity = Severity::critical;
+  auto fixture = paper(settings);
+  fixture->fault("ridgeback", "mobile");
+  fixture->end_task("t4", TaskOutcome::failed, "mobile is broken");
+  const RunView before = fixture->view;
+  fixture->wait(seconds(20));
+  REQUIRE(fixture->taken.size() == 1);
+  fixture->view = before;
+  fixture->decisions.clear();
+  fixture->changed();
+  fixture->wait(seconds(60));
+  CHECK(fixture->run_alert().policy.find("epoch 2 of its run was decided before") != std::string::npos);
+  CHECK(fixture->taken.size() == 1);
+}
