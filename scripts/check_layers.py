@@ -56,7 +56,7 @@ INCLUDE = re.compile(r'^\s*#\s*include\s*([<"][^>"]+[>"])')
 MAY_INCLUDE_ZMQ = ("common/transport/", "tests/bench/")
 ZMQ_CAUGHT = re.compile(r'\bcatch\s*\(\s*(const\s+)?zmq::')
 ZMQ_USED = re.compile(r'\bzmq::|\bzmq_\w+\s*\(|\bZMQ_[A-Z]')
-# The simulator plays the services' cores, and only these: no shell, no test.
+# The simulator plays the services' cores, and only these: no shell, no test. A service's tests may have it play theirs.
 PLAYS_CORES = "services/simulator/world/"
 # What a service's core is told of its configuration is its own; this one still reads a file's type.
 CONFIG_IN_CORE = {"services/resilience/core/criteria.hpp"}
@@ -144,6 +144,7 @@ def check_include(path, line, included, faults):
     if service_of(path) == "virtual-robots" and theirs != "services":
         faults.append(f"{where}: a virtual robot shares no code with the middleware ({target})")
     played = path.startswith(PLAYS_CORES) and "/core/" in target
+    played = played or is_test(path) and target.startswith(PLAYS_CORES) and not is_test(target)
     if service_of(path) and service_of(target) and service_of(path) != service_of(target) and not played:
         faults.append(f"{where}: a service includes another one ({target})")
 

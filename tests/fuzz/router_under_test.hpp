@@ -1,7 +1,8 @@
 // A router core with keys that the fuzzers know: they sign what a signature check would stop.
 #pragma once
 
-#include "services/router/test/test_fleet.hpp"
+#include "services/router/core/router_core.hpp"
+#include "services/router/test/test_keys.hpp"
 #include "tests/fuzz/target.hpp"
 
 namespace trb::fuzz {

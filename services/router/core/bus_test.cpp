@@ -9,15 +9,12 @@ using namespace trb::router;
 namespace {
 
 struct Bus {
-  TestFleet fleet;
-  TestNode& ant = fleet.start("ant", {.beacon = false});
+  /// A cloud's services have signed what no robot's may.
+  explicit Bus(Role role = {}) : ant(fleet.start("ant", {.beacon = false, .role = role})) {}
 
-  /// The node becomes the cloud's, whose services sign what no robot's may.
-  void become_cloud() {
-    RouterConfig config = ant.core->config();
-    config.role = Role::cloud;
-    ant.core = std::make_unique<RouterCore>(std::move(config));
-  }
+  TestFleet fleet;
+  TestNode& ant;
+
   std::string hello(ConnectionId from, const std::string& service, std::vector<std::string> subtypes = {},
                     bool probe = false) {
     return come_as(probe ? kProbe : std::string_view(service), from, service, std::move(subtypes));
@@ -78,9 +75,9 @@ TEST_CASE("a full disk is shown with the router, and no longer once there is roo
   RouterConfig config = bus.ant.core->config();
   Status room = fail(Errc::queue_full, "the disk of /n is full", "make room");
   config.disk_room = [&] { return room; };
-  bus.ant.core = std::make_unique<RouterCore>(std::move(config));
+  const RouterCore core(std::move(config));
   const auto is_noted = [&] {
-    const auto table = bus.ant.core->answers().service_table(bus.fleet.now);
+    const auto table = core.answers().service_table(bus.fleet.now);
     return table.services.at(0).note.find("the disk of /n is full; make room") != std::string::npos;
   };
   CHECK(is_noted());
@@ -188,8 +185,7 @@ TEST_CASE("a service's key lets the doctor in beside the service, as a visitor; 
 }
 
 TEST_CASE("a visitor asks its own node how the services are, and nothing else") {
-  Bus bus;
-  bus.become_cloud();
+  Bus bus{Role::cloud};
   REQUIRE(bus.come_as("scheduler", 1, "scheduler.doctor", {"baton"}) == "service_welcome");
   CHECK_FALSE(bus.ant.core->bus().services().by_subtype("baton"));
   const std::uint64_t slot = bus.ant.core->bus().services().find(1)->slot;
@@ -311,8 +307,7 @@ TEST_CASE("of counters with made-up names there are a thousand, and those that a
 }
 
 TEST_CASE("a decision is signed on a cloud node for its resilience, and names that node") {
-  Bus bus;
-  bus.become_cloud();
+  Bus bus{Role::cloud};
   REQUIRE(bus.hello(1, "resilience") == "service_welcome");
   const auto asks = [&](const std::string& by) {
     return bus.ask(1, SignRequest{std::string(kSignedDecision), {payload_of(kSignedDecision, by)}});
@@ -322,8 +317,7 @@ TEST_CASE("a decision is signed on a cloud node for its resilience, and names th
 }
 
 TEST_CASE("the head of an audit log is signed on a cloud node, for its gateway alone") {
-  Bus bus;
-  bus.become_cloud();
+  Bus bus{Role::cloud};
   REQUIRE(bus.hello(1, "cloud-gateway") == "service_welcome");
   REQUIRE(bus.hello(2, "resilience") == "service_welcome");
   REQUIRE(bus.hello(3, "cloud-gateway", {}, true) == "service_welcome");  // a probe of that name

@@ -270,7 +270,7 @@ TEST_CASE("a lane is dialled half a second after its link, to the moment; one th
     TestFleet fleet;
     TestNode& ant = fleet.start("ant", {.beacon = false, .seeds = {"bee"}});
     fleet.start("bee", {.beacon = false, .lane = lane});
-    while (ant.link_to("bee") == 0) fleet.run(kStep);
+    while (ant.link_to("bee") == 0) fleet.run(kOnTheWay);
     const MonotonicTime linked = fleet.now.mono;
     REQUIRE(ant.core->table().link(ant.link_to("bee"))->dialled);
     const auto dialled_at = [&](MonotonicTime time) {

@@ -163,6 +163,7 @@ TEST_CASE("of a peer that told no address a router waits for the end of its leas
   Clock clock;
   clock.greet(9, "");
   clock.end(9, Seconds(1));
+  clock.tick(Seconds(1));  // what was said on the link is sealed no more
   CHECK(clock.node.core->next_deadline() == clock.start + milliseconds(1200));
   const Effects redial = clock.tick(milliseconds(1200));
   CHECK_FALSE(place_of(redial, [](const Effect& effect) { return std::holds_alternative<Dial>(effect); }));

@@ -48,7 +48,7 @@ TEST_CASE("what a peer may not ask is Nacked if it asks, and not if it only tell
   const auto nacks = [&](const Message& message) {
     Effects effects;
     ant.core->inbox().on_message(link, ant.core->table().link(link)->key, message, 99, fleet.now, effects);
-    for (const std::string& name : effects.counts) ++ant.counts[name];
+    for (const std::string& name : effects.counts) ant.core->counters().count(name);
     return std::count_if(effects.list.begin(), effects.list.end(), [](const Effect& effect) {
       const auto* send = std::get_if<LinkSend>(&effect);
       return send != nullptr && send->message.subtype == Nack::kSubtype;

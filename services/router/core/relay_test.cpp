@@ -242,7 +242,7 @@ TEST_CASE("a relay that tells of ever new nodes is listened to for so many signa
     ant.core->inbox().on_message(
         ant.link_to("cloud"), cloud.keys.link.public_key,
         make_message(MessageType::information, "cloud", "ant", ReachablePeerList{{record}, {}}), 1, fleet.now, effects);
-    for (const std::string& name : effects.counts) ++ant.counts[name];
+    for (const std::string& name : effects.counts) ant.core->counters().count(name);
   };
   for (std::size_t i = 0; i + 1 < kMaxPeers; ++i) tell(fleet.authority.sign_node("n" + std::to_string(i)).record);
   CHECK(ant.core->table().peers().size() == kMaxPeers);

@@ -39,7 +39,7 @@ TEST_CASE("a peer is Nacked what it waits for, in its own name, by its own link,
   const auto nacked = [&](LinkId by, const Message& message, Errc reason) {
     Effects effects;
     pair.ant.core->forwarding().on_undelivered(by, header_of(message), reason, effects);
-    for (const std::string& name : effects.counts) ++pair.ant.counts[name];
+    for (const std::string& name : effects.counts) pair.ant.core->counters().count(name);
     if (effects.list.empty()) return std::string();
     const auto& send = std::get<LinkSend>(effects.list.at(0));
     CHECK(send.link == by);

@@ -21,6 +21,7 @@ TEST_CASE("a message that cannot go out is refused with the reason") {
   CHECK(pair.route(pair.local("*", "noise", MessageType::information)).to == To::every_peer);
   CHECK(pair.route(pair.local("bee", "goodbye", MessageType::information)).reason == Errc::not_permitted);
   pair.fleet.stop("bee");
+  pair.fleet.run(kStep);
   CHECK(pair.route(pair.local("bee", "move")).reason == Errc::peer_unreachable);
   pair.fleet.run(Seconds(11));
   CHECK(pair.route(pair.local("bee", "move")).reason == Errc::peer_expired);

@@ -1,8 +1,8 @@
-// A fleet of router cores in memory, for tests: cables that carry LinkSend effects, and a clock that the test moves.
+// A fleet of routers, for tests: the simulator's world plays them, a test moves their clock and sees what each core
+// orders.
 #pragma once
 
 #include <algorithm>
-#include <deque>
 #include <functional>
 #include <map>
 #include <memory>
@@ -12,57 +12,27 @@
 #include <vector>
 
 #include "services/router/core/router_core.hpp"
+#include "services/router/test/test_keys.hpp"
+#include "services/router/test/test_words.hpp"
+#include "services/simulator/world/router_process.hpp"
 
 namespace trb::router {
 
-using std::chrono::milliseconds;
-using Seconds = std::chrono::seconds;
-using To = Routing::To;
-
-constexpr std::int64_t kStartUtc = 1'772'366'400'000'000'000;
 constexpr Duration kStep = milliseconds(10);
 constexpr Duration kInstant{1};
+constexpr Duration kOnTheWay = std::chrono::microseconds(500);  ///< how long a message is
 
-/// What a fleet authority would have issued to a node.
-struct TestKeys {
-  SigningKey identity = make_signing_key();
-  LinkKey link = make_link_key();
-  SignedRecord record;
-  Certificate certificate;
-};
-
-struct TestAuthority {
-  SigningKey key = make_signing_key();
-  FleetAuthority fleet{"hall", key.public_key};
-
-  /// The same keys, with the right to relay.
-  void let_relay(TestKeys& keys) const {
-    keys.certificate.relay = true;
-    keys.record = sign(kSignedCertificate, "", fleet.id(), encode(keys.certificate), key);
-  }
-
-  TestKeys sign_node(const std::string& id, Role role = Role::robot, std::uint64_t serial = 1) const {
-    TestKeys keys;
-    keys.certificate = {{fleet.id()},
-                        serial,
-                        id,
-                        role,
-                        {keys.identity.public_key},
-                        {keys.link.public_key},
-                        kStartUtc - 1'000'000'000,
-                        kStartUtc + 86'400'000'000'000,
-                        false};
-    keys.record = sign(kSignedCertificate, "", fleet.id(), encode(keys.certificate), key);
-    return keys;
-  }
-};
-
-/// One node: its core, and what its shell would have stored.
+/// One node: its router, and what that has ordered.
 struct TestNode {
+  TestNode(RouterConfig config, world::Events& events, world::Network& network, world::Meter& meter)
+      : clock(events), router(std::move(config), utc_bound, events, clock, network, meter), core(&router.core()) {}
+
   std::string id;
   TestKeys keys;
-  std::unique_ptr<RouterCore> core;
-  std::map<std::string, std::uint64_t> counts;
+  UtcTime utc_bound;
+  world::Clock clock;
+  world::RouterProcess router;
+  RouterCore* core;
   std::vector<BusSend> bus;
   std::vector<RefuseCandidate> refused;
   std::vector<LinkId> closed;
@@ -79,10 +49,7 @@ struct TestNode {
   std::vector<Message> delivered;  ///< for a service, received by a link
   Duration clock_off{};
 
-  [[nodiscard]] std::uint64_t count(const std::string& name) const {
-    const auto at = counts.find(name);
-    return (at == counts.end() ? 0 : at->second) + core->counters().value(name);
-  }
+  [[nodiscard]] std::uint64_t count(const std::string& name) const { return core->counters().value(name); }
   [[nodiscard]] const Peer* peer(const std::string& other) const {
     const auto at = core->table().peers().find(other);
     return at == core->table().peers().end() ? nullptr : &at->second;
@@ -101,8 +68,16 @@ struct TestNode {
 };
 
 class TestFleet {
+  world::Events events_;
+  world::Meter meter_{1};
+  world::Dice dice_{1};
+  world::Network network_;
+
  public:
-  TestFleet() { init_crypto(); }
+  TestFleet();
+  TestFleet(const TestFleet&) = delete;
+  TestFleet& operator=(const TestFleet&) = delete;
+  ~TestFleet() { network_.stop(); }
 
   TestAuthority authority;
   Now now{{1'000'000'000}, {kStartUtc}};
@@ -138,12 +113,12 @@ class TestFleet {
   TestKeys& keys(const std::string& id);
 
   /// What a name server knows about the hosts that seeds name: HOST:PORT -> address.
-  std::map<std::string, std::string> hosts;
-  /// Lets time pass in small steps; every message that is due arrives.
+  std::map<std::string, std::string>& hosts = network_.names;
+  /// Lets time pass; whatever is due happens.
   void run(Duration time);
   /// Nothing sent from one node to the other arrives any more; nobody is notified.
-  void cut(const std::string& from, const std::string& to) { cuts_.insert({from, to}); }
-  void heal() { cuts_.clear(); }
+  void cut(const std::string& from, const std::string& to);
+  void heal();
   /// The node has another address from now on: its connections lead nowhere, and only its own router is notified.
   void move(const std::string& id, const std::string& address);
   /// May change each message that one node sends the other, or lose it (false).
@@ -176,65 +151,23 @@ class TestFleet {
   Routing forward(TestNode& node, ConnectionId from, const Message& message);
 
  private:
-  struct Wire {
-    std::string dialler;
-    std::string acceptor;
-    bool open = true;
-  };
-  struct Packet {
-    std::string from;
-    std::string to;
-    LinkId link = 0;
-    std::uint64_t sequence = 0;
-    Message message;
-  };
-  void store(TestNode& node, Kept what);
-  void connect(TestNode& node, const Dial& dial);
-  void connect_numbers(TestNode& node, const Dial& dial);
-  void deliver(const Packet& packet);
-  void break_wire(LinkId link);
+  [[nodiscard]] RouterConfig config_of(const std::string& id, const Options& options);
+  [[nodiscard]] world::RouterWatch watch_of(TestNode& node);
+  void take(TestNode& node, const Effect& order);
+  void keep_time();
+  [[nodiscard]] bool meddle_with(const std::string& from, LinkId link, Bytes& frame) const;
   [[nodiscard]] const TestNode& at_const(const std::string& id) const { return *nodes_.at(id); }
   void connect_lane(TestNode& node, const DialLane& dial);
   void close_lanes(const TestNode& node, LinkId link);
-  void send(TestNode& node, LinkId link, const Message& message);
-  void put_outgoing(TestNode& node, LinkId link, const Outgoing& outgoing, BytesView frame);
-  void send_seal(TestNode& node, LinkId link);
-  [[nodiscard]] bool is_open(LinkId link) const;
   std::uint64_t next_random();
-  void put(TestNode& node, LinkId link, BytesView frame);
-  std::map<std::pair<std::string, LinkId>, std::deque<std::pair<std::uint64_t, Message>>> held_;
 
   std::map<std::string, std::unique_ptr<TestNode>> nodes_;
   std::map<std::string, TestKeys> keys_;
-  std::map<std::string, std::string> places_;     ///< HOST:PORT -> id
-  std::map<std::string, std::string> addresses_;  ///< first addresses, by id
-  std::map<LinkId, Wire> wires_;
+  std::map<std::string, std::string> places_;                    ///< HOST:PORT -> id
+  std::map<std::string, std::string> addresses_;                 ///< first addresses, by id
   std::map<std::pair<std::string, LinkId>, std::string> lanes_;  ///< (listener, link) -> speaker
-  std::set<std::pair<std::string, LinkId>> bound_;               ///< (node, link): accepted by its shell
-  std::deque<Packet> packets_;
-  std::deque<std::pair<std::string, Bytes>> beacons_;
   std::set<std::pair<std::string, std::string>> cuts_;
-  std::string origin_;
   std::uint64_t random_ = 0;
 };
-
-inline HeaderView header_of(const Message& message, std::uint64_t sequence = 0, LinkId link = 0) {
-  HeaderView view = to_view(message);
-  view.link = link;
-  view.sequence = sequence;
-  return view;
-}
-
-template <class T>
-Message make_message(MessageType type, const std::string& source, const std::string& target, const T& body) {
-  Message message;
-  message.type = type;
-  message.subtype = T::kSubtype;
-  message.source = source;
-  message.target = target;
-  message.id = 77;
-  message.data = encode(body);
-  return message;
-}
 
 }  // namespace trb::router

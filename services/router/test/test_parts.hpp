@@ -3,7 +3,9 @@
 
 #include <doctest/doctest.h>
 
-#include "services/router/test/test_fleet.hpp"
+#include "services/router/core/router_core.hpp"
+#include "services/router/test/test_keys.hpp"
+#include "services/router/test/test_words.hpp"
 
 namespace trb::router {
 

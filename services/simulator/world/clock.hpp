@@ -17,6 +17,12 @@ class Clock {
     ahead_ = fault.is_1970 ? Duration{-kUtc - since_.ns} : seconds(fault.ahead_s);
     drift_ppm_ = fault.drift_ppm;
   }
+  /// Its UTC is this now, and runs on from there.
+  void set_utc(UtcTime utc) {
+    since_ = events_.now();
+    ahead_ = Duration{utc.ns - kUtc - since_.ns};
+    drift_ppm_ = 0;
+  }
   [[nodiscard]] Now now() const {
     constexpr std::int64_t kMillion = 1'000'000;
     const Duration drift{(events_.now().ns - since_.ns) / kMillion * drift_ppm_};

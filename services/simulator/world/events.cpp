@@ -19,7 +19,7 @@ void Events::at(MonotonicTime time, What what) {
 
 bool Events::step(MonotonicTime limit) {
   if (heap_.empty() || heap_.front().time > limit) {
-    now_ = std::max(now_, limit);
+    skip_to(limit);
     return false;
   }
   std::pop_heap(heap_.begin(), heap_.end());
@@ -27,7 +27,7 @@ bool Events::step(MonotonicTime limit) {
   heap_.pop_back();
   const What what = std::exchange(whats_[event.place], {});
   free_.push_back(event.place);
-  now_ = event.time;
+  skip_to(event.time);
   ++happened_;
   what();
   return true;

@@ -1,6 +1,7 @@
 // Virtual time: it passes from event to event. Of two at the same time the one that was posted first happens first.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -33,6 +34,8 @@ class Events {
 
   /// The next event happens, if it is due by `limit`; otherwise time passes to there.
   bool step(MonotonicTime limit);
+  /// It is that late now, and nothing has happened meanwhile: what is overdue happens at the next steps.
+  void skip_to(MonotonicTime time) { now_ = std::max(now_, time); }
 
  private:
   static constexpr MonotonicTime kBegin{1'000'000'000};

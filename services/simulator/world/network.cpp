@@ -20,6 +20,16 @@ void Network::join(const std::string& id, const std::string& address, Host& host
   addresses_[address] = id;
 }
 
+void Network::move(const std::string& id, const std::string& address) {
+  std::erase_if(addresses_, [&](const auto& one) { return one.second == id; });
+  addresses_[address] = id;
+  for (auto& [link, is] : connections_) is.lost = is.lost || is.there.to == id || is.back.to == id;
+}
+
+void Network::attach(LinkId connection, const std::string& dialler, Bytes key, const std::string& acceptor) {
+  connections_[connection] = {{.to = acceptor}, {.to = dialler}, std::move(key), false};
+}
+
 template <class Is>
 std::vector<LinkId> Network::connections_where(Is&& is) const {
   std::vector<LinkId> out;
@@ -78,7 +88,7 @@ void Network::hand_over_held(LinkId connection, bool there) {
     if (way.held.empty() || is_stopped(way, at->second.sender(there), way.held.front())) return;
     Parcel parcel = std::move(way.held.front());
     way.held.pop_front();
-    hand_over(connection, std::string(way.to), std::move(parcel));
+    hand_over(connection, std::string(at->second.sender(there)), std::string(way.to), std::move(parcel));
   }
 }
 
@@ -108,7 +118,7 @@ void Network::connect(const std::string& from, const router::Dial& dial) {
   if (there == nullptr || there->link_key() != dial.server_key) return here->on_dial_ended(dial.link, LinkEnd::failed);
   if (!there->admit(here->link_key())) return here->on_dial_ended(dial.link, LinkEnd::refused_key);
   meter_.on_connection(events_.seconds_passed(), kConnectBytes);
-  connections_[dial.link] = {{.to = to}, {.to = from}, here->link_key()};
+  attach(dial.link, from, here->link_key(), to);
   here->on_dial_connected(dial.link);
 }
 
@@ -149,19 +159,20 @@ bool Network::is_stopped(Way& way, const std::string& from, const Parcel& parcel
 
 void Network::arrive(LinkId connection, bool there, Parcel parcel) {
   const auto at = connections_.find(connection);
-  if (at == connections_.end()) return;
+  if (at == connections_.end() || at->second.lost) return;
   Way& way = at->second.way(there);
   const bool waits = !way.held.empty() || is_stopped(way, at->second.sender(there), parcel);
   if (waits) return way.held.push_back(std::move(parcel));
-  hand_over(connection, std::string(way.to), std::move(parcel));
+  hand_over(connection, std::string(at->second.sender(there)), std::string(way.to), std::move(parcel));
 }
 
-void Network::hand_over(LinkId connection, const std::string& to, Parcel parcel) {
+void Network::hand_over(LinkId connection, const std::string& from, const std::string& to, Parcel parcel) {
   const Bytes key = connections_.at(connection).key;
   if (parcel.end) connections_.erase(connection);
   Host* here = host(to);
   if (here == nullptr) return;
   if (parcel.end) return here->on_connection_end(connection);
+  if (meddle && !meddle(from, connection, parcel.frame)) return;
   here->on_frame(connection, key, std::move(parcel.frame));
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <deque>
+#include <functional>
 #include <map>
 #include <memory>
 #include <set>
@@ -47,9 +48,14 @@ class Network {
       : events_(events), meter_(meter), dice_(dice), kind_(std::move(kind)) {}
 
   void join(const std::string& id, const std::string& address, Host& host);
+  /// The computer has another address from now on: its connections lead nowhere, and nobody is told.
+  void move(const std::string& id, const std::string& address);
   /// The computer's processes end: its connections end, and the other ends learn of it.
   void leave(const std::string& id);
   void dial(const std::string& from, const router::Dial& dial);
+  /// A connection that is made already. A dialler that is no host hears nothing, and nothing tells that.
+  void attach(LinkId connection, const std::string& dialler, Bytes key, const std::string& acceptor);
+  [[nodiscard]] bool has(LinkId connection) const { return connections_.contains(connection); }
   /// False: there is no such connection any more.
   bool send(LinkId connection, const std::string& from, Bytes frame);
   void close(LinkId connection, const std::string& by);
@@ -64,6 +70,11 @@ class Network {
   void cut(const std::string& from, const std::string& to) { cuts_.insert({from, to}); }
   void heal(const std::string& from, const std::string& to);
 
+  /// For whoever plays tricks: it may change a frame that arrives, or lose it (false).
+  std::function<bool(const std::string& from, LinkId connection, Bytes& frame)> meddle;
+  /// What name servers know: HOST:PORT by a name -> HOST:PORT in numbers.
+  std::map<std::string, std::string> names;
+
  private:
   struct Parcel {
     Bytes frame;
@@ -77,8 +88,9 @@ class Network {
     std::uint64_t unproven = 0;  ///< bytes that came while the other way was cut
   };
   struct Connection {
-    Way there, back;  ///< to the acceptor, to the dialler
-    Bytes key;        ///< the dialler's
+    Way there, back;    ///< to the acceptor, to the dialler
+    Bytes key;          ///< the dialler's
+    bool lost = false;  ///< one end has moved away: nothing arrives
     [[nodiscard]] Way& way(bool to_acceptor) { return to_acceptor ? there : back; }
     [[nodiscard]] const std::string& sender(bool to_acceptor) const { return to_acceptor ? back.to : there.to; }
   };
@@ -98,7 +110,7 @@ class Network {
   void hand_over_held(LinkId connection, bool there);
   /// When that many bytes arrive that are sent now: not before what was sent earlier.
   MonotonicTime arrival(Way& way, std::uint64_t bytes);
-  void hand_over(LinkId connection, const std::string& to, Parcel parcel);
+  void hand_over(LinkId connection, const std::string& from, const std::string& to, Parcel parcel);
   Duration delay();
   void count(const std::string& from, const std::string& to, std::string_view subtype, std::uint64_t bytes,
              BytesView frame);

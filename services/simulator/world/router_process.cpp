@@ -1,13 +1,12 @@
 #include "services/simulator/world/router_process.hpp"
 
+#include "common/base/address.hpp"
 #include "common/security/seal.hpp"
 
 namespace trb::world {
 
-using router::Effects;
 using router::FrameOrders;
-using router::Routing;
-using To = Routing::To;
+using To = router::Routing::To;
 
 RouterProcess::RouterProcess(router::RouterConfig config, UtcTime& utc_bound, Events& events, const Clock& clock,
                              Network& network, Meter& meter)
@@ -28,6 +27,11 @@ template <class Step>
 void RouterProcess::step(Step&& call) {
   Effects effects;
   call(clock_.now(), effects);
+  carry_out(effects);
+  timer_.set(core_.next_deadline());
+}
+
+void RouterProcess::follow(Effects& effects) {
   carry_out(effects);
   timer_.set(core_.next_deadline());
 }
@@ -70,7 +74,7 @@ void RouterProcess::on_frame(LinkId connection, BytesView dialler_key, Bytes fra
   const bool dialled_here = dialler_key == link_key();
   const bool known =
       dialled_here ? std::as_const(core_).table().link(connection) != nullptr : accepted_.contains(connection);
-  if (known) return from_link(connection, *header, std::move(frame));
+  if (known) return void(from_link(connection, *header, std::move(frame)));
   if (dialled_here) return;  // closed meanwhile
   origin_ = connection;
   step([&](Now now, Effects& out) { core_.forwarding().from_stranger(dialler_key, *header, frame, now, out); });
@@ -81,17 +85,26 @@ void RouterProcess::on_beacon(BytesView plain) {
   step([&](Now now, Effects& out) { core_.beacons().on_beacon(plain, now, out); });
 }
 
-void RouterProcess::from_link(LinkId link, const HeaderView& header, Bytes frame) {
+router::Routing RouterProcess::from_link(LinkId link, Bytes frame) {
+  const auto header = decode_frame(frame);
+  return header ? from_link(link, *header, std::move(frame)) : Routing{};
+}
+
+router::Routing RouterProcess::from_link(LinkId link, const HeaderView& header, Bytes frame) {
+  Routing way;
   step([&](Now now, Effects& out) {
     const FrameOrders orders = core_.forwarding().from_link(link, header, frame, now, out);
     for (const ConnectionId to : orders.copies) deliver(link, header.sequence, orders.hold, to, frame);
     if (orders.way.to == To::service) deliver(link, header.sequence, orders.hold, orders.way.connection, frame);
+    way = orders.way;
   });
+  return way;
 }
 
 void RouterProcess::deliver(LinkId link, std::uint64_t sequence, bool hold, ConnectionId to, Bytes frame) {
-  if (!hold) return void(bus_.to_service(to, std::move(frame)));
-  held_[link].push_back({sequence, to, std::move(frame)});
+  if (hold) return held_[link].push_back({sequence, to, std::move(frame)});
+  if (watch_.on_delivery) watch_.on_delivery(to, frame);
+  bus_.to_service(to, std::move(frame));
 }
 
 // ---- the bus
@@ -100,19 +113,27 @@ void RouterProcess::on_bus_frame(ConnectionId from, const std::string& name, Byt
   const auto header = decode_frame(frame);
   if (!header) return;
   if (header->subtype == ServiceHello::kSubtype) return on_hello(from, name, *header);
-  if (!core_.bus().knows(from)) return;
-  std::vector<Routing> each;
+  if (core_.bus().knows(from)) from_bus(from, *header, std::move(frame));
+}
+
+router::Routing RouterProcess::from_bus(ConnectionId from, Bytes frame) {
+  const auto header = decode_frame(frame);
+  return header ? from_bus(from, *header, std::move(frame)) : Routing{};
+}
+
+router::Routing RouterProcess::from_bus(ConnectionId from, const HeaderView& header, Bytes frame) {
+  FrameOrders orders;
   step([&](Now now, Effects& out) {
-    FrameOrders orders = core_.forwarding().from_bus(from, *header, frame.data(), frame.size(), now, out);
-    if (orders.way.to == To::service || orders.way.to == To::router) count_local(*header, frame);
+    orders = core_.forwarding().from_bus(from, header, frame.data(), frame.size(), now, out);
+    if (orders.way.to == To::service || orders.way.to == To::router) count_local(header, frame);
     for (const ConnectionId to : orders.copies) bus_.to_service(to, frame);
     if (orders.way.to == To::service && !bus_.to_service(orders.way.connection, frame))
-      core_.forwarding().on_unsent(from, *header, Errc::no_service, out);
+      core_.forwarding().on_unsent(from, header, Errc::no_service, out);
     if (orders.way.to == To::peer && !send(orders.way.link, orders.outgoing, frame))
-      core_.forwarding().on_unsent(from, *header, Errc::peer_unreachable, out);
-    each = std::move(orders.each);
+      core_.forwarding().on_unsent(from, header, Errc::peer_unreachable, out);
   });
-  for (const Routing& way : each) send(way.link, frame);
+  for (const Routing& way : orders.each) send(way.link, frame);
+  return orders.way;
 }
 
 void RouterProcess::on_hello(ConnectionId from, const std::string& name, const HeaderView& header) {
@@ -127,6 +148,7 @@ void RouterProcess::count_local(const HeaderView& header, BytesView frame) {
 // ---- sending
 
 bool RouterProcess::send(LinkId link, Bytes frame) {
+  if (watch_.withholds && watch_.withholds(*decode_frame(frame))) return true;
   const router::Outgoing outgoing = core_.seals().send(link, frame.data(), frame.size(), clock_.now());
   return send(link, outgoing, std::move(frame));
 }
@@ -152,6 +174,7 @@ bool RouterProcess::send(LinkId link, const router::Outgoing& outgoing, Bytes fr
 
 void RouterProcess::carry_out(Effects& effects) {
   for (router::Effect& effect : effects.list) {
+    if (watch_.on_order) watch_.on_order(effect);
     std::visit([this](auto& one) { carry_out(one); }, effect);
   }
   for (const std::string& name : effects.counts) core_.counters().count(name);
@@ -162,6 +185,16 @@ void RouterProcess::carry_out(router::BusSend& send) {
   Bytes frame = encode_frame(send.message);
   count_local(to_view(send.message), frame);
   bus_.to_service(send.to, std::move(frame));
+}
+
+void RouterProcess::carry_out(router::Dial& dial) {
+  if (is_numeric_endpoint(dial.address)) return network_.dial(id(), dial);
+  if (const auto is = network_.names.find(dial.address); is != network_.names.end()) {
+    core_.links().on_name_found(dial.link, is->second);
+    return network_.dial(id(), {dial.link, is->second, dial.server_key});
+  }
+  const std::string why = "the name server has not answered for " + dial.address + " yet";
+  step([&](Now now, Effects& out) { core_.links().on_name_unknown(dial.link, why, now, out); });
 }
 
 void RouterProcess::carry_out(router::LinkSend& own) {
@@ -187,8 +220,10 @@ void RouterProcess::carry_out(router::RefuseCandidate& refuse) {
 }
 
 void RouterProcess::stored(router::Kept what) {
+  const std::optional<Status> how = watch_.writes ? watch_.writes(what) : Done{};
+  if (!how) return;
   Effects effects;
-  core_.updates().on_stored(what, Done{}, clock_.now(), effects);
+  core_.updates().on_stored(what, *how, clock_.now(), effects);
   carry_out(effects);
 }
 
@@ -209,7 +244,7 @@ void RouterProcess::carry_out(router::CheckSeal& seal) {
 void RouterProcess::carry_out(router::DeliverHeld& proven) {
   auto& held = held_[proven.link];
   for (; !held.empty() && held.front().sequence <= proven.last; held.pop_front()) {
-    bus_.to_service(held.front().to, std::move(held.front().frame));
+    deliver(proven.link, held.front().sequence, false, held.front().to, std::move(held.front().frame));
   }
 }
 

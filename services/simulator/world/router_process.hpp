@@ -2,8 +2,10 @@
 #pragma once
 
 #include <deque>
+#include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 
@@ -13,8 +15,19 @@
 
 namespace trb::world {
 
+/// For whoever watches a router, or plays tricks on it; each may be left out.
+struct RouterWatch {
+  std::function<void(const router::Effect& order)> on_order;          ///< of the core, before it is carried out
+  std::function<void(ConnectionId to, BytesView frame)> on_delivery;  ///< of a link's frame to the bus
+  std::function<bool(const HeaderView& header)> withholds;            ///< this does not leave; nothing shows it
+  std::function<std::optional<Status>(router::Kept what)> writes;     ///< in place of its disk; nothing: never
+};
+
 class RouterProcess final : public Host, public BusServer {
  public:
+  using Effects = router::Effects;
+  using Routing = router::Routing;
+
   /// `utc_bound`: on the node's disk.
   RouterProcess(router::RouterConfig config, UtcTime& utc_bound, Events& events, const Clock& clock, Network& network,
                 Meter& meter);
@@ -25,6 +38,18 @@ class RouterProcess final : public Host, public BusServer {
   void start();
   [[nodiscard]] Bus& bus() { return bus_; }
   [[nodiscard]] const router::RouterCore& core() const { return core_; }
+
+  // For who calls the core beside the world: tests.
+  [[nodiscard]] router::RouterCore& core() { return core_; }
+  void watch(RouterWatch watch) { watch_ = std::move(watch); }
+  /// Carries out what a call of the core has ordered.
+  void follow(Effects& effects);
+  /// A frame of the bus, or one that came by a link: where it goes.
+  Routing from_bus(ConnectionId from, Bytes frame);
+  Routing from_link(LinkId link, Bytes frame);
+  /// Numbers and sends a frame. False: it does not leave.
+  bool send(LinkId link, Bytes frame);
+
   [[nodiscard]] std::size_t linked() const;
 
   [[nodiscard]] const Bytes& link_key() const override { return core_.config().link_key.public_key; }
@@ -45,10 +70,10 @@ class RouterProcess final : public Host, public BusServer {
   /// One call of the core, and what follows from it.
   template <class Step>
   void step(Step&& call);
-  void carry_out(router::Effects& effects);
+  void carry_out(Effects& effects);
   void carry_out(router::BusSend& send);
   void carry_out(router::LinkSend& send);
-  void carry_out(router::Dial& dial) { network_.dial(id(), dial); }
+  void carry_out(router::Dial& dial);
   void carry_out(router::DialLane&) {}  // no lanes: nothing here is lossy
   void carry_out(router::CloseLink& close);
   void carry_out(router::AcceptLink& accept) { accepted_.insert(accept.link); }
@@ -68,10 +93,10 @@ class RouterProcess final : public Host, public BusServer {
   [[nodiscard]] const std::string& id() const { return core_.config().id; }
   void stored(router::Kept what);
   void on_hello(ConnectionId from, const std::string& name, const HeaderView& header);
-  void from_link(LinkId link, const HeaderView& header, Bytes frame);
+  Routing from_link(LinkId link, const HeaderView& header, Bytes frame);
+  Routing from_bus(ConnectionId from, const HeaderView& header, Bytes frame);
   void deliver(LinkId link, std::uint64_t sequence, bool hold, ConnectionId to, Bytes frame);
   bool send(LinkId link, const router::Outgoing& outgoing, Bytes frame);
-  bool send(LinkId link, Bytes frame);
   void count_local(const HeaderView& header, BytesView frame);
 
   UtcTime& utc_bound_;
@@ -81,6 +106,7 @@ class RouterProcess final : public Host, public BusServer {
   Meter& meter_;
   std::shared_ptr<char> life_ = std::make_shared<char>();
   router::RouterCore core_;
+  RouterWatch watch_;
   Bus bus_;
   Timer timer_;
   std::set<LinkId> accepted_;
