@@ -23,7 +23,7 @@ Inbound baton_of(const KnownRun& known, const std::string& from, const std::stri
 
 TEST_CASE("a run is found for its members alone") {
   KnownRun known(chain({"ur3"}));
-  known.signers.fleet.add("stranger", Role::robot);
+  known.signers.add("stranger", Role::robot);
   Outbox out;
   CHECK(known.lookup.find(kKnownRun, baton_of(known, "drone", kKnownRun), known.step(out)) == &known.run());
   CHECK(known.lookup.find(kKnownRun, baton_of(known, "stranger", kKnownRun), known.step(out)) == nullptr);

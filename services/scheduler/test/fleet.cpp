@@ -2,55 +2,23 @@
 
 #include <doctest/doctest.h>
 
-#include "common/scenario/run_start.hpp"
 #include "common/security/rights.hpp"
 
 namespace trb::scheduler::test {
 
-Fleet::Fleet(std::uint64_t seed) : network_(seed, weather) {
-  init_crypto();
-  authority_key_ = make_signing_key();
-  authority_ = {"test", authority_key_.public_key};
-}
+Fleet::Fleet(std::uint64_t seed) : network_(seed, weather) {}
 
 Node& Fleet::add(const std::string& id, Role role) {
   Node& node = nodes_[id];
   node.id = id;
   node.role = role;
-  node.key = make_signing_key();
-  Certificate certificate;
-  certificate.fleet.bytes = authority_.id();
-  certificate.id = id;
-  certificate.role = role;
-  certificate.identity_key.bytes = node.key.public_key;
-  certificate.link_key.bytes = Bytes(32, 'l');
-  node.certificate = trb::sign(kSignedCertificate, "", authority_.id(), encode(certificate), authority_key_);
+  identities_.add(id, role);
   start(id);
   return node;
 }
 
-Member Fleet::member(const std::string& id) const {
-  return {id, nodes_.at(id).certificate};
-}
-
-std::vector<Member> Fleet::members() const {
-  std::vector<Member> out;
-  for (const auto& [id, node] : nodes_) out.push_back({id, node.certificate});
-  return out;
-}
-
-SignedRecord Fleet::sign(const std::string& id, std::string_view purpose, Bytes payload) const {
-  return trb::sign(purpose, id, authority_.id(), std::move(payload), nodes_.at(id).key);
-}
-
 SignedRecord Fleet::sign_order(const std::string& by, const std::string& run) const {
   return sign(by, kSignedRunAbort, encode(AbortOrder{run, by, "enough", now().utc.ns}));
-}
-
-SignedRecord Fleet::make_start(const Scenario& scenario, const std::string& submitter, Duration life,
-                               const std::string& run) const {
-  const RunStart start = build_run_start(scenario, members(), submitter, now().utc, now().utc + life, run);
-  return sign(submitter, kSignedRunStart, encode(start));
 }
 
 void Fleet::ask(const std::string& node, MessageType type, Body body) {
@@ -99,7 +67,7 @@ void Fleet::stop(const std::string& node) {
 void Fleet::start(const std::string& id) {
   Node& node = nodes_.at(id);
   node.core =
-      std::make_unique<SchedulerCore>(SchedulerSettings{id, authority_, node.role == Role::robot}, *node.archive);
+      std::make_unique<SchedulerCore>(SchedulerSettings{id, authority(), node.role == Role::robot}, *node.archive);
   const Status restored = node.core->restore(node.journal.records());
   REQUIRE_MESSAGE(restored.ok(), (restored ? "" : restored.error().text()));
   node.up = true;
@@ -201,7 +169,7 @@ RouteTable Fleet::routes(const Node& node, const std::string& after) const {
     route.id = id;
     route.state = id == node.id ? "self" : node.cut || other.cut ? "CONNECTION_BROKEN" : "ONLINE";
     route.role = other.role;
-    route.certificate = other.certificate;
+    route.certificate = identities_.certificate(id);
     route.profile = other.profile;
     route.profile.out_of_use = other.adapter.out_of_use;
     route.profile.plugged = other.sensors.infos();

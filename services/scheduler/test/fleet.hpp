@@ -8,13 +8,13 @@
 #include <string>
 #include <vector>
 
-#include "common/security/keys.hpp"
 #include "services/scheduler/core/scheduler_core.hpp"
 #include "services/scheduler/test/fake_adapter.hpp"
 #include "services/scheduler/test/fake_sensors.hpp"
 #include "services/scheduler/test/memory_archive.hpp"
 #include "services/scheduler/test/network.hpp"
 #include "services/scheduler/test/scenarios.hpp"
+#include "services/scheduler/test/signers.hpp"
 #include "services/scheduler/test/virtual_time.hpp"
 
 namespace trb::scheduler::test {
@@ -28,8 +28,6 @@ inline std::string nack_of(const Outbox& out) {
 struct Node {
   std::string id;
   Role role{};
-  SigningKey key;
-  SignedRecord certificate;
   bool cut = false;  ///< no link to anyone
   bool up = false;
   std::unique_ptr<SchedulerCore> core;
@@ -65,18 +63,22 @@ class Fleet {
 
   Node& add(const std::string& id, Role role);
   Node& operator[](const std::string& id) { return nodes_.at(id); }
-  [[nodiscard]] Member member(const std::string& id) const;
-  [[nodiscard]] std::vector<Member> members() const;
-  [[nodiscard]] SignedRecord sign(const std::string& id, std::string_view purpose, Bytes payload) const;
+  [[nodiscard]] Member member(const std::string& id) const { return identities_.member(id); }
+  [[nodiscard]] std::vector<Member> members() const { return identities_.members(); }
+  [[nodiscard]] SignedRecord sign(const std::string& id, std::string_view purpose, Bytes payload) const {
+    return identities_.sign(id, purpose, std::move(payload));
+  }
   [[nodiscard]] SignedRecord sign_order(const std::string& by, const std::string& run) const;
   [[nodiscard]] Now now() const { return {time_.now(), UtcTime{kEpoch} + Duration{time_.now().ns}}; }
   /// By the clock of that node.
   [[nodiscard]] Now now_at(const Node& node) const { return {time_.now(), now().utc + node.ahead}; }
-  [[nodiscard]] const FleetAuthority& authority() const { return authority_; }
+  [[nodiscard]] const FleetAuthority& authority() const { return identities_.authority(); }
 
   /// The signed start of a run of these tasks with every node of the fleet as a member.
   [[nodiscard]] SignedRecord make_start(const Scenario& scenario, const std::string& submitter, Duration life,
-                                        const std::string& run) const;
+                                        const std::string& run) const {
+    return identities_.make_start(scenario, submitter, now().utc, life, run);
+  }
   /// As a person does on `node`; the answer comes to `answers`.
   void ask(const std::string& node, MessageType type, Body body);
   /// Hands one message to a core and returns the step's effects; journals them, sends nothing.
@@ -138,8 +140,7 @@ class Fleet {
   bool next_moment(MonotonicTime limit);
   void tick(Node& node);
 
-  SigningKey authority_key_;
-  FleetAuthority authority_;
+  Identities identities_;
   Network network_;
   VirtualTime<Event> time_;
   std::map<std::string, Node> nodes_;

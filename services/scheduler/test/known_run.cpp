@@ -4,21 +4,11 @@
 
 namespace trb::scheduler::test {
 
-Signers::Signers() {
-  fleet.add("cloud", Role::cloud);
-  fleet.add("cloud2", Role::cloud);
-  for (const char* robot : {"conveyor", "drone", "pioneer", "ridgeback", "ur3"}) fleet.add(robot, Role::robot);
-}
-
-SignedRecord Signers::start(const Scenario& scenario) const {
-  return fleet.make_start(scenario, "cloud", seconds(3600), kKnownRun);
-}
-
 KnownRun::KnownRun(const Scenario& scenario, const std::string& node)
     : self(node),
       start(signers.start(scenario)),
-      now(signers.fleet.now()),
-      runs(self, signers.fleet.authority()),
+      now(Signers::kNow),
+      runs(self, signers.authority()),
       executor(self),
       lookup(self, runs, archive),
       journal(self, runs) {

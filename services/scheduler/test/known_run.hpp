@@ -8,21 +8,11 @@
 #include "services/scheduler/core/executor.hpp"
 #include "services/scheduler/core/run_journal.hpp"
 #include "services/scheduler/core/run_lookup.hpp"
-#include "services/scheduler/test/fleet.hpp"
+#include "services/scheduler/test/memory_archive.hpp"
+#include "services/scheduler/test/scenarios.hpp"
+#include "services/scheduler/test/signers.hpp"
 
 namespace trb::scheduler::test {
-
-inline const std::string kKnownRun(32, 'a');
-
-/// The members of every known run: two cloud nodes and five robots. "cloud" submits, decides and judges.
-struct Signers {
-  Signers();
-  [[nodiscard]] SignedRecord start(const Scenario& scenario) const;
-  [[nodiscard]] SignedRecord sign(const std::string& by, std::string_view purpose, Bytes payload) const {
-    return fleet.sign(by, purpose, std::move(payload));
-  }
-  Fleet fleet;
-};
 
 class KnownRun {
  public:

@@ -15,7 +15,7 @@ const std::string kNewRun(32, 'b');
 /// Besides the known run there is another, unknown one.
 struct Intake {
   SignedRecord new_start(Duration life = seconds(3600)) {
-    return known.signers.fleet.make_start(chain({"drone"}), "ur3", life, kNewRun);
+    return known.signers.make_start(chain({"drone"}), "ur3", known.now.utc, life, kNewRun);
   }
 
   KnownRun known{chain({"ur3", "drone"})};
@@ -114,7 +114,7 @@ struct Compact {
     for (const std::string& node : nodes) {
       Route route;
       route.id = node;
-      route.certificate = requester.known.signers.fleet[node].certificate;
+      route.certificate = requester.known.signers.certificate(node);
       if (node == renewed) route.certificate.signature.bytes[0] ^= 1;
       table.routes.push_back(route);
     }

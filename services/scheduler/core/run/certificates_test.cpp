@@ -2,16 +2,16 @@
 
 #include <doctest/doctest.h>
 
-#include "services/scheduler/test/fleet.hpp"
+#include "services/scheduler/test/signers.hpp"
 
 using namespace trb;
 using namespace trb::scheduler;
 
 TEST_CASE("a certificate that was opened once is known; one that differs in a byte is opened by itself, and is wrong") {
-  test::Fleet fleet;
+  test::Identities fleet;
   fleet.add("ur3", Role::robot);
   Certificates certificates(fleet.authority());
-  const SignedRecord record = fleet["ur3"].certificate;
+  const SignedRecord record = fleet.certificate("ur3");
   CHECK(certificates.open(record)->id == "ur3");
   CHECK(certificates.open(record)->id == "ur3");
   CHECK(certificates.size() == 1);
@@ -25,7 +25,7 @@ TEST_CASE("a certificate that was opened once is known; one that differs in a by
   for (std::size_t i = 0; i < Certificates::kMost; ++i) {
     const std::string id = "r" + std::to_string(i);
     fleet.add(id, Role::robot);
-    CHECK(certificates.open(fleet[id].certificate)->id == id);
+    CHECK(certificates.open(fleet.certificate(id))->id == id);
   }
   CHECK(certificates.size() <= Certificates::kMost);
 }

@@ -13,12 +13,12 @@ using namespace trb::scheduler::test;
 
 namespace {
 
-RouteTable table_of(Fleet& fleet, const std::vector<std::string>& nodes) {
+RouteTable table_of(const Signers& signers, const std::vector<std::string>& nodes) {
   RouteTable out;
   for (const std::string& node : nodes) {
     Route route;
     route.id = node;
-    route.certificate = fleet[node].certificate;
+    route.certificate = signers.certificate(node);
     out.routes.push_back(std::move(route));
   }
   return out;
@@ -39,12 +39,12 @@ TEST_CASE("who knows the members makes the same bytes again of a start that trav
   CHECK_FALSE(known.complete(*read));
   std::vector<std::string> nodes;
   for (const Member& member : read->members) nodes.push_back(member.id);
-  known.learn(table_of(signers.fleet, nodes));
+  known.learn(table_of(signers, nodes));
   const auto complete = known.complete(*read);
   REQUIRE(complete);
   CHECK((encode(*complete) == start.payload.bytes));
   nodes.pop_back();
-  known.learn(table_of(signers.fleet, nodes));
+  known.learn(table_of(signers, nodes));
   CHECK_FALSE(known.complete(*read));
 }
 
@@ -59,7 +59,7 @@ TEST_CASE(
     std::vector<std::string> nodes;
     for (const Member& member : start.members) nodes.push_back(member.id);
     KnownCertificates known;
-    known.learn(table_of(signers.fleet, nodes));
+    known.learn(table_of(signers, nodes));
     const auto complete = known.complete(*open_compact_start(*compact, false));
     REQUIRE(complete);
     CHECK((encode(*complete) == record.payload.bytes));

@@ -22,24 +22,24 @@ TEST_CASE("members are known by their certificates, in the order of the start") 
 
 TEST_CASE("a decision adds robots that are no members yet, and no cloud node") {
   Signers signers;
-  signers.fleet.add("spare", Role::robot);
-  signers.fleet.add("cloud3", Role::cloud);
+  signers.add("spare", Role::robot);
+  signers.add("cloud3", Role::cloud);
   const KnownRun known(chain({"ur3"}));
-  Certificates certificates(signers.fleet.authority());
+  Certificates certificates(signers.authority());
   Decision decision;
-  decision.members = {signers.fleet.member("spare")};
+  decision.members = {signers.member("spare")};
   CHECK(known.run().members().open_new(decision, certificates)->contains("spare"));
-  decision.members = {signers.fleet.member("spare"), signers.fleet.member("spare")};
+  decision.members = {signers.member("spare"), signers.member("spare")};
   CHECK(known.run().members().open_new(decision, certificates).error().code == Errc::duplicate);
-  decision.members = {signers.fleet.member("drone")};
+  decision.members = {signers.member("drone")};
   CHECK(known.run().members().open_new(decision, certificates).error().code == Errc::duplicate);
-  decision.members = {signers.fleet.member("cloud3")};
+  decision.members = {signers.member("cloud3")};
   CHECK(known.run().members().open_new(decision, certificates).error().code == Errc::bad_value);
 }
 
 TEST_CASE("a task of a start is for a robot's node; one that names no robot may be the decider's") {
   Signers signers;
-  Certificates certificates(signers.fleet.authority());
+  Certificates certificates(signers.authority());
   const auto open = [&](const std::string& robot, bool bound_late) {
     Scenario scenario = chain({robot});
     RunStart start = *decode<RunStart>(signers.start(scenario).payload.bytes);

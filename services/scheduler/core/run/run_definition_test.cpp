@@ -10,7 +10,7 @@ using namespace trb::scheduler::test;
 
 TEST_CASE("a start is believed from its submitter, a member, whole") {
   Signers signers;
-  Certificates certificates(signers.fleet.authority());
+  Certificates certificates(signers.authority());
   const SignedRecord good = signers.start(nine_tasks());
   CHECK(RunDefinition::open(good, certificates).ok());
   SignedRecord forged = good;
