@@ -73,6 +73,7 @@ async function found(page, task) {
 /** Nothing may scroll between the press and the first move. */
 async function dropOnGraph(page, skill) {
   await page.evaluate(() => document.querySelector('main').scrollTo(0, 0));
+  await skill.hover();  // where the filter has left it: a list that still moves is missed
   await drag(page, skill, page.locator('.graph-scroll'));
   await page.waitForFunction(() => document.querySelectorAll('.graph button.task').length === 2);
 }
