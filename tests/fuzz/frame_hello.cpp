@@ -1,4 +1,5 @@
 // Frames from a link and from a stranger, up to a Hello with a valid certificate.
+#include "services/router/test/test_words.hpp"
 #include "tests/fuzz/router_under_test.hpp"
 
 namespace trb::fuzz {
@@ -109,10 +110,10 @@ void door_of_a_cloud(BytesView input) {
       {keys.authority.fleet.id()}, "cat", Role::robot, {code.caller.public_key}, kNow.utc.ns + 1'000'000'000};
   HoldInvitation order{sign_invitation(invitation, keys.authority.key), 1, {"offer"}, false};
   Effects effects;
-  require(door.hold(order, kNow, effects).ok(), "the authority's invitation is held");
+  require(door.hold_own(order, kNow, effects).ok(), "the authority's invitation is held");
   if (auto any = decode<HoldInvitation>(input)) {
     any->invitation = keys.sign_as_authority(kSignedInvitation, any->invitation.payload.bytes);
-    (void)door.hold(*any, kNow, effects);
+    (void)door.hold_own(*any, kNow, effects);
   }
   const auto call = decode<JoinCall>(input);
   for (int i = 0; call && i < 6; ++i) {
@@ -120,7 +121,7 @@ void door_of_a_cloud(BytesView input) {
     more.word.bytes += static_cast<char>(i);
     (void)door.call(code.caller.public_key, more, kNow, effects);
   }
-  const auto state = door.hold(order, kNow, effects);
+  const auto state = door.hold_own(order, kNow, effects);
   require(state && state->words.size() <= kMaxJoinBoxes, "few words are kept");
   door.tick({kNow.mono + kInvitationTime, kNow.utc + kInvitationTime}, effects);
   require(!door.is_invited(code.caller.public_key), "the door closes");

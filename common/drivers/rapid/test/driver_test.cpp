@@ -236,7 +236,7 @@ TEST_CASE("a halt that is lost with the connection is given again before all els
   fixture.deliver(MessageType::request, order("home", ""), "abb");
   fixture.live(1);
   fixture.deliver(MessageType::command, CancelExecution{attempt(), "enough"}, "abb");
-  fixture.live(2.1);
+  fixture.live(2.5);
   CHECK(fixture.one<Outcome>().outcome == TaskOutcome::interrupted);
   fixture.turns.clear();
   fixture.confirms = true;
