@@ -1,5 +1,4 @@
 // Frames from a link and from a stranger, up to a Hello with a valid certificate.
-#include "services/router/test/test_words.hpp"
 #include "tests/fuzz/router_under_test.hpp"
 
 namespace trb::fuzz {

@@ -3,6 +3,7 @@
 
 #include "services/router/core/router_core.hpp"
 #include "services/router/test/test_keys.hpp"
+#include "services/router/test/test_words.hpp"
 #include "tests/fuzz/target.hpp"
 
 namespace trb::fuzz {
