@@ -6,6 +6,7 @@
 #include <pwd.h>
 #include <signal.h>
 #include <sys/prctl.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -65,6 +66,31 @@ int ended(int child) {
   return status;
 }
 
+std::vector<int> children_of(int parent) {
+  std::vector<int> found;
+  for (const auto& process : std::filesystem::directory_iterator("/proc")) {
+    std::ifstream file(process.path() / "stat");
+    std::string id;
+    std::string name;
+    std::string state;
+    int of = 0;
+    if (file >> id >> name >> state >> of && of == parent) found.push_back(std::stoi(id));
+  }
+  return found;
+}
+
+/// A descriptor that can be read once the process is gone; -1: it is gone.
+int process_end(int pid) {
+  return static_cast<int>(::syscall(SYS_pidfd_open, pid, 0));
+}
+
+void wait_for(int process_end) {
+  if (process_end < 0) return;
+  pollfd end{process_end, POLLIN, 0};
+  REQUIRE(::poll(&end, 1, 60'000) == 1);
+  ::close(process_end);
+}
+
 std::string quoted(const std::string& text) {
   std::string out = "'";
   for (const char c : text) out += c == '\'' || c == '\\' ? std::string("\\") + c : std::string(1, c);
@@ -119,24 +145,22 @@ void PostgresHost::start() {
   } while (!said("SELECT 1").empty());
 }
 
-/// The others end when they see that the first one is gone.
+/// The children go by name: one that has not seen yet that the first process is gone would still do a commit.
 void PostgresHost::kill() {
+  ::kill(pid_, SIGSTOP);  // it makes no more of them
+  const std::vector<int> children = children_of(pid_);
+  std::vector<int> ends;
+  for (const int child : children) ends.push_back(process_end(child));
   ::kill(pid_, SIGKILL);
+  for (const int child : children) ::kill(child, SIGKILL);
   ended(std::exchange(pid_, 0));
+  for (const int end : ends) wait_for(end);
   std::error_code none;
   std::filesystem::remove(folder_->data() + "/postmaster.pid", none);
 }
 
 void PostgresHost::stand_still(bool is_still) const {
-  const std::string parent = std::to_string(pid_);
-  for (const auto& process : std::filesystem::directory_iterator("/proc")) {
-    std::ifstream file(process.path() / "stat");
-    std::string id;
-    std::string name;
-    std::string state;
-    std::string of;
-    if (file >> id >> name >> state >> of && of == parent) ::kill(std::stoi(id), is_still ? SIGSTOP : SIGCONT);
-  }
+  for (const int child : children_of(pid_)) ::kill(child, is_still ? SIGSTOP : SIGCONT);
 }
 
 PostgresServer PostgresHost::access() const {
