@@ -37,7 +37,8 @@ Status OutOfUseBook::add(Kept line, Now now, Outbox& out) {
   if (!is_new) line.what.since = kept.what.since;
   kept = std::move(line);
   // A robot that reports the same in changing words must not wear out the disk.
-  if (other || (other_words && kept.what.retired)) return save(now, out);
+  // Nor may who says it again, because it was not on disk, be told that it is.
+  if (other || has_failed_ || (other_words && kept.what.retired)) return save(now, out);
   if (other_words && !save_at_) save_at_ = now.mono + kSaveAgain;
   return Done{};
 }
@@ -99,6 +100,7 @@ Status OutOfUseBook::save(Now now, Outbox& out) {
   std::vector<Kept> lines;
   for (const auto& [cause, line] : lines_) lines.push_back(line);
   Status saved = persist_(lines);
+  has_failed_ = !saved;
   save_at_ = saved ? std::nullopt : std::optional(now.mono + kSaveAgain);
   if (!saved) out.log(LogLevel::error, "out_of_use_not_saved", saved.error().text());
   show();
@@ -111,6 +113,7 @@ Status OutOfUseBook::save_without(Lines left) {
   for (const auto& [cause, line] : left) lines.push_back(line);
   if (Status saved = persist_(lines); !saved) return saved;
   lines_ = std::move(left);
+  has_failed_ = false;
   save_at_.reset();
   show();
   return Done{};

@@ -68,6 +68,7 @@ class OutOfUseBook {
   PersistOutOfUse persist_;
   std::vector<OutOfUse> shown_;
   std::optional<MonotonicTime> save_at_;  ///< set while the newest lines are not on disk
+  bool has_failed_ = false;               ///< the last write has: whoever adds a line is not told that it is kept
 };
 
 /// The cause of a retirement.

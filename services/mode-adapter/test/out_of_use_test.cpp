@@ -212,6 +212,7 @@ TEST_CASE("a disk that takes nothing: the fault holds, is told, and is written a
   CHECK(robot.one<NodeProfile>().out_of_use.size() == 1);
   CHECK(robot.go_home() == "nack out_of_use");
   CHECK(robot.retire() == "nack io_error");
+  CHECK(robot.retire() == "nack io_error");  // said again, it still is not on disk
   CHECK(robot.give_back() == "nack io_error");
   CHECK(robot.kept.empty());
   robot.kept_status = Done{};
