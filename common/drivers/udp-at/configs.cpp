@@ -12,11 +12,9 @@ constexpr const char* kPutDown = "5,0";
 
 }  // namespace
 
-Status AtConfigs::add(Token token, std::string arguments) {
-  if (waiting_.size() >= kMaxWaiting)
-    return fail(Errc::queue_full, "too many settings wait for the drone", "send fewer");
-  waiting_.push_back({token, std::move(arguments)});
-  return Done{};
+Status AtConfigs::check_room(std::size_t more) const {
+  if (waiting_.size() + more <= kMaxWaiting) return Done{};
+  return fail(Errc::queue_full, "too many settings wait for the drone", "send fewer");
 }
 
 bool AtConfigs::waits(Token token) const {

@@ -20,8 +20,10 @@ struct AtCall {
 /// repeated.
 class AtConfigs {
  public:
-  /// `token` 0: no service waits for it. Errors: queue_full.
-  Status add(Token token, std::string arguments);
+  /// May so many more wait? Errors: queue_full.
+  [[nodiscard]] Status check_room(std::size_t more) const;
+  /// `token` 0: no service waits for it.
+  void add(Token token, std::string arguments) { waiting_.push_back({token, std::move(arguments)}); }
   /// No service waits for it any more; if it was sent, it stays sent.
   void forget(Token token);
   void drop_all(const Error& why, const DriverOut& out);

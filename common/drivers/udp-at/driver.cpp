@@ -87,14 +87,13 @@ Result<bool> AtDriver::begin(const Handover& message, const std::vector<AtOrder>
   for (const AtOrder& order : orders) size += order.name.size() + order.arguments.size() + 32;
   if (size > kMaxDatagram - 128)
     return fail(Errc::too_large, "the drone takes 1024 bytes at once", "send less at once");
+  // Before any of them takes effect: of what is refused nothing may fly.
+  const auto configs = std::ranges::count(orders, "CONFIG", &AtOrder::name);
+  if (Status room = configs_.check_room(static_cast<std::size_t>(configs)); !room) return room.error();
   bool waits = false;
   for (const AtOrder& order : orders) {
     if (order.name == "CONFIG") {
-      if (Status added = configs_.add(message.token, order.arguments); !added) {
-        configs_.forget(message.token);
-        calls_.clear();
-        return added.error();
-      }
+      configs_.add(message.token, order.arguments);
       waits = true;
     } else if (order.action == AtAction::send) {
       calls_.push_back({order.name, order.arguments});
@@ -188,7 +187,7 @@ void AtDriver::on_navdata(const ArNavdata& drone, Now now, const DriverOut& out)
     drone_.sequence = drone.sequence;
     if (configs_.empty() && now.mono >= next_demo_) {
       next_demo_ = now.mono + kDemoPeriod;
-      (void)configs_.add(0, kDemo);
+      configs_.add(0, kDemo);
     }
     return write(now, out);
   }

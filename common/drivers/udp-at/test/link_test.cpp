@@ -129,9 +129,22 @@ TEST_CASE("drone: a command that does not fit into the queue of settings leaves 
   for (int i = 0; i < 16; ++i) fixture.command("name", "1");  // one is sent, 15 wait
   fixture.sent();
   CHECK(fixture.answer(fixture.command("two", "2")) == "nack queue_full");
-  fixture.wait(0.03);
-  CHECK(fixture.last("FTRIM").empty());
+  fixture.wait(0.6);  // after 17 commands at once the next datagram is due
+  const auto sent = fixture.sent();
+  CHECK_FALSE(sent.empty());
+  CHECK(std::ranges::find(sent, "FTRIM") == sent.end());
   CHECK(fixture.answer(fixture.command("name", "3")).empty());  // there is still place for one
+}
+
+TEST_CASE("drone: a command that takes off and does not fit into the queue of settings leaves it on the ground") {
+  Settings settings = drone();
+  settings.commands.commands["up"] = "REF take_off\nCONFIG \"a\" {data}\nCONFIG \"b\" {data}";
+  DroneFixture fixture(kOnGround, settings);
+  for (int i = 0; i < 16; ++i) fixture.command("name", "1");
+  fixture.sent();
+  CHECK(fixture.answer(fixture.command("up", "2")) == "nack queue_full");
+  fixture.wait(0.6);
+  CHECK(fixture.last("REF") == kRefGround);
 }
 
 TEST_CASE("drone: what is wrong is told again by a drone that comes back, but not that its watchdog waited for us") {
