@@ -1,6 +1,7 @@
 // Invitations by themselves, and a core whose door answers to a code.
 #include "services/router/core/invitations.hpp"
 
+#include "services/router/test/test_fleet.hpp"
 #include "services/router/test/test_parts.hpp"
 
 using namespace trb;
