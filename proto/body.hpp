@@ -16,7 +16,7 @@
 #include "proto/bodies/link.hpp"
 #include "proto/bodies/resilience.hpp"
 #include "proto/bodies/robot.hpp"
-#include "proto/bodies/run.hpp"
+#include "proto/bodies/run_view.hpp"
 #include "proto/bodies/sensor.hpp"
 #include "proto/bodies/signed.hpp"
 

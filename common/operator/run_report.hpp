@@ -1,7 +1,7 @@
 #pragma once
 
 #include "proto/bodies/link.hpp"
-#include "proto/bodies/run.hpp"
+#include "proto/bodies/run_view.hpp"
 #include "proto/value.hpp"
 
 namespace trb::op {

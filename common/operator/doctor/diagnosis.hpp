@@ -11,7 +11,7 @@
 #include "common/base/time.hpp"
 #include "proto/bodies/bus.hpp"
 #include "proto/bodies/link.hpp"
-#include "proto/bodies/run.hpp"
+#include "proto/bodies/run_view.hpp"
 
 namespace trb::op {
 

@@ -8,7 +8,7 @@
 
 #include "common/base/bytes.hpp"
 #include "common/base/time.hpp"
-#include "proto/bodies/run.hpp"
+#include "proto/bodies/run_view.hpp"
 
 namespace trb::resilience {
 

@@ -3,7 +3,7 @@
 
 #include <utility>
 
-#include "proto/bodies/run.hpp"
+#include "proto/bodies/run_view.hpp"
 
 namespace trb::resilience::test {
 

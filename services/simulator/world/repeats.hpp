@@ -5,7 +5,7 @@
 #include <string>
 
 #include "common/base/varint.hpp"
-#include "proto/bodies/run.hpp"
+#include "proto/bodies/run_exchange.hpp"
 #include "proto/body.hpp"
 #include "proto/message.hpp"
 #include "services/scheduler/core/run/run_definition.hpp"

@@ -9,7 +9,7 @@
 #include "proto/bodies/bus.hpp"
 #include "proto/bodies/link.hpp"
 #include "proto/bodies/resilience.hpp"
-#include "proto/bodies/run.hpp"
+#include "proto/bodies/run_view.hpp"
 #include "proto/make_shape.hpp"
 #include "proto/value.hpp"
 #include "services/cloud-gateway/core/access/rights.hpp"

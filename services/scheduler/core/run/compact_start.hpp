@@ -9,7 +9,7 @@
 
 #include "common/base/result.hpp"
 #include "proto/bodies/link.hpp"
-#include "proto/bodies/run.hpp"
+#include "proto/bodies/run_exchange.hpp"
 
 namespace trb::scheduler {
 

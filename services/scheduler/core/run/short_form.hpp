@@ -13,7 +13,7 @@
 #pragma once
 
 #include "common/base/result.hpp"
-#include "proto/bodies/run.hpp"
+#include "proto/bodies/run_exchange.hpp"
 #include "services/scheduler/core/run/run_definition.hpp"
 
 namespace trb::scheduler {
