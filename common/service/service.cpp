@@ -248,8 +248,7 @@ class ServiceShell final : public Service {
   std::vector<Nack> refused_;  ///< sent by the core, but unreadable for any receiver
   RateLimit limit_{20, std::chrono::seconds(10)};
   int exit_ = 0;
-  bool has_lost_journal_ =
-      false;  ///< a commit has failed: the loop's turn ends, and nothing is received, told or sent any more
+  bool has_lost_journal_ = false;  ///< nothing is received, told or sent any more
 };
 
 }  // namespace

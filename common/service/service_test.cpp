@@ -148,78 +148,84 @@ bool poll_once(Service& service) {
   return service.handle_ready();
 }
 
-}  // namespace
-
-TEST_CASE("a service runs in the event loop of a program that has one of its own") {
-  init_crypto();
-  Folder folder;
-  std::ofstream("node.json") << R"({"id":"ant"})";
-  Router router;
-  auto service = Service::open({.node_dir = folder.path, .name = "probe", .subtypes = {"wave"}, .own_log = false});
-  REQUIRE(service.ok());
-  WavingCore core;
-  (*service)->start(core);
-  const MonotonicTime end = now().mono + std::chrono::seconds(5);
-  const auto poll_until = [&](std::string_view subtype) {
+/// The service "probe" of a node, in this program's loop.
+struct Served {
+  Served() {
+    init_crypto();
+    std::ofstream("node.json") << R"({"id":"ant"})";
+    auto opened = Service::open({.node_dir = folder.path, .name = "probe", .subtypes = {"wave"}, .own_log = false});
+    REQUIRE(opened.ok());
+    service = std::move(*opened);
+  }
+  bool poll() { return poll_once(*service); }
+  bool in_time() const { return now().mono < end; }
+  std::optional<Message> poll_until(std::string_view subtype) {
     std::optional<Message> message;
-    while (now().mono < end && !(message && message->subtype == subtype)) {
-      REQUIRE(poll_once(**service));
+    while (in_time() && !(message && message->subtype == subtype)) {
+      REQUIRE(poll());
       if (auto next = router.receive()) message = std::move(next);
     }
     return message;
-  };
-  // It sends its hello and is welcomed; its core is notified.
-  REQUIRE(poll_until(ServiceHello::kSubtype));
-  router.say(ServiceWelcome{"ant", "robot", 1, 1, 1});
-  while (core.node().empty() && now().mono < end) REQUIRE(poll_once(**service));
-  CHECK(core.node() == "ant");
+  }
+  /// It sends its hello and is welcomed; its core is notified.
+  void start() {
+    service->start(core);
+    REQUIRE(poll_until(ServiceHello::kSubtype));
+    router.say(ServiceWelcome{"ant", "robot", 1, 1, 1});
+    while (core.node().empty() && in_time()) REQUIRE(poll());
+  }
+  void order_wave(std::uint64_t id) {
+    REQUIRE(router.socket->send_to(router.peer, to_frame(encode_frame(wave(id)))) == SendResult::sent);
+  }
+  void poll_to_end() {
+    while (poll() && in_time()) {
+    }
+    CHECK(in_time());
+  }
+
+  Folder folder;
+  Router router;
+  WavingCore core;
+  std::unique_ptr<Service> service;
+  MonotonicTime end = now().mono + std::chrono::seconds(5);
+};
+
+}  // namespace
+
+TEST_CASE("a service runs in the event loop of a program that has one of its own") {
+  Served served;
+  served.start();
+  CHECK(served.core.node() == "ant");
   // It answers messages, and its deadlines come.
-  REQUIRE(router.socket->send_to(router.peer, to_frame(encode_frame(wave(77)))) == SendResult::sent);
-  const auto answer = poll_until(Ack::kSubtype);
+  served.order_wave(77);
+  const auto answer = served.poll_until(Ack::kSubtype);
   REQUIRE(answer);
   CHECK(answer->reply_to == 77);
-  while (core.ticks() == 0 && now().mono < end) REQUIRE(poll_once(**service));
-  CHECK(core.ticks() == 1);
+  while (served.core.ticks() == 0 && served.in_time()) REQUIRE(served.poll());
+  CHECK(served.core.ticks() == 1);
   // SIGTERM ends it.
   ::kill(::getpid(), SIGTERM);
-  while (poll_once(**service) && now().mono < end) {
-  }
-  CHECK(now().mono < end);
-  CHECK((*service)->exit_status() == 0);
+  served.poll_to_end();
+  CHECK(served.service->exit_status() == 0);
 }
 
 TEST_CASE("behind a commit that failed a service receives, journals and sends nothing, though more waits for it") {
-  init_crypto();
-  Folder folder;
-  std::ofstream("node.json") << R"({"id":"ant"})";
-  Router router;
-  auto service = Service::open({.node_dir = folder.path, .name = "probe", .subtypes = {"wave"}, .own_log = false});
-  REQUIRE(service.ok());
-  WavingCore core;
-  core.journals = true;
+  Served served;
+  served.core.journals = true;
   int commits = 0;
-  (*service)->on_journal([&](const std::vector<Journal>&) {
+  served.service->on_journal([&](const std::vector<Journal>&) {
     ++commits;
     return commits == 1 ? Status(fail(Errc::io_error, "the disk is full")) : Status(Done{});
   });
-  (*service)->start(core);
-  const MonotonicTime end = now().mono + std::chrono::seconds(5);
-  while (router.peer.empty() && now().mono < end) {
-    REQUIRE(poll_once(**service));
-    router.receive();
-  }
-  router.say(ServiceWelcome{"ant", "robot", 1, 1, 1});
-  while (core.node().empty() && now().mono < end) REQUIRE(poll_once(**service));
+  served.start();
   // The same order twice, before the service looks: the second one would find what the first has changed in the core.
-  for (const std::uint64_t id : {77U, 78U}) {
-    REQUIRE(router.socket->send_to(router.peer, to_frame(encode_frame(wave(id)))) == SendResult::sent);
-  }
-  while (poll_once(**service) && now().mono < end) {
-  }
-  CHECK((*service)->exit_status() == 74);
+  served.order_wave(77);
+  served.order_wave(78);
+  served.poll_to_end();
+  CHECK(served.service->exit_status() == 74);
   CHECK(commits == 1);
-  CHECK(core.waves() == 1);
-  while (const auto message = router.receive()) CHECK(message->subtype != Ack::kSubtype);
+  CHECK(served.core.waves() == 1);
+  while (const auto message = served.router.receive()) CHECK(message->subtype != Ack::kSubtype);
 }
 
 TEST_CASE("a service says hello until it is welcomed, then its messages bear its slot") {

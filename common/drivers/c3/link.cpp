@@ -3,6 +3,7 @@
 #include <algorithm>
 
 namespace trb::drivers {
+
 bool C3Link::ask(C3Ask ask, Now now, const DriverOut& out) {
   if (waiting_.size() >= kMost) return false;
   waiting_.push_back(std::move(ask));

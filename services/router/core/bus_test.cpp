@@ -1,74 +1,10 @@
-// The node's own bus: claims, probes, and which service may have what signed.
+// The node's own bus: claims, probes and visitors.
 #include <doctest/doctest.h>
 
-#include "services/router/test/test_fleet.hpp"
+#include "services/router/test/test_bus.hpp"
 
 using namespace trb;
 using namespace trb::router;
-
-namespace {
-
-struct Bus {
-  /// A cloud's services have signed what no robot's may.
-  explicit Bus(Role role = {}) : ant(fleet.start("ant", {.beacon = false, .role = role})) {}
-
-  TestFleet fleet;
-  TestNode& ant;
-
-  std::string hello(ConnectionId from, const std::string& service, std::vector<std::string> subtypes = {},
-                    bool probe = false) {
-    return come_as(probe ? kProbe : std::string_view(service), from, service, std::move(subtypes));
-  }
-  std::string come_as(std::string_view as, ConnectionId from, const std::string& service,
-                      std::vector<std::string> subtypes = {}) {
-    Effects effects;
-    ant.core->bus().on_hello(from, {service, std::move(subtypes), 5, 100, "1"}, as, fleet.now, effects);
-    fleet.carry_out(ant, effects);
-    const Message& last = ant.bus.back().message;
-    return last.subtype == Nack::kSubtype ? decode<Nack>(last.data)->code : last.subtype;
-  }
-  void gone(ConnectionId from) {
-    Effects effects;
-    ant.core->on_connection_gone(from, fleet.now, effects);
-    fleet.carry_out(ant, effects);
-  }
-  template <class T>
-  std::string ask(ConnectionId from, const T& body) {
-    Effects effects;
-    ant.core->forwarding().on_bus_message(from, make_message(MessageType::request, "ant", "ant", body), fleet.now,
-                                          effects);
-    fleet.carry_out(ant, effects);
-    const Message& last = ant.bus.back().message;
-    return last.subtype == Nack::kSubtype ? decode<Nack>(last.data)->code : last.subtype;
-  }
-};
-
-Bytes payload_of(std::string_view kind, const std::string& node) {
-  if (kind == kSignedResult) {
-    TaskResult result;
-    result.robot = node;
-    return encode(result);
-  }
-  if (kind == kSignedRunStart) {
-    RunStart start;
-    start.submitter = node;
-    return encode(start);
-  }
-  if (kind == kSignedChoice) {
-    Choice choice;
-    choice.by = node;
-    return encode(choice);
-  }
-  if (kind == kSignedDecision) {
-    trb::Decision decision;
-    decision.by = node;
-    return encode(decision);
-  }
-  if (kind == kSignedRunPause) return encode(PauseOrder{"r", 1, true, node, "", 0});
-  return encode(AbortOrder{"r", node, "", 0});
-}
-
-}  // namespace
 
 TEST_CASE("a full disk is shown with the router, and no longer once there is room") {
   Bus bus;
@@ -213,38 +149,6 @@ TEST_CASE("a service has one visitor: its key cannot fill the bus") {
   CHECK(bus.hello(1000, "trb", {}, true) == "service_welcome");
 }
 
-TEST_CASE("each kind of record is signed for its one maker") {
-  Bus bus;
-  const std::vector<std::string> services = {"scheduler", "mode-adapter", "resilience", "sensor-bus", "cloud-gateway"};
-  ConnectionId id = 0;
-  for (const std::string& service : services) REQUIRE(bus.hello(++id, service) == "service_welcome");
-  REQUIRE(bus.hello(++id, "scheduler", {}, true) == "service_welcome");  // a probe, whatever name it gives
-  const auto asks = [&](ConnectionId from, std::string_view kind) {
-    return bus.ask(from, SignRequest{std::string(kind), {payload_of(kind, "ant")}});
-  };
-  for (ConnectionId from = 1; from <= 6; ++from) {
-    CAPTURE(from);
-    const bool person = from == 5 || from == 6;
-    CHECK(asks(from, kSignedResult) == (from == 1 ? "signed_record" : "not_permitted"));
-    CHECK(asks(from, kSignedChoice) == (from == 1 ? "signed_record" : "not_permitted"));
-    CHECK(asks(from, kSignedRunStart) == (person ? "signed_record" : "not_permitted"));
-    CHECK(asks(from, kSignedRunAbort) == (person || from == 1 || from == 3 ? "signed_record" : "not_permitted"));
-    CHECK(asks(from, kSignedRunPause) == (person || from == 1 ? "signed_record" : "not_permitted"));
-    CHECK(asks(from, kSignedDecision) == "not_permitted");  // it is no cloud node
-    CHECK(asks(from, kSignedAuditHead) == "not_permitted");
-    for (const auto kind : {kSignedCertificate, kSignedRequest, kSignedBeacon})
-      CHECK(asks(from, kind) == "not_permitted");
-  }
-}
-
-TEST_CASE("a record that names another node, or nothing that can be read, is not signed") {
-  Bus bus;
-  REQUIRE(bus.hello(1, "scheduler") == "service_welcome");
-  CHECK(bus.ask(1, SignRequest{std::string(kSignedResult), {payload_of(kSignedResult, "bee")}}) == "source_mismatch");
-  CHECK(bus.ask(1, SignRequest{std::string(kSignedChoice), {payload_of(kSignedChoice, "bee")}}) == "source_mismatch");
-  CHECK(bus.ask(1, SignRequest{std::string(kSignedResult), {"noise"}}) == "source_mismatch");
-}
-
 TEST_CASE("the tables are for requests, and only the mode-adapter tells the profile") {
   Bus bus;
   REQUIRE(bus.hello(1, "mode-adapter", {}, true) == "service_welcome");
@@ -304,31 +208,6 @@ TEST_CASE("of counters with made-up names there are a thousand, and those that a
   CHECK(there == 999);
   core.counters().count("known", 2);
   CHECK(core.counters().value("known") == 3);
-}
-
-TEST_CASE("a decision is signed on a cloud node for its resilience, and names that node") {
-  Bus bus{Role::cloud};
-  REQUIRE(bus.hello(1, "resilience") == "service_welcome");
-  const auto asks = [&](const std::string& by) {
-    return bus.ask(1, SignRequest{std::string(kSignedDecision), {payload_of(kSignedDecision, by)}});
-  };
-  CHECK(asks("ant") == "signed_record");
-  CHECK(asks("bee") == "source_mismatch");
-}
-
-TEST_CASE("the head of an audit log is signed on a cloud node, for its gateway alone") {
-  Bus bus{Role::cloud};
-  REQUIRE(bus.hello(1, "cloud-gateway") == "service_welcome");
-  REQUIRE(bus.hello(2, "resilience") == "service_welcome");
-  REQUIRE(bus.hello(3, "cloud-gateway", {}, true) == "service_welcome");  // a probe of that name
-  const auto asks = [&](ConnectionId from) { return bus.ask(from, SignRequest{"audit_head", {"a head"}}); };
-  REQUIRE(asks(1) == "signed_record");
-  const auto record = decode<SignedRecord>(bus.ant.bus.back().message.data);
-  CHECK(record->kind == kSignedAuditHead);
-  CHECK(record->signer == "ant");
-  CHECK(record->payload.bytes == "a head");
-  CHECK(asks(2) == "not_permitted");
-  CHECK(asks(3) == "not_permitted");
 }
 
 TEST_CASE("a service that says that it is alive is told of which start this router is") {

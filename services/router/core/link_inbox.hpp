@@ -40,9 +40,9 @@ struct LinkParts {
 /// JoinCall             | an invited key            | Invitations: the answer is its last word
 /// another (invalid)    | a stranger                | refused: its first message must be Hello
 /// another              | a member, link just closed | dropped.closed_link
-/// TrustUpdate          | a link that is dialled    | the list, and this node's certificate: it may need them to come
-/// back TrustUpdate again    | a link that is dialled    | the link is dropped: nothing else bounds what is checked of
-/// it Goodbye              | a link that is dialled    | refused by the other side; dialled again
+/// TrustUpdate          | a link that is dialled    | its list and this node's certificate: both may be missed here
+/// TrustUpdate again    | a link that is dialled    | the link is dropped: nothing else bounds the checks
+/// Goodbye              | a link that is dialled    | refused by the other side; dialled again
 class LinkInbox {
  public:
   explicit LinkInbox(const LinkParts& parts) : at_(parts) {}

@@ -224,42 +224,55 @@ TEST_CASE("news over their size are not read; the log names who brought what was
   CHECK(three.ant.count("refused.too_large") == 1);
 }
 
-TEST_CASE("who was dialled and has not said Hello may bring news, and is named as what it is") {
-  TestFleet fleet;
-  TestNode& ant = fleet.start("ant", {.beacon = false, .seeds = {"bee"}});
-  fleet.start("bee", {.beacon = false});
-  fleet.withhold = [](const std::string& from, const Message&) { return from == "bee"; };
-  fleet.run(2 * kStep);
-  REQUIRE_FALSE(ant.dials.empty());
-  SignedRecord forged = list_of(fleet.authority, 1, {"dog"});
-  forged.signature.bytes[5] ^= 1;
-  fleet.arrive(ant, ant.dials.back().link, 1,
-               make_message(MessageType::information, "bee", "", TrustUpdate{forged, {}}));
-  CHECK(ant.count("refused.bad_signature") == 1);
-  CHECK(logged(ant, "news_refused of the node that was dialled: "));
-}
+namespace {
 
-TEST_CASE("who was dialled and has not said Hello brings one update, and of its certificates this node's alone") {
-  TestFleet fleet;
-  TestNode& ant = fleet.start("ant", {.beacon = false, .seeds = {"bee"}});
-  fleet.start("bee", {.beacon = false});
-  fleet.withhold = [](const std::string& from, const Message&) { return from == "bee"; };
-  fleet.run(2 * kStep);
-  REQUIRE_FALSE(ant.dials.empty());
-  const LinkId link = ant.dials.back().link;
-  const auto signed_again = [&](const std::string& id, std::uint64_t serial) {
+/// ant has dialled bee, which says no Hello.
+struct Dialling {
+  Dialling() {
+    fleet.start("bee", {.beacon = false});
+    fleet.withhold = [](const std::string& from, const Message&) { return from == "bee"; };
+    fleet.run(2 * kStep);
+    REQUIRE_FALSE(ant.dials.empty());
+    link = ant.dials.back().link;
+  }
+  void bring(const TrustUpdate& update) {
+    fleet.arrive(ant, link, ++sequence, make_message(MessageType::information, "bee", "", update));
+  }
+  SignedRecord signed_again(const std::string& id, std::uint64_t serial) {
     Certificate certificate = fleet.keys(id).certificate;
     certificate.serial = serial;
     return sign(kSignedCertificate, "", fleet.authority.fleet.id(), encode(certificate), fleet.authority.key);
-  };
-  const TrustUpdate update{{}, {signed_again("bee", 7), signed_again("ant", 8), signed_again("ant", 9)}};
-  fleet.arrive(ant, link, 1, make_message(MessageType::information, "bee", "", update));
+  }
+
+  TestFleet fleet;
+  TestNode& ant = fleet.start("ant", {.beacon = false, .seeds = {"bee"}});
+  LinkId link = 0;
+  std::uint64_t sequence = 0;
+};
+
+}  // namespace
+
+TEST_CASE("who was dialled and has not said Hello may bring news, and is named as what it is") {
+  Dialling dialling;
+  SignedRecord forged = list_of(dialling.fleet.authority, 1, {"dog"});
+  forged.signature.bytes[5] ^= 1;
+  dialling.bring({forged, {}});
+  CHECK(dialling.ant.count("refused.bad_signature") == 1);
+  CHECK(logged(dialling.ant, "news_refused of the node that was dialled: "));
+}
+
+TEST_CASE("who was dialled and has not said Hello brings one update, and of its certificates this node's alone") {
+  Dialling dialling;
+  const TestNode& ant = dialling.ant;
+  const TrustUpdate update{
+      {}, {dialling.signed_again("bee", 7), dialling.signed_again("ant", 8), dialling.signed_again("ant", 9)}};
+  dialling.bring(update);
   CHECK(ant.count("news.certificates") == 1);
   CHECK(ant.core->config().own.serial == 8);
-  REQUIRE(ant.core->table().link(link) != nullptr);
-  fleet.arrive(ant, link, 2, make_message(MessageType::information, "bee", "", update));
+  REQUIRE(ant.core->table().link(dialling.link) != nullptr);
+  dialling.bring(update);
   CHECK(ant.count("news.certificates") == 1);
-  CHECK(ant.core->table().link(link) == nullptr);
+  CHECK(ant.core->table().link(dialling.link) == nullptr);
 }
 
 TEST_CASE("what the authority has signed names no signer: otherwise anybody could make it new again and again") {

@@ -70,6 +70,16 @@ class RapidFixture : public Fixture {
   std::string sent_;
 };
 
+/// A move home that was cancelled; the service task does not confirm it by itself.
+struct Cancelled : RapidFixture {
+  Cancelled() {
+    confirms = false;
+    deliver(MessageType::request, order("home", ""), "abb");
+    live(1);
+    deliver(MessageType::command, CancelExecution{attempt(), "enough"}, "abb");
+  }
+};
+
 }  // namespace
 
 TEST_CASE("answers: in pieces, ended by # or a line end, or by a moment's silence") {
@@ -207,11 +217,7 @@ TEST_CASE("a skill that takes too long: its motion is ended, and its answer is l
 }
 
 TEST_CASE("a move that came to its end before the service task has confirmed its halt has finished") {
-  RapidFixture fixture;
-  fixture.confirms = false;
-  fixture.deliver(MessageType::request, order("home", ""), "abb");
-  fixture.live(1);
-  fixture.deliver(MessageType::command, CancelExecution{attempt(), "enough"}, "abb");
+  Cancelled fixture;
   fixture.live(0.1);
   CHECK(fixture.turns == "91 #");
   CHECK(fixture.told<Outcome>().empty());
@@ -220,22 +226,14 @@ TEST_CASE("a move that came to its end before the service task has confirmed its
 }
 
 TEST_CASE("a service task that refuses a halt: nobody knows") {
-  RapidFixture fixture;
-  fixture.confirms = false;
-  fixture.deliver(MessageType::request, order("home", ""), "abb");
-  fixture.live(1);
-  fixture.deliver(MessageType::command, CancelExecution{attempt(), "enough"}, "abb");
+  Cancelled fixture;
   fixture.live(0.1);
   fixture.service("91 0 not now#");
   CHECK(fixture.one<Outcome>().outcome == TaskOutcome::interrupted);
 }
 
 TEST_CASE("a halt that is lost with the connection is given again before all else") {
-  RapidFixture fixture;
-  fixture.confirms = false;
-  fixture.deliver(MessageType::request, order("home", ""), "abb");
-  fixture.live(1);
-  fixture.deliver(MessageType::command, CancelExecution{attempt(), "enough"}, "abb");
+  Cancelled fixture;
   fixture.live(2.5);
   CHECK(fixture.one<Outcome>().outcome == TaskOutcome::interrupted);
   fixture.turns.clear();

@@ -21,6 +21,15 @@ struct Collecting {
   ResultHandler handler{known.runs, known.lookup, known.journal};
 };
 
+/// ur3 has asked the cloud for task-0's result.
+struct Asking : Collecting {
+  Asking() : Collecting("ur3") {
+    requests().need_result(0, "cloud");
+    requests().take_due_results(known.now.mono);
+  }
+  PendingRequests& requests() { return known.run().work().requests(); }
+};
+
 }  // namespace
 
 TEST_CASE("results are journaled and confirmed by key; a bad one among them is refused, the others stay") {
@@ -52,10 +61,8 @@ TEST_CASE("an answer without a result says that its giver does not hold what it 
 }
 
 TEST_CASE("an answer that cannot be used says nothing of what its giver holds; of a later epoch it is asked for that") {
-  Collecting collecting("ur3");
-  PendingRequests& requests = collecting.known.run().work().requests();
-  requests.need_result(0, "cloud");
-  requests.take_due_results(collecting.known.now.mono);
+  Asking collecting;
+  PendingRequests& requests = collecting.requests();
   KnownRun there(chain({"drone", "ur3"}), "cloud");
   there.decide({{"task-0", Ruling::retry, "drone", 2, Evidence::result}});
   const Results later{kKnownRun, {there.result("task-0", "drone", TaskOutcome::finished, 2)}, {}};
@@ -70,10 +77,8 @@ TEST_CASE("an answer that cannot be used says nothing of what its giver holds; o
 }
 
 TEST_CASE("a result that is not final is all that its giver holds of the task") {
-  Collecting collecting("ur3");
-  PendingRequests& requests = collecting.known.run().work().requests();
-  requests.need_result(0, "cloud");
-  requests.take_due_results(collecting.known.now.mono);
+  Asking collecting;
+  PendingRequests& requests = collecting.requests();
   const Results failed{kKnownRun, {collecting.known.result("task-0", "drone", TaskOutcome::failed)}, {}};
   collecting.known.send(collecting.handler, "cloud", failed, MessageType::information, 5);
   CHECK_FALSE(requests.needs_results());

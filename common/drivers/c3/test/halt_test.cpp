@@ -1,0 +1,70 @@
+// What becomes of a message to a KUKA that is halted: taken or not, confirmed, lost.
+#include "common/drivers/c3/test/fixture.hpp"
+
+using namespace trb;
+using namespace trb::adapter;
+
+TEST_CASE("a skill that takes too long: the motion is ended, and what the robot says afterwards is late") {
+  C3Fixture fixture;
+  fixture.deliver(MessageType::request, order("home", ""), "kuka");
+  fixture.take();
+  fixture.writes();
+  fixture.live(10);
+  CHECK(fixture.writes() == "TRB_STOP=TRUE\n");
+  CHECK(fixture.told<Outcome>().empty());
+  fixture.robot["TRB_STOPPED"] = "TRUE";
+  fixture.finish(2, "stopped");
+  CHECK(fixture.one<Outcome>().reason == "timed out after 10 s");
+  CHECK(fixture.counted("refused.late_done") == 1);
+  CHECK(fixture.robot["TRB_STOP"] == "FALSE");
+  fixture.robot["TRB_STOPPED"] = "FALSE";
+  fixture.live(0.1);
+  fixture.flags = kFlagTakeControl;
+  const auto id = fixture.command("wave", "1");
+  fixture.take();
+  CHECK(fixture.answer(id) == "ack started");
+}
+
+TEST_CASE("a message that came to its end before the robot has confirmed its halt has finished") {
+  C3Fixture fixture;
+  fixture.deliver(MessageType::request, order("home", ""), "kuka");
+  fixture.take();
+  fixture.deliver(MessageType::command, CancelExecution{attempt(), "enough"}, "kuka");
+  fixture.finish();
+  CHECK(fixture.one<Outcome>().outcome == TaskOutcome::finished);
+}
+
+TEST_CASE("a message that the program has just taken is halted, too") {
+  C3Fixture fixture;
+  fixture.deliver(MessageType::request, order("home", ""), "kuka");
+  fixture.live(0.1);
+  fixture.robot["TRB_COMMAND"] = "FALSE";  // and nobody has read it yet
+  fixture.writes();
+  fixture.deliver(MessageType::command, CancelExecution{attempt(), "enough"}, "kuka");
+  fixture.live(0.1);
+  CHECK(fixture.writes().find("TRB_STOP=TRUE") != std::string::npos);
+  CHECK(fixture.told<Outcome>().empty());
+  fixture.robot["TRB_STOPPED"] = "TRUE";
+  fixture.live(0.1);
+  CHECK(fixture.one<Outcome>().outcome == TaskOutcome::failed);
+}
+
+TEST_CASE("a halt that is lost with the connection is written again before all else") {
+  C3Fixture fixture;
+  fixture.deliver(MessageType::request, order("home", ""), "kuka");
+  fixture.take();
+  fixture.deliver(MessageType::command, CancelExecution{attempt(), "enough"}, "kuka");
+  fixture.wait(2.1);
+  CHECK(fixture.one<Outcome>().outcome == TaskOutcome::interrupted);
+  fixture.written(Channel::command);
+  fixture.writes();
+  fixture.robot["TRB_STOP"] = "FALSE";
+  fixture.up(Channel::command);
+  fixture.live(0.1);
+  CHECK(fixture.robot["TRB_STOP"] == "TRUE");
+  CHECK(fixture.answer(fixture.deliver(MessageType::request, order("home", "", 2), "kuka")) == "nack busy");
+  fixture.robot["TRB_STOPPED"] = "TRUE";
+  fixture.live(0.1);
+  CHECK(fixture.robot["TRB_STOP"] == "FALSE");
+  CHECK(fixture.answer(fixture.deliver(MessageType::request, order("home", "", 2), "kuka")) == "running");
+}
