@@ -7,6 +7,7 @@ import argparse
 import json
 import os
 import pathlib
+import select
 import signal
 import subprocess
 import sys
@@ -76,7 +77,7 @@ def run_some(wanted, jobs):
             if not job.pump():
                 running.remove(job)
                 results.append(job.result or {"case": job.name, "rounds": 0, "faults": ["the case ended without figures"]})
-        time.sleep(0.1)
+        select.select([job.child.stdout for job in running], [], [], 1)  # a line, or the end of a case
     return results
 
 
