@@ -4,7 +4,7 @@ import { join } from 'node:path';
 import { startBrowser } from './person.mjs';
 import { alarms, changesSettings } from './story_alarm.mjs';
 import { signsIn } from './story_sign_in.mjs';
-import { drives } from './story_control.mjs';
+import { drives, leavesDriven } from './story_control.mjs';
 import { hostileTexts } from './story_hostile.mjs';
 import { paper } from './story_paper.mjs';
 import { plans } from './story_plan.mjs';
@@ -20,6 +20,7 @@ const stories = [
   ['an operator plans: two simulations, compared; a third one cancelled', plans],
   ['a scenario from the editor is tried in Plan, changed, compared, run', triesAScenario],
   ['a robot is driven by hand, stopped, handed over, and stands when its page is gone', drives],
+  ['Back leads away from a robot that is driven by hand: it is let go', leavesDriven],
   ['every view in each size and colour: axe, console, origin', everyView],
   ['every view in French', everyViewInFrench],
   ['every control of every view is reached by Tab, and shows the focus', keyboardAlone],

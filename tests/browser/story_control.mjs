@@ -5,6 +5,7 @@ import { Person } from './person.mjs';
 import { order } from './starter.mjs';
 
 const ROBOT = 'pioneer1';
+const OTHER = 'ridgeback';
 const DRIVE_MS = 15000;
 /** From an event in the page until the robot itself has stood. */
 const STANDS_MS = 500;
@@ -37,6 +38,30 @@ export async function drives(browser, settings, people) {
   took.page = await driveAnd(winner, 'the page is closed', () => winner.page.close());
   await loser.page.getByText('Nobody drives it').waitFor();
   return Object.entries(took).map(([cause, ms]) => `${cause} ${ms} ms`).join(', ');
+}
+
+/** Back leads from the robot that is driven to another one: the drive ends, and no key moves what is not shown. */
+export async function leavesDriven(browser, settings, people) {
+  const olga = await Person.arrive(browser, settings, 'olga');
+  people.push(olga);
+  const words = [];
+  olga.page.on('websocket', (socket) => socket.on('framesent', ({ payload }) => words.push(JSON.parse(String(payload)))));
+  await olga.enter();
+  await olga.go(`#/control/${OTHER}`);
+  await olga.page.getByLabel('Robot', { exact: true }).selectOption(ROBOT);
+  await olga.page.getByRole('button', { name: 'Begin to drive' }).and(olga.page.locator(':enabled')).waitFor();
+  await begin(olga);
+  await drivesOff(olga);
+  await olga.page.goBack();
+  await olga.page.getByRole('button', { name: `Stop ${OTHER}` }).waitFor();
+  await olga.page.getByText('Nobody drives it').waitFor();
+  const end = words.findIndex((word) => word.let_go === ROBOT);
+  if (end < 0) throw new Error(`${ROBOT} was not let go`);
+  await olga.page.keyboard.up('w');
+  await olga.page.keyboard.press('w', { delay: 300 });
+  await order('last_move', ROBOT);
+  const later = words.slice(end + 1).filter((word) => word.drive !== undefined);
+  if (later.length > 0) throw new Error(`speeds after it was let go: ${JSON.stringify(later)}`);
 }
 
 /** Both press it at once: one drives, the other is told who does. */
