@@ -39,7 +39,7 @@ export function urlOf(pattern: string, path: Record<string, string> = {}, query:
   return text === '' ? filled : `${filled}?${text}`;
 }
 
-/** A new key for each action of a person; a repeat of the same action uses the same one. */
+/** A new key for each action of a person. A start goes through `once`, where its repeat has the same one. */
 export function newKey(): string {
   return crypto.randomUUID();
 }

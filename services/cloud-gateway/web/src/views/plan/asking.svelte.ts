@@ -1,5 +1,6 @@
 /** A wish under work, until it is a simulation. */
-import { api, newKey, Problem } from '../../lib/api/client';
+import { Problem } from '../../lib/api/client';
+import { once } from '../../lib/api/once';
 import type { Fault } from '../../lib/api/problem';
 import { toasts } from '../../lib/toasts.svelte';
 import { within, type Simulation, type Wish } from './plan_job';
@@ -34,7 +35,7 @@ export class Asking {
   async start(job: object): Promise<Simulation | null> {
     this.isBusy = true;
     try {
-      return await api.post<Simulation>('/api/v1/simulations', { body: job as never, idempotencyKey: newKey() });
+      return await once.post<Simulation>('/api/v1/simulations', { body: job });
     } catch (problem) {
       this.refused = problem instanceof Problem ? problem.faults : [];
       if (this.refused.length === 0) toasts.problem(problem);
