@@ -116,6 +116,18 @@ describe('a lost connection', () => {
     expect(core.opened(1400).send).toEqual(['{"subscribe":"fleet"}']);
   });
 
+  it.each(['closed', 'quiet'])('drops half a snapshot (%s): what comes after it is no whole one', (how) => {
+    const core = openPage();
+    core.heard(frame(5, snapshot(robot('ur3', 4), robot('drone', 5))), 1000);
+    core.heard(frame(900, { ...snapshot(robot('ur3', 898)), more: true }), 1100);
+    if (how === 'closed') core.closed(1006, 1200);
+    else expect(core.tick(4100).close).toBe(true);
+    expect(core.tick(4400).connect).toBe(true);
+    expect(core.opened(4500).send).toEqual([`{"subscribe":"fleet","instance":${INSTANCE},"from":5}`]);
+    core.heard(frame(901, delta(robot('kuka1', 901))), 4600);
+    expect(ids(core)).toEqual(['ur3', 'drone', 'kuka1']);
+  });
+
   it('tries again with longer waits, 2 s at most, for ever', () => {
     const core = openPage();
     const waits: number[] = [];

@@ -5,7 +5,8 @@
  * |------------|------------------------------|---------------------------------------------------|------------|
  * | off        | start                        | connect                                           | connecting |
  * | connecting | opened                       | subscribe every topic, resume those that are known | open       |
- * | connecting | closed, 3 s without an answer | wait 0.25 s, doubled each time, 2 s at most       | waiting    |
+ * | connecting | closed, 3 s without an answer | wait 0.25 s, doubled each time, 2 s at most;      | waiting    |
+ * |            |                              | drop snapshots that are not whole                 |            |
  * | open       | frame                        | rows of its blocks                                | open       |
  * | open       | closed, 3 s without a frame  | as above                                          | waiting    |
  * | waiting    | the wait is over             | connect                                           | connecting |
@@ -123,9 +124,7 @@ export class LiveCore {
 
   closed(code: number, now: number): Act {
     if (code === SIGNED_OUT) this.forget();
-    if (this.phase === 'off' || this.phase === 'waiting') return { send: [] };
-    this.phase = 'waiting';
-    this.since = now;
+    if (this.phase !== 'off' && this.phase !== 'waiting') this.lose(now);
     return { send: [] };
   }
 
@@ -136,8 +135,7 @@ export class LiveCore {
     }
     const quiet = now - Math.max(this.since, this.phase === 'open' ? (this.heardAt ?? 0) : 0);
     if ((this.phase !== 'open' && this.phase !== 'connecting') || quiet < QUIET_MS) return { send: [] };
-    this.phase = 'waiting';
-    this.since = now;
+    this.lose(now);
     return { close: true, send: [] };
   }
 
@@ -194,6 +192,13 @@ export class LiveCore {
     this.phase = 'connecting';
     this.since = now;
     return { connect: true, send: [] };
+  }
+
+  /** What comes on the next connection follows the last whole rows: added to half a snapshot it would pass for all. */
+  private lose(now: number): void {
+    this.phase = 'waiting';
+    this.since = now;
+    for (const table of this.topics.values()) table.restart();
   }
 
   private forget(): void {
