@@ -158,6 +158,27 @@ describe('a lost connection', () => {
   });
 });
 
+describe('the time', () => {
+  const at = (time: string) => frame(5).replace('"time":""', `"time":"${time}"`);
+
+  it("is the gateway's, whatever the browser's clock says, also while the connection is lost", () => {
+    const core = openPage();
+    expect(core.utcAt(900)).toBeNull();
+    core.heard(at('2026-01-01T00:00:10.000Z'), 1000);
+    expect(core.utcAt(1500)).toBe(Date.parse('2026-01-01T00:00:10.500Z'));
+    core.closed(1006, 1600);
+    expect(core.utcAt(3000)).toBe(Date.parse('2026-01-01T00:00:12.000Z'));
+  });
+
+  it("follows the gateway's clock when that is set, and ignores what is no time", () => {
+    const core = openPage();
+    core.heard(at('2026-01-01T00:00:10.000Z'), 1000);
+    core.heard(at('2025-12-31T23:00:11.000Z'), 2000);
+    core.heard(at('soon'), 3000);
+    expect(core.utcAt(3000)).toBe(Date.parse('2025-12-31T23:00:12.000Z'));
+  });
+});
+
 describe('a sign-out', () => {
   it('forgets everything and does not connect again', () => {
     const core = openPage();

@@ -95,6 +95,8 @@ export class LiveCore {
   onError: (detail: string) => void = () => {};
   onDrive: (answer: DriveAnswer) => void = () => {};
 
+  /** The gateway's UTC in ms, less the clock of now(); nothing: not told yet. */
+  private utcLess: number | null = null;
   private readonly topics = new Map<string, TopicTable>();
   private instance = '';
   private resumeFrom = 0;
@@ -162,11 +164,18 @@ export class LiveCore {
     return this.topics.get(topic)?.isKnown ?? false;
   }
 
+  /** The gateway's UTC, ms: rows have its times, and the browser's own clock may be off. Nothing: not told yet. */
+  utcAt(now: number): number | null {
+    return this.utcLess === null ? null : this.utcLess + now;
+  }
+
   heard(text: string, now: number): void {
     const word = JSON.parse(text) as Frame & { error?: { detail?: string }; drive?: DriveAnswer };
     if (word.error !== undefined) return this.onError(word.error.detail ?? '');
     if (word.drive !== undefined) return this.onDrive(word.drive);
     this.heardAt = now;
+    const utc = Date.parse(word.time);
+    if (!Number.isNaN(utc)) this.utcLess = utc - now;
     this.wait = FIRST_WAIT_MS;
     this.instance = instanceIn(text);
     for (const notice of word.notices) this.topics.get(notice.topic)?.restart();

@@ -69,6 +69,11 @@ class LiveStream {
     return this.core.rows(topic);
   }
 
+  /** By the gateway's clock, once it has told it. */
+  utcMs(): number {
+    return this.core.utcAt(performance.now()) ?? Date.now();
+  }
+
   listen(listener: MessageListener): () => void {
     this.listeners.add(listener);
     return () => this.listeners.delete(listener);

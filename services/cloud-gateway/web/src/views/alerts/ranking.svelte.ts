@@ -1,6 +1,7 @@
 /** The ranking of one open alert by other weights or judgments, asked for as they are moved. The alert stays as it is. */
 import { api, Problem } from '../../lib/api/client';
 import type { Schemas } from '../../lib/api/types';
+import { live } from '../../lib/live/live.svelte';
 import { pageHints } from './decision';
 import { Latest } from './latest';
 import type { Judgments, Weight } from './weighing';
@@ -55,7 +56,7 @@ export class LiveRanking {
       const ask = { path: { alert: this.alert }, body: bodyOf(wish), signal: this.abort.signal };
       this.answer = await api.post<Ranking>('/api/v1/alerts/{alert}/ranking', ask);
       if (wish === null) this.inForce = this.answer.weights;
-      this.at = new Date().toISOString();
+      this.at = new Date(live.utcMs()).toISOString();
       this.problem = '';
     } catch (error) {
       if (!this.abort.signal.aborted) this.problem = error instanceof Problem ? [error.detail, ...pageHints(error.hints)].join('. ') : String(error);
