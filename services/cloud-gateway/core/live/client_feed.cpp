@@ -13,6 +13,9 @@ Status ClientFeed::subscribe(const Topic& topic, std::uint64_t from, std::option
   const bool is_snapshot = from == 0 && topic.kind != TopicKind::messages;
   topics_[topic] = {from, is_snapshot};
   if (notice) notices_.push_back({*notice, topic});
+  // What it has of a topic that restarts is of no number of ours.
+  if (notice) known_ = 0;
+  if (topic.kind != TopicKind::messages && from != 0) known_ = std::min(known_.value_or(from), from);
   behind_ = true;
   return Done{};
 }
@@ -40,6 +43,9 @@ bool ClientFeed::pump(BlockMaker& blocks, const MessageLane& lane, Now now) {
   frame.head = blocks.book().head();
   frame.time = now.utc;
   fill_blocks(frame, blocks);
+  whole_ = is_whole(frame);
+  // The client resumes every topic at this number, also the one that is not in the frame.
+  if (next_) frame.head = known_.value_or(0);
   fill_messages(frame, lane);
   frame.notices = std::exchange(notices_, {});
   if (frame.is_empty() && made_at_ && now.mono - *made_at_ < kQuiet) return false;
@@ -51,7 +57,13 @@ bool ClientFeed::pump(BlockMaker& blocks, const MessageLane& lane, Now now) {
 
 std::optional<Frame> ClientFeed::take() {
   behind_ = behind_ || skipped_;
+  if (waiting_ && whole_) known_ = waiting_->head;
   return std::exchange(waiting_, std::nullopt);
+}
+
+bool ClientFeed::is_whole(const Frame& frame) const {
+  return !next_ &&
+         std::none_of(frame.blocks.begin(), frame.blocks.end(), [](const SharedBlock& one) { return one->more; });
 }
 
 /// Topics that had no room in the last frame come first in this one.

@@ -24,7 +24,9 @@ struct Notice {
 
 struct Frame {
   std::uint64_t count = 0;  ///< for this client: 1, 2, 3 ...
-  std::uint64_t head = 0;   ///< the client knows every topic up to it, except those whose block has `more`
+  /// The client knows every topic up to it, except those whose block has `more`. If a topic had no room: what it was
+  /// in the last frame that had them all.
+  std::uint64_t head = 0;
   UtcTime time;
   std::vector<Notice> notices;
   std::vector<SharedBlock> blocks;
@@ -70,14 +72,17 @@ class ClientFeed {
   void restart(Seen& seen, const Topic& topic, NoticeKind kind);
   void fill_blocks(Frame& frame, BlockMaker& blocks);
   void fill_block(Frame& frame, const Topic& topic, Seen& seen, BlockMaker& blocks);
+  [[nodiscard]] bool is_whole(const Frame& frame) const;
   void fill_messages(Frame& frame, const MessageLane& lane);
   void drop_if_full(BlockMaker& blocks, Now now);
 
   std::map<Topic, Seen> topics_;
   std::vector<Notice> notices_;
   std::optional<Frame> waiting_;
-  std::optional<Topic> next_;   ///< the first topic that the last frame had no room for
-  std::uint64_t left_out_ = 0;  ///< messages of a frame that was dropped
+  std::optional<Topic> next_;           ///< the first topic that the last frame had no room for
+  std::optional<std::uint64_t> known_;  ///< up to it the client has every topic; none: it has begun with nothing
+  bool whole_ = false;                  ///< once it has taken the frame that waits, it has every topic up to its head
+  std::uint64_t left_out_ = 0;          ///< messages of a frame that was dropped
   std::uint64_t count_ = 0;
   std::optional<MonotonicTime> made_at_;
   MonotonicTime looked_at_;
