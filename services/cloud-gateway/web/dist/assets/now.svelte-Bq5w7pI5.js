@@ -1,1 +1,0 @@
-import{x as s,D as r,w as a,_ as o,g as n}from"./index-DaKug-Rw.js";const u=1e3;function D(){let t=s(r(Date.now()));const e=setInterval(()=>a(t,Date.now(),!0),u);return o(()=>clearInterval(e)),{get ms(){return n(t)}}}export{D as u};
