@@ -235,6 +235,9 @@ class TwoGateways(unittest.TestCase):
         self.assertEqual(numbers, list(range(1, len(numbers) + 1)))
         head = self.fleet.wait("the head is signed", lambda: self.admin.ask("GET", "/api/v1/audit/head").json["signed_to"] > 0, 20)
         self.assertLess(head, 20)
+        self.assert_log_verifies()
+
+    def assert_log_verifies(self):
         for node in CLOUDS:
             path = pathlib.Path(self.folder()) / "audit.jsonl"
             path.write_bytes(self.at(node, self.admin).ask("GET", "/api/v1/audit/export").bytes)
@@ -313,6 +316,11 @@ class TwoGateways(unittest.TestCase):
         self.assertEqual(self.at(CLOUD).ask("POST", "/api/v1/stop").status, 503, "nobody knows who that is")
         self.database.start()
         self.fleet.wait("all four stops are on record", lambda: len(stops()) == before + 4, 20)
+        # Heads that were asked for meanwhile are stored with later records.
+        last = self.admin.ask("GET", "/api/v1/audit/head").json["number"]
+        self.fleet.wait("a head covers the stops", lambda: self.admin.ask("GET", "/api/v1/audit/head").json["signed_to"] >= last, 90)
+        self.assertEqual(self.signed_in(self.at(SECOND)).ask("GET", "/api/v1/me").status, 200)
+        self.assert_log_verifies()
 
     # ---- the second cloud's word
 

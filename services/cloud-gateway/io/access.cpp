@@ -92,7 +92,7 @@ Result<StoreKinds> Access::refresh() {
 }
 
 void Access::note(AuditRecord record) {
-  noted_.push_back(chain.append(std::move(record)));
+  noted_.push_back(std::move(record));
 }
 
 bool Access::owe(AuditRecord record) {
@@ -109,9 +109,13 @@ Status Access::pay_owed() {
   return written;
 }
 
-void Access::keep(SignedHead head) {
+bool Access::keep(const AuditHead& head, Bytes record) {
+  const auto rows = db_.audit_from(head.number, 1);
+  if (!rows || rows->empty() || rows->front().record.number != head.number || rows->front().hash != head.hash.bytes)
+    return false;
   heads.signed_to(head.number);
-  signed_.push_back(std::move(head));
+  signed_.push_back({head.number, std::move(record)});
+  return true;
 }
 
 StoreBatch Access::take_batch() {
@@ -122,7 +126,7 @@ StoreBatch Access::take_batch() {
   batch.scenarios = scenarios.take_changes();
   batch.acknowledged = alarms.take_acknowledged();
   batch.shelves = alarms.take_shelves();
-  batch.audit = std::exchange(noted_, {});
+  for (AuditRecord& record : std::exchange(noted_, {})) batch.audit.push_back({std::move(record), {}});
   batch.heads = std::exchange(signed_, {});
   batch.requests = std::exchange(kept_, {});
   batch.dropped_requests = std::exchange(dropped_, {});
@@ -133,19 +137,35 @@ StoreBatch Access::take_batch() {
 Status Access::commit() {
   StoreBatch batch = take_batch();
   if (batch.empty()) return Done{};
+  Status saved = save_or_merge(batch);
+  // Of records that are stored all the same: nobody would ask for them again.
+  if (!saved) signed_ = std::move(batch.heads);
+  return saved;
+}
+
+Status Access::save_or_merge(StoreBatch& batch) {
   if (is_stale_) return fail(Errc::peer_unreachable, "the database was not read yet", "try again in a second");
-  Status saved = db_.save(batch);
+  Status saved = save(batch);
   if (!db_.is_shared() || saved) return saved;
   for (int i = 0; i < kTries && !saved && saved.error().code == Errc::conflict; ++i) {
     if (Status merged = merge(batch); !merged) {
       saved = merged;
       break;
     }
-    saved = db_.save(batch);
+    saved = save(batch);
   }
   // Memory lacks what was merged, or shows what was not written.
   is_stale_ = true;
   if (saved || saved.error().code == Errc::conflict) static_cast<void>(refresh());
+  return saved;
+}
+
+/// Its records follow the last stored one; the chain goes on once they are stored, so that nobody signs what is not.
+Status Access::save(StoreBatch& batch) {
+  AuditChain next = chain;
+  for (AuditRow& row : batch.audit) row = next.append(std::move(row.record));
+  Status saved = db_.save(batch);
+  if (saved) chain = std::move(next);
   return saved;
 }
 
@@ -185,8 +205,6 @@ void Access::add_to_theirs(StoreBatch& batch, const StoreKinds& moved) {
   if (moved.contains(StoreKind::acknowledged))
     std::erase_if(batch.acknowledged, [&](const auto& one) { return one.row && alarms.has(*one.row); });
   if (moved.contains(StoreKind::shelves)) drop_ended(batch);
-  if (!moved.contains(StoreKind::audit)) return;
-  for (AuditRow& row : batch.audit) row = chain.append(std::move(row.record));
 }
 
 /// A shelf whose time is over ends at each gateway; the first of them records it.

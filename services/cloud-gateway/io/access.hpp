@@ -46,8 +46,10 @@ class Access {
   [[nodiscard]] std::size_t owed() const { return owed_.size(); }
   /// Writes what is owed. Errors: those of commit(); then it is owed further.
   Status pay_owed();
-  /// The node's router has signed a head.
-  void keep(SignedHead head);
+  /// The node's router has signed a head; `record` is its SignedRecord, encoded. False: the database has no such
+  /// record, or does not answer. A head that is stored is proof: one of a record that never was would accuse the log
+  /// for ever.
+  bool keep(const AuditHead& head, Bytes record);
   /// A request with an Idempotency-Key, before it acts and once it is answered.
   void keep(StoredRequest request) { kept_.push_back(std::move(request)); }
   /// A key that is free again.
@@ -64,6 +66,8 @@ class Access {
   Access(GatewayDb& db, std::vector<std::string> origins, AuditOrigin origin);
   void take_over(const StoredState& stored);
   StoreBatch take_batch();
+  Status save(StoreBatch& batch);
+  Status save_or_merge(StoreBatch& batch);
   Status merge(StoreBatch& batch);
   [[nodiscard]] Status check_decided(const StoreBatch& batch, const StoreKinds& moved) const;
   void add_to_theirs(StoreBatch& batch, const StoreKinds& moved);
@@ -79,7 +83,7 @@ class Access {
   SignInGuard guard;
   SignIn sign_in;
   RequestCheck check;
-  AuditChain chain;
+  AuditChain chain;  ///< of what is stored: a record joins it once it is written
   AuditHeads heads;
   Idempotency requests;
   ScenarioShelf scenarios;
@@ -87,7 +91,7 @@ class Access {
   SteadyTime time;  ///< UTC that does not jump: for sessions and tokens
 
  private:
-  std::vector<AuditRow> noted_;
+  std::vector<AuditRecord> noted_;
   std::vector<AuditRecord> owed_;
   std::vector<SignedHead> signed_;
   std::vector<StoredRequest> kept_;

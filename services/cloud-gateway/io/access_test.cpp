@@ -278,6 +278,86 @@ TEST_CASE(
   });
 }
 
+namespace {
+
+/// A minute passes, and the node's router signs what the gateway asks it to. False: nothing was asked, or kept.
+bool sign_head(const OneGateway& gateway, Now& now) {
+  now.mono = now.mono + kHeadEvery;
+  const auto head = gateway.access->heads.due(gateway.access->chain, now);
+  return head && gateway.access->keep(*head, audit_head_payload(*head));
+}
+
+void come_back(const OneGateway& gateway) {
+  for (int tries = 0; tries < 1000 && !gateway.access->refresh(); ++tries) ::poll(nullptr, 0, 20);
+}
+
+AuditReport verified(GatewayDb& db) {
+  const auto stored = db.heads(1, 1000);
+  REQUIRE(stored.ok());
+  std::vector<AuditHead> heads;
+  for (const SignedHead& one : *stored) heads.push_back(*read_audit_head(one.record));
+  return verify_audit(audit_start("fleet", "cloud"), *db.audit_from(1, 1000), heads);
+}
+
+}  // namespace
+
+TEST_CASE("a head that is signed while the server is gone accuses nobody of what was never written") {
+  on_postgres([] {
+    const TwoGateways both;
+    Now now{{1}, kNow};
+    for (const OneGateway* one : {&both.a, &both.b}) {
+      one->note("ann");
+      REQUIRE(one->access->commit());
+    }
+    postgres_turn()->kill();
+    for (const OneGateway* one : {&both.a, &both.b}) {
+      one->note("eve");  // what each of them orders meanwhile
+      CHECK_FALSE(one->access->commit());
+      CHECK_FALSE(sign_head(*one, now));
+    }
+    postgres_turn()->start();
+    for (const OneGateway* one : {&both.a, &both.b}) come_back(*one);
+    for (const OneGateway* one : {&both.a, &both.b}) {
+      one->refresh();
+      one->note("bob");
+      REQUIRE(one->access->commit());
+      REQUIRE(sign_head(*one, now));
+      one->note("bob");
+      REQUIRE(one->access->commit());
+    }
+    const AuditReport report = verified(*both.a.db);
+    CHECK_MESSAGE(!report.fault, (report.fault ? report.fault->what : ""));
+    CHECK(report.good == 6);
+    CHECK(report.covered == 5);
+  });
+}
+
+TEST_CASE("a head is kept of a stored record alone, and survives a write that fails") {
+  on_postgres([] {
+    const TwoGateways both;
+    Now now{{1}, kNow};
+    both.a.note("ann");
+    REQUIRE(both.a.access->commit());
+    AuditChain other(audit_start("fleet", "cloud"));
+    other.append({0, 5, "eve", "::1", "POST /api/v1/runs", "run-1", "done"});
+    CHECK_FALSE(both.a.access->keep(other.head(kNow), audit_head_payload(other.head(kNow))));
+    other.append({0, 5, "eve", "::1", "POST /api/v1/runs", "run-1", "done"});
+    CHECK_FALSE(both.a.access->keep(other.head(kNow), audit_head_payload(other.head(kNow))));
+    REQUIRE(sign_head(both.a, now));
+    postgres_turn()->kill();
+    both.a.note("ann");
+    CHECK_FALSE(both.a.access->commit());
+    postgres_turn()->start();
+    come_back(both.a);
+    both.a.note("ann");
+    REQUIRE(both.a.access->commit());
+    const AuditReport report = verified(*both.a.db);
+    CHECK_FALSE(report.fault);
+    CHECK(report.good == 2);
+    CHECK(report.covered == 1);
+  });
+}
+
 TEST_CASE("what was done while the server was gone is recorded once it is back, in the one chain") {
   on_postgres([] {
     const TwoGateways both;

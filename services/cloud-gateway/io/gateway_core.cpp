@@ -18,7 +18,8 @@ void GatewayCore::on_signed(const SignedRecord& record, Outbox& out) {
   const auto head =
       record.kind == kSignedAuditHead ? read_audit_head(record.payload.bytes) : Result<AuditHead>(Error{});
   if (!head || record.signer != node_) return out.count("dropped.unexpected");
-  access_.keep(SignedHead{head->number, encode(record)});
+  // Asked for again in 10 s.
+  if (!access_.keep(*head, encode(record))) out.count("dropped.unexpected");
 }
 
 void GatewayCore::tick(Now now, Outbox& out) {
