@@ -2,7 +2,12 @@
 
 Addresses 127.0.242.x, 127.0.243.x.
 """
+import contextlib
 import gzip
+import os
+import signal
+import sqlite3
+import time
 
 import jsonschema
 import support
@@ -224,6 +229,28 @@ class Gateway(GatewayCase):
         self.fleet.wait("the run is over", lambda: self.viewer.ask("GET", f"/api/v1/runs/{run}").json["state"] == "FINISHED", 40)
         archive = self.viewer.ask("GET", "/api/v1/archive").json["runs"]
         self.assertEqual([one["run"] for one in archive].count(run), 1)
+
+    def write_store(self, sql, rows):
+        """Between two gateways: the one that runs stands still, and is killed."""
+        os.kill(self.fleet.pid(CLOUD, "cloud-gateway"), signal.SIGSTOP)
+        with contextlib.closing(sqlite3.connect(self.fleet.dir(CLOUD) / "state/gateway.db")) as store, store:
+            store.executemany(sql, rows)
+        self.kill_gateway()
+        self.fleet.wait("the robot is shown online", self.is_online, 20)
+
+    def test_a_stop_is_ordered_though_no_further_key_is_kept(self):
+        kept = [(who, f"filler-{i}") for who, count in (("a", 5000), ("b", 5000), ("c", 5000), ("d", 4980), ("olga", 20))
+                for i in range(count)]
+        self.addCleanup(self.operator.ask, "POST", f"/api/v1/robots/{ROBOT}/release")
+        self.addCleanup(self.write_store, "DELETE FROM requests WHERE key LIKE ?", [("filler-%",)])
+        self.write_store("INSERT INTO requests(user, key, digest, effect, since, status, body) VALUES(?, ?, x'00', '', ?, 200, x'7b7d')",
+                         [(*one, time.time_ns()) for one in kept])
+        refused = self.operator.ask("POST", f"/api/v1/robots/{ROBOT}/release", Idempotency_Key="no-room")
+        self.assert_problem(refused, 429, "queue_full")
+        for key in ("no-room", "filler-0"):  # the other one was used for something else
+            stopped = self.operator.ask("POST", "/api/v1/stop", Idempotency_Key=key)
+            self.assertEqual(stopped.status, 200, stopped.bytes)
+            self.assertEqual([one["state"] for one in stopped.json["robots"]], ["confirmed"])
 
     # ---- the live stream
 

@@ -37,9 +37,10 @@ const StoredRequest* Idempotency::find(const RequestKey& key) const {
 
 Status Idempotency::check(const RequestKey& key, const std::string& effect) const {
   if (effect.size() > kMaxEffect) return fail(Errc::too_large, "effect: " + std::to_string(effect.size()) + " bytes");
-  const auto mine = by_user_.find(key.user);
-  const bool too_many = mine != by_user_.end() && mine->second >= kMaxOfUser;
-  if (too_many || requests_.size() >= kMaxInAll) {
+  const auto known = by_user_.find(key.user);
+  const std::size_t mine = known == by_user_.end() ? 0 : known->second;
+  const bool too_many = mine >= kMaxOfUser;
+  if (too_many || (requests_.size() >= kMaxInAll && mine >= kAlwaysOfUser)) {
     return fail(Errc::queue_full,
                 too_many ? "Idempotency-Key: " + std::to_string(kMaxOfUser) + " of this user are kept"
                          : "Idempotency-Key: " + std::to_string(kMaxInAll) + " are kept",

@@ -45,6 +45,7 @@ class Idempotency {
   static constexpr std::size_t kMaxEffect = 1024;
   static constexpr std::size_t kMaxOfUser = 5000;
   static constexpr std::size_t kMaxInAll = 20'000;
+  static constexpr std::size_t kAlwaysOfUser = 20;  ///< that others cannot take from him
   static constexpr std::size_t kMaxAnswer = 4096;
   static constexpr Duration kLife = std::chrono::hours(24);
   static constexpr Duration kWait = std::chrono::seconds(1);

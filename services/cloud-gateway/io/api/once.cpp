@@ -39,6 +39,14 @@ void act_on_record(Gateway& gateway, Call& call, StoredRequest store, const std:
   act();
 }
 
+/// Nobody knows of another one whether robots have heard it; and done twice, it is a stop.
+bool is_stop_to_do(const Call& call, const Result<Idempotency::Begun>& begun) {
+  if (!is_stop(*call.decision.route)) return false;
+  if (!begun || std::holds_alternative<Idempotency::Wait>(*begun)) return true;
+  const auto* stored = std::get_if<StoredAnswer>(&*begun);
+  return stored != nullptr && stored->status >= 400;
+}
+
 StoredAnswer answer_of(const HttpReply& reply) {
   return {static_cast<std::uint16_t>(reply.status), reply.body == nullptr ? Bytes() : *reply.body};
 }
@@ -49,6 +57,7 @@ void do_once(Gateway& gateway, const CallPtr& call, std::string effect, const st
   if (!call->request.idempotency_key) return act();
   const RequestKey key{call->who().name, *call->request.idempotency_key};
   auto begun = gateway.access.requests.begin(key, digest_of(call->request), std::move(effect), gateway.now());
+  if (is_stop_to_do(*call, begun)) return act();
   if (!begun) return call->fail(begun.error());
   if (auto* stored = std::get_if<StoredAnswer>(&*begun)) return reply_again(*call, *stored);
   if (auto* wait = std::get_if<Idempotency::Wait>(&*begun)) return reply_busy(*call, wait->retry_after);

@@ -10,6 +10,7 @@
 namespace trb::gateway {
 
 /// Acts, unless a request with this key was there before: then it gets that one's answer. Without a key it acts.
+/// A stop gets the answer of one that was done alone: no key, and no full table of keys, keeps it from robots.
 /// `effect`: what to look for if the process ends before the answer is on disk.
 void do_once(Gateway& gateway, const CallPtr& call, std::string effect, const std::function<void()>& act);
 
