@@ -322,6 +322,29 @@ class TwoGateways(unittest.TestCase):
         self.assertEqual(self.signed_in(self.at(SECOND)).ask("GET", "/api/v1/me").status, 200)
         self.assert_log_verifies()
 
+    def test_the_server_is_killed_and_who_drove_meanwhile_is_on_record(self):
+        olga = self.signed_in(self.at(CLOUD))
+        self.fleet.wait("the robot can be driven", lambda: olga.ask("GET", f"/api/v1/robots/{ROBOT}").json["content"]["drives"], 20)
+        live = olga.live()
+        self.addCleanup(live.close)
+        live.say({"subscribe": "fleet"})
+        live.hear()
+
+        def drives():
+            answer = self.admin.ask("GET", "/api/v1/audit?limit=50&who=olga")
+            return [one["action"] for one in answer.json["records"] if one["action"].startswith("drive ")] \
+                if answer.status == 200 else []
+        before = drives()
+        self.database.kill()
+        live.say({"drive": ROBOT, "part": "base", "speeds": [0.1], "sequence": 1})
+        told = live.until(lambda heard: "drive" in heard)["drive"]
+        self.assertEqual(told["state"], "driving", told)
+        live.until(lambda heard: "closed" in heard)
+        self.database.start()
+        self.fleet.wait("begin and end are on record", lambda: len(drives()) >= len(before) + 2, 20)
+        self.assertEqual(drives(), ["drive end", "drive begin", *before])
+        self.assert_log_verifies()
+
     # ---- the second cloud's word
 
     def test_a_run_that_is_started_at_the_second_cloud_finishes(self):

@@ -1,6 +1,7 @@
 #include "services/cloud-gateway/io/drive_desk.hpp"
 
 #include "common/operator/nack_error.hpp"
+#include "services/cloud-gateway/io/fresh.hpp"
 #include "services/cloud-gateway/io/live_socket.hpp"
 
 namespace trb::gateway {
@@ -71,6 +72,7 @@ void DriveDesk::send(const DriveOrder& order) {
 
 void DriveDesk::note(const std::vector<DriveNote>& notes) {
   if (notes.empty()) return;
+  std::vector<AuditRecord> records;
   for (const DriveNote& one : notes) {
     AuditRecord record;
     record.time = gateway_.now().utc.ns;
@@ -79,9 +81,12 @@ void DriveDesk::note(const std::vector<DriveNote>& notes) {
     record.action = one.action;
     record.about = one.about;
     record.outcome = one.outcome;
-    gateway_.access.note(std::move(record));
+    gateway_.access.note(record);
+    records.push_back(std::move(record));
   }
-  static_cast<void>(gateway_.commit());
+  if (gateway_.commit()) return;
+  // The robot was told all the same.
+  for (AuditRecord& one : records) static_cast<void>(put_off(gateway_, std::move(one)));
 }
 
 void DriveDesk::answer(const DriveAnswer& answer) {

@@ -27,6 +27,11 @@ void note_gone(Gateway& gateway, const Error& error) {
 
 }  // namespace
 
+bool put_off(Gateway& gateway, AuditRecord record) {
+  log_event(Level::warning, "audit_owed", record.who + ": " + record.action + " " + record.about);
+  return gateway.db.is_shared() && gateway.access.owe(std::move(record));
+}
+
 void check_rights(const Gateway& gateway) {
   for (LiveSocket* socket : open_sockets(gateway)) socket->check_rights();
 }

@@ -9,6 +9,10 @@ namespace trb::gateway {
 /// answered for a second, all of them. Errors: why it does not answer.
 Status refresh(Gateway& gateway);
 
+/// The record of what was done, though the database does not answer: it is written as soon as it does. False: it is
+/// lost, but for a line in the log.
+bool put_off(Gateway& gateway, AuditRecord record);
+
 /// Ends the live streams of who may not see the fleet any more.
 void check_rights(const Gateway& gateway);
 

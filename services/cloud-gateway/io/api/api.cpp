@@ -1,6 +1,5 @@
 #include "services/cloud-gateway/io/api/api.hpp"
 
-#include "common/log/log.hpp"
 #include "services/cloud-gateway/io/api/gzip.hpp"
 #include "services/cloud-gateway/io/api/once.hpp"
 #include "services/cloud-gateway/io/fresh.hpp"
@@ -151,18 +150,12 @@ HttpReply Api::on_record(const RequestDecision& decision, const std::string& who
     gateway_.access.note(*record);
   }
   if (Status written = gateway_.commit(); !written) {
+    // A stop that was done, but is not on record: the record follows as soon as it can, and the answer says so.
     const bool is_done = record && reply.status < 400 && is_stop(*decision.route);
-    if (is_done) put_off(std::move(*record), reply);
+    if (is_done) reply.headers.emplace_back("Audit-Record", put_off(gateway_, std::move(*record)) ? "owed" : "lost");
     if (!is_done) reply = not_written_reply(written.error());
   }
   return counted(std::move(reply));
-}
-
-/// A stop that was done, but is not on record: the record follows as soon as it can, and the answer says so.
-void Api::put_off(AuditRecord record, HttpReply& reply) {
-  log_event(Level::warning, "audit_owed", record.who + ": " + record.action + " " + record.about);
-  const bool waits = gateway_.db.is_shared() && gateway_.access.owe(std::move(record));
-  reply.headers.emplace_back("Audit-Record", waits ? "owed" : "lost");
 }
 
 HttpReply Api::counted(HttpReply reply) {

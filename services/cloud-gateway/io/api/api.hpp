@@ -69,7 +69,6 @@ class Api final : public HttpHandler {
                       HttpReply reply, const std::string& about = {});
 
   std::optional<RequestDecision> decide(const HttpRequest& request);
-  void put_off(AuditRecord record, HttpReply& reply);
   HttpReply counted(HttpReply reply);
 
   Gateway& gateway_;
