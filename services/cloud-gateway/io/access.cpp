@@ -19,6 +19,9 @@ constexpr const char* kUnshelve = "unshelve";
 /// Records of stops while the database is gone.
 constexpr std::size_t kMostOwed = 1000;
 
+/// Records that are read at once.
+constexpr std::size_t kLookedAt = 1000;
+
 /// So often another gateway may be quicker, before a request is told to come again.
 constexpr int kTries = 5;
 
@@ -30,6 +33,13 @@ AuditChain chain_of(const AuditOrigin& origin, const StoredState& stored) {
 /// Not the first row of a session, which a sign-in has made.
 bool is_use(const Change<Session>& change) {
   return change.row && change.row->used != change.row->made;
+}
+
+/// Stored texts are cut; nobody does two things in one nanosecond.
+bool is_same(const AuditRecord& owed, const AuditRow& row) {
+  const AuditRecord& is = row.record;
+  return owed.time == is.time && owed.action.starts_with(is.action) && owed.who.starts_with(is.who) &&
+         owed.about.starts_with(is.about);
 }
 
 Error changed_meanwhile(StoreKind kind) {
@@ -97,16 +107,29 @@ void Access::note(AuditRecord record) {
 
 bool Access::owe(AuditRecord record) {
   if (owed_.size() == kMostOwed) return false;
+  if (owed_.empty()) owed_after_ = chain.number();
   owed_.push_back(std::move(record));
   return true;
 }
 
 Status Access::pay_owed() {
   if (owed_.empty()) return Done{};
+  if (Status looked = drop_paid(); !looked) return looked;
   for (const AuditRecord& record : owed_) note(record);
   Status written = commit();
   if (written) owed_.clear();
   return written;
+}
+
+Status Access::drop_paid() {
+  for (std::uint64_t last = owed_after_; last < chain.number() && !owed_.empty();) {
+    const auto rows = db_.audit_from(last + 1, kLookedAt);
+    if (!rows) return rows.error();
+    if (rows->empty()) break;
+    for (const AuditRow& row : *rows) std::erase_if(owed_, [&](const AuditRecord& one) { return is_same(one, row); });
+    last = rows->back().record.number;
+  }
+  return Done{};
 }
 
 bool Access::keep(const AuditHead& head, Bytes record) {

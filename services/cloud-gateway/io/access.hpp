@@ -30,7 +30,7 @@ struct AuditOrigin {
 /// current  | commit(): users, tokens or scenarios were changed, or a key was used | current, with theirs; conflict
 /// any      | the server does not answer                   | stale: what it wanted to write is lost, and it says so
 /// stale    | refresh(), and the server answers            | current: all is read anew
-/// stale    | owe(): a stop was ordered                    | stale; the record waits for pay_owed()
+/// stale    | owe(): a stop was ordered, somebody drives   | stale; the record waits for pay_owed()
 class Access {
  public:
   /// `origins`: see RequestCheck. Errors: those of GatewayDb::load; a shared store that cannot be read yet is none.
@@ -44,7 +44,8 @@ class Access {
   /// room for it.
   bool owe(AuditRecord record);
   [[nodiscard]] std::size_t owed() const { return owed_.size(); }
-  /// Writes what is owed. Errors: those of commit(); then it is owed further.
+  /// Writes what is owed, but for what is stored all the same: of a commit whose answer was lost. Errors: those of
+  /// commit(); then it is owed further.
   Status pay_owed();
   /// The node's router has signed a head; `record` is its SignedRecord, encoded. False: the database has no such
   /// record, or does not answer. A head that is stored is proof: one of a record that never was would accuse the log
@@ -68,6 +69,7 @@ class Access {
   StoreBatch take_batch();
   Status save(StoreBatch& batch);
   Status save_or_merge(StoreBatch& batch);
+  Status drop_paid();
   Status merge(StoreBatch& batch);
   [[nodiscard]] Status check_decided(const StoreBatch& batch, const StoreKinds& moved) const;
   void add_to_theirs(StoreBatch& batch, const StoreKinds& moved);
@@ -93,6 +95,7 @@ class Access {
  private:
   std::vector<AuditRecord> noted_;
   std::vector<AuditRecord> owed_;
+  std::uint64_t owed_after_ = 0;  ///< the last record that was known when the first of them was owed
   std::vector<SignedHead> signed_;
   std::vector<StoredRequest> kept_;
   std::vector<RequestKey> dropped_;

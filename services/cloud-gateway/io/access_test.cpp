@@ -301,6 +301,72 @@ AuditReport verified(GatewayDb& db) {
 
 }  // namespace
 
+namespace {
+
+/// A database whose connection is cut after it has committed, and before it says so.
+class CutAfterCommit final : public GatewayDb {
+ public:
+  explicit CutAfterCommit(GatewayDb& db) : db_(db) {}
+  bool is_cut = false;
+
+  [[nodiscard]] bool is_shared() const override { return db_.is_shared(); }
+  Result<StoredState> load() override { return db_.load(); }
+  Result<StoredState> refresh() override { return db_.refresh(); }
+  Status save(const StoreBatch& batch) override {
+    Status saved = db_.save(batch);
+    return saved && is_cut ? Status(fail(Errc::peer_unreachable, "cut", "")) : saved;
+  }
+  Result<std::vector<AuditRow>> audit(const AuditQuery& query) override { return db_.audit(query); }
+  Result<std::vector<AuditRow>> audit_from(std::uint64_t number, std::size_t most) override {
+    return db_.audit_from(number, most);
+  }
+  Result<std::vector<SignedHead>> heads(std::uint64_t first, std::uint64_t last) override {
+    return db_.heads(first, last);
+  }
+  Result<std::vector<Bytes>> certificates() override { return db_.certificates(); }
+
+ private:
+  GatewayDb& db_;
+};
+
+}  // namespace
+
+TEST_CASE("a commit whose answer is lost: what it has written is not written again, what it has not is") {
+  on_postgres([] {
+    const TwoGateways both;
+    CutAfterCommit cut(*both.a.db);
+    auto access = Access::open(cut, kOrigins, {"fleet", "cloud"});
+    REQUIRE(access.ok());
+    const auto order = [&](std::int64_t time, const std::string& who) {
+      const AuditRecord record{0, time, who, "::1", "POST /api/v1/stop", std::string(300, 'x'), "done"};
+      (*access)->note(record);
+      CHECK_FALSE((*access)->commit());
+      CHECK((*access)->owe(record));
+    };
+    cut.is_cut = true;
+    order(7, "ann");  // stored
+    cut.is_cut = false;
+    order(8, "ann");  // not read again yet, so refused
+    order(8, "bob");
+    both.b.note("bob");
+    REQUIRE(both.b.access->commit());
+    REQUIRE((*access)->refresh().ok());
+    cut.is_cut = true;
+    CHECK_FALSE((*access)->pay_owed());
+    cut.is_cut = false;
+    REQUIRE((*access)->refresh().ok());
+    REQUIRE((*access)->pay_owed());
+    CHECK((*access)->owed() == 0);
+    const auto rows = *both.a.db->audit_from(1, 10);
+    REQUIRE(rows.size() == 4);
+    CHECK(rows[0].record.time == 7);
+    CHECK(rows[1].record.time == 5);
+    CHECK((rows[2].record.time == 8 && rows[2].record.who == "ann"));
+    CHECK((rows[3].record.time == 8 && rows[3].record.who == "bob"));
+    CHECK_FALSE(verify_audit(audit_start("fleet", "cloud"), rows, {}).fault);
+  });
+}
+
 TEST_CASE("a head that is signed while the server is gone accuses nobody of what was never written") {
   on_postgres([] {
     const TwoGateways both;
