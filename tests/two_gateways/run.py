@@ -21,12 +21,13 @@ import support  # noqa: E402
 import trb_fleet  # noqa: E402
 import gateway_client  # noqa: E402
 import gateway_contract  # noqa: E402
-import hosts  # noqa: E402
+import servers  # noqa: E402
 from trb_fleet import CLOUD  # noqa: E402
 
 SECOND = "cloud2"
 CLOUDS = (CLOUD, SECOND)
 ROBOT = "pioneer1"
+DRIVEN = "pioneer2"  # by hand
 GOOD = "a good long password"
 SCENARIO = {"name": "short", "tasks": [{"id": "go", "robot": ROBOT, "skill": "go_to", "data": {"place": "dock"}}]}
 SIGNED_OUT_S = 1.0
@@ -60,19 +61,19 @@ class TwoGateways(unittest.TestCase):
 
     @classmethod
     def setUpClass(cls):
-        if hosts.newest_postgres() is None:
+        if servers.newest_postgres() is None:
             raise unittest.SkipTest("PostgreSQL is not installed")
-        cls.database = hosts.Postgres(cls.folder())
+        cls.database = servers.Postgres(cls.folder())
         cls.addClassCleanup(cls.database.stop)
-        cls.authority = hosts.Authority(cls.folder())
-        cls.fleet = support.make_fleet(cls, TwoClouds, block=100, udp_port=50100, robots={ROBOT: trb_fleet.ROBOTS[ROBOT]},
-                                       speed=20, gateway_port=trb_fleet.free_port(), database=cls.database,
-                                       authority=cls.authority)
+        cls.authority = servers.Authority(cls.folder())
+        robots = {ROBOT: trb_fleet.ROBOTS[ROBOT], DRIVEN: trb_fleet.DEMO_ROBOTS[DRIVEN]}
+        cls.fleet = support.make_fleet(cls, TwoClouds, block=100, udp_port=50100, robots=robots, speed=20,
+                                       gateway_port=trb_fleet.free_port(), database=cls.database, authority=cls.authority)
         cls.fleet.start()
         cls.fleet.wait_formed(60)
         for node in CLOUDS:
             cls.fleet.wait(f"the gateway of {node} is ready", lambda: cls.is_ready(node), 60)
-        cls.nginx = hosts.Nginx(cls.folder(), cls.fleet.proxy_port, cls.fleet.ports.values(), cls.authority)
+        cls.nginx = servers.Nginx(cls.folder(), cls.fleet.proxy_port, cls.fleet.ports.values(), cls.authority)
         cls.addClassCleanup(cls.nginx.stop)
         cls.admin = cls.at(CLOUD)
         cls.sign_in_anew()
@@ -324,7 +325,7 @@ class TwoGateways(unittest.TestCase):
 
     def test_the_server_is_killed_and_who_drove_meanwhile_is_on_record(self):
         olga = self.signed_in(self.at(CLOUD))
-        self.fleet.wait("the robot can be driven", lambda: olga.ask("GET", f"/api/v1/robots/{ROBOT}").json["content"]["drives"], 20)
+        self.fleet.wait("the robot can be driven", lambda: olga.ask("GET", f"/api/v1/robots/{DRIVEN}").json["content"]["drives"], 20)
         live = olga.live()
         self.addCleanup(live.close)
         live.say({"subscribe": "fleet"})
@@ -336,7 +337,7 @@ class TwoGateways(unittest.TestCase):
                 if answer.status == 200 else []
         before = drives()
         self.database.kill()
-        live.say({"drive": ROBOT, "part": "base", "speeds": [0.1], "sequence": 1})
+        live.say({"drive": DRIVEN, "part": "base", "speeds": [0.1], "sequence": 1})
         told = live.until(lambda heard: "drive" in heard)["drive"]
         self.assertEqual(told["state"], "driving", told)
         live.until(lambda heard: "closed" in heard)
