@@ -39,9 +39,14 @@ class OutOfUse(unittest.TestCase):
         self.fleet.trb("robot", "fault", ROBOT, *words, node=CLOUD)
 
     def kill_adapter(self):
-        pid = self.fleet.pid(ROBOT, "mode-adapter")
-        os.kill(pid, signal.SIGKILL)
-        self.fleet.wait("another mode-adapter", lambda: self.fleet.pid(ROBOT, "mode-adapter") not in (None, pid), 10)
+        """Until the cloud has the next one's word: the tables go on with the last word of the one that is gone."""
+        before = self.fleet.services(ROBOT)["mode-adapter"]["instance"]
+        os.kill(self.fleet.pid(ROBOT, "mode-adapter"), signal.SIGKILL)
+        self.fleet.wait("another mode-adapter", lambda: (now := self.fleet.services(ROBOT)["mode-adapter"])["state"] == "up"
+                        and now["instance"] != before, 20)
+        # It tells what is out of use once its robot is connected, and then answers, on the same way.
+        self.fleet.wait("its robot answers the cloud", lambda: self.fleet.trb(
+            "request", ROBOT, "position", "--timeout", "1", node=CLOUD, check=False).returncode == 0, 20)
         self.fleet.wait_formed()
 
     def test_a_fault_stands_over_a_kill_until_the_robot_takes_it_back(self):
