@@ -124,12 +124,15 @@ class Fault:
             if self.policy == "ask" or waited > ASK_AFTER_S:
                 self.ask()
         if self.alert["state"] in ("DECIDED", "CLOSED"):
+            if not self.offered:  # it was decided before its proposals were seen twice
+                self.offer()
             self.tell_decision()
 
     def offer(self):
         self.offered = self.alert
         self.say("\n== the cloud's alert: who could take over, best first, and what each criterion gives to the score")
-        for line in self.fleet.trb("alert", "list", node=CLOUD).stdout.splitlines():
+        listed = self.fleet.trb("alert", "list", node=CLOUD).stdout.splitlines() if self.alert["state"] == "OPEN" else []
+        for line in listed or proposal_lines(self.alert):
             self.say(("  " + line).rstrip())
 
     def ask(self):
@@ -220,27 +223,34 @@ class Fault:
         return ""
 
     def wire(self, view):
-        """Messages of the fault that went from node to node: Equation 11's two, and what is more. What was sent once
-        more, because no proof of delivery had come yet, counts as often as it was sent."""
+        """Messages of the fault that went from node to node: Equation 11's two, and what is more, each once a node that
+        it was for or came from. What was sent once more, because no proof of delivery had come yet, is told apart."""
         taker = next(task["robot"] for task in view["tasks"] if task["id"] == TASK)
         at_cloud, at_robot = self.messages(CLOUD), self.messages(FAILS)
+        again = {}
 
-        def count(messages, direction, subtype, **ends):
-            return sum(one["direction"] in direction and one["subtype"] == subtype
-                       and all(one[end] == node for end, node in ends.items()) for one in messages)
+        def nodes(messages, direction, subtype, end):
+            ends = [one[end] for one in messages if one["direction"] == direction and one["subtype"] == subtype]
+            again[subtype] = again.get(subtype, 0) + len(ends) - len(set(ends))
+            return set(ends)
 
-        told = count(at_cloud, "<", "robot_fault", source=FAILS)
-        moved = count(at_cloud, ">", "run_decision", target=taker)
+        def faults(messages, direction):  # its target is everybody; nobody is told twice
+            return sum((one["direction"], one["subtype"], one["source"]) == (direction, "robot_fault", FAILS) for one in messages)
+
+        told = faults(at_cloud, "<")
+        moved = nodes(at_cloud, ">", "run_decision", "target")
+        nodes(at_cloud, "=", "run_decision", "target")  # on its way to the own scheduler: only what is sent again is told
         more = {
-            "robot_fault": count(at_robot, ">", "robot_fault") - told,
-            "run_decision": count(at_cloud, ">", "run_decision") - moved,
-            "release_tasks": count(at_cloud, ">", "release_tasks"),
+            "robot_fault": faults(at_robot, ">") - told,
+            "run_decision": len(moved - {taker}),
+            "release_tasks": len(nodes(at_cloud, ">", "release_tasks", "target")),
             "position": self.values(at_cloud, "position"),
             "battery": self.values(at_cloud, "battery") + self.values(at_cloud, "state_of_charge"),
-            "decision_journaled": count(at_cloud, "<", "decision_journaled"),
+            "decision_journaled": len(nodes(at_cloud, "<", "decision_journaled", "source")),
             "ack": self.acks(at_cloud),
         }
-        return {"equation11": 2, "two": {"robot_fault": told, "run_decision": moved}, "more": more, "to": taker}
+        return {"equation11": 2, "two": {"robot_fault": told, "run_decision": int(taker in moved)}, "more": more,
+                "again": again, "to": taker}
 
     def values(self, messages, subtype):
         asked = {one["id"] for one in messages if one["direction"] == ">" and one["subtype"] == subtype
@@ -248,8 +258,17 @@ class Fault:
         return len(asked) + sum(one["direction"] == "<" and one.get("reply_to") in asked for one in messages)
 
     def acks(self, messages):
+        """Of them one: of what was sent again, there may be more."""
         released = {one["id"] for one in messages if one["direction"] == ">" and one["subtype"] == "release_tasks"}
-        return sum(one["direction"] == "<" and one.get("reply_to") in released for one in messages)
+        return int(any(one["direction"] == "<" and one.get("reply_to") in released for one in messages))
+
+
+def proposal_lines(alert):
+    """Of an alert that is decided: `trb alert list` shows only those of open ones."""
+    for number, one in enumerate(alert["proposals"], 1):
+        parts = [f"{part['criterion']} {part['value']:.4g} {part['unit']}".strip() + f" ({part['contribution']:.3f})"
+                 for part in one["parts"]]
+        yield f"{number}  {one['robot']}  {one['score']:.3f}  {', '.join(parts)}"
 
 
 def wire_rows(wire):
@@ -262,4 +281,7 @@ def wire_rows(wire):
               "decision_journaled": ("members", CLOUD), "ack": (FAILS, CLOUD)}
     for subtype, what in MORE:
         rows.append([subtype, *others.get(subtype, (CLOUD, "candidates, and back")), wire["more"][subtype], "more: " + what])
+    for subtype, number in wire["again"].items():
+        if number:
+            rows.append([subtype, "", "", number, "once more: no proof of delivery had come yet"])
     return rows

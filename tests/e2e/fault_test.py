@@ -116,10 +116,12 @@ class Fault(support.Demonstration, unittest.TestCase):
         self.assertEqual(set(wire["more"]), MORE)
         self.assertEqual(wire["more"]["robot_fault"], 8)  # nine other nodes, the cloud's apart
         self.assertEqual(wire["more"]["run_decision"], 4)  # ridgeback, conveyor, ur3, drone
-        self.assertGreaterEqual(wire["more"]["release_tasks"], 1)
+        self.assertEqual(wire["more"]["release_tasks"], 1)
+        self.assertEqual(wire["more"]["decision_journaled"], 5)
         # By the routers' counters: the same, each broadcast once, and the decision on its way to the own scheduler.
         sent = 1 + wire["more"]["run_decision"] + 1 + 1 + wire["more"]["release_tasks"]
-        self.assertEqual(messages["observed"]["fail"], sent)
+        again = wire["again"]["run_decision"] + wire["again"]["release_tasks"]  # proofs come late on a busy machine
+        self.assertEqual(messages["observed"]["fail"], sent + again, wire)
 
     def check_journals(self, taker):
         """By the virtual robots' output: nothing was commanded twice, and no other robot drove."""
