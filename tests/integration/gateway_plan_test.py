@@ -57,8 +57,14 @@ class Simulations(GatewayCase):
         return self.wait_until(place, "the simulation's end", lambda one: one["state"] in OVER)
 
     def simulator(self):
-        """The process that plays, a child of the gateway."""
+        """The process that plays, a child of the gateway: for a moment it is the gateway's own program."""
         return self.fleet.pid_of_child(self.fleet.pid(CLOUD, "cloud-gateway"), "simulator")
+
+    def wait_simulator(self):
+        """Its pid, once it plays."""
+        pids = []
+        self.fleet.wait("the simulator", lambda: pids.append(self.simulator()) or pids[-1], WAIT_S)
+        return pids[-1]
 
     # ---- what is right
 
@@ -158,8 +164,7 @@ class Simulations(GatewayCase):
     def test_one_that_runs_is_cancelled_and_the_next_one_begins(self):
         first, second = self.started(LARGE), self.started(SMALL)
         self.assertEqual(self.read(second)["state"], "queued")
-        pid = self.simulator()
-        self.assertIsNotNone(pid)
+        pid = self.wait_simulator()
         cancelled = self.operator.ask("DELETE", first)
         self.assertEqual((cancelled.status, cancelled.json["state"]), (200, "cancelled"))
         self.assertEqual(self.wait_until(second, "its end", lambda one: one["state"] in OVER)["state"], "done")
@@ -179,7 +184,7 @@ class Simulations(GatewayCase):
 
     def test_a_simulator_that_is_killed_has_failed_and_the_next_one_begins(self):
         first, second = self.started(LARGE), self.started(SMALL)
-        os.kill(self.simulator(), signal.SIGKILL)
+        os.kill(self.wait_simulator(), signal.SIGKILL)
         failed = self.wait_until(first, "its end", lambda one: one["state"] in OVER)
         self.assertEqual((failed["state"], failed["failure"]["code"]), ("failed", "io_error"))
         self.assertTrue(failed["failure"]["hint"])
@@ -237,14 +242,14 @@ class Simulations(GatewayCase):
 
     def test_a_gateway_that_is_killed_leaves_no_child(self):
         self.started(LARGE)
-        pid = self.simulator()
+        pid = self.wait_simulator()
         self.kill_gateway()
         self.fleet.wait("the simulator's end", lambda: not is_alive(pid), 10)
         self.assertEqual(self.viewer.ask("GET", SIMULATIONS).json["items"], [])
 
     def test_a_gateway_that_is_told_to_end_ends_its_child_and_waits_for_nothing(self):
         self.started(LARGE)
-        gateway, pid = self.fleet.pid(CLOUD, "cloud-gateway"), self.simulator()
+        gateway, pid = self.fleet.pid(CLOUD, "cloud-gateway"), self.wait_simulator()
         began = time.monotonic()
         os.kill(gateway, signal.SIGTERM)
         self.fleet.wait("the simulator's end", lambda: not is_alive(pid), 10)
