@@ -101,16 +101,30 @@ class Crowd(Door):
     def test_forty_candidates_at_once_and_a_member(self):
         """A member that the router knows joins at once; an unknown one when the crowd is gone."""
         self.linked(self.belt)
+        first = self.watch
+        for _ in range(3):  # a busy machine lets the crowd's two seconds pass before the member comes
+            ends, member, were_there = self.crowd_and_member()
+            if were_there:
+                break
+            self.watch.wait_counted("refused.no_hello", ends.count(zmq.EVENT_HANDSHAKE_SUCCEEDED))
+            self.watch = support.Watch(self.fleet, TARGET)
+        self.assertTrue(were_there, "the crowd was gone before the member came")
+        self.assert_alive(member, self.belt)
+        self.assertEqual(ends.count(zmq.EVENT_HANDSHAKE_SUCCEEDED), 32)
+        self.watch.wait_counted("refused.too_many_candidates", 8)
+        self.watch.wait_counted("refused.no_hello", 32)
+        risen = self.watch.rise()
+        self.assertEqual((risen.pop("refused.too_many_candidates"), risen.pop("refused.no_hello")), (8, 32))
+        self.assertLessEqual(set(risen), {"refused.key"})
+        first.wait_logged("too_many_candidates no room")
+        self.assert_alive(self.linked(self.crane), self.crane)
+
+    def crowd_and_member(self):
+        """How each handshake of the crowd ended, the member's link, and whether the crowd was there until then."""
         crowd = [self.stranger() for _ in range(40)]
         ends = [one.wait_event(zmq.EVENT_HANDSHAKE_SUCCEEDED, zmq.EVENT_HANDSHAKE_FAILED_AUTH) for one in crowd]
         member = self.linked(self.belt)
-        self.assertEqual(self.watch.rise().get("refused.no_hello", 0), 0, "the crowd was gone before the member came")
-        self.assert_alive(member, self.belt)
-        self.assertEqual(ends.count(zmq.EVENT_HANDSHAKE_SUCCEEDED), 32)
-        self.assert_refused("refused.too_many_candidates", "too_many_candidates no room", 8,
-                            also=("refused.key", "refused.no_hello"))
-        self.watch.wait_counted("refused.no_hello", 32)
-        self.assert_alive(self.linked(self.crane), self.crane)
+        return ends, member, self.watch.rise().get("refused.no_hello", 0) == 0
 
 
 class Strangers(Door):
