@@ -245,13 +245,15 @@ class Strangers(Door):
         self.assert_refused("refused.source_mismatch", "Hello of 'belt' with the certificate of 'hoist'")
 
     def test_a_member_that_names_another_link(self):
-        belt, crane = self.linked(self.belt), self.linked(self.crane)
         arm = self.route("arm")
-        for count, link in enumerate((belt.link, int(arm["link"])), 1):
+        for count, name in enumerate(("belt", "arm"), 1):
+            belt, crane = self.linked(self.belt), self.linked(self.crane)
+            link = belt.link if name == "belt" else int(arm["link"])
             crane.send("greeting", "belt", link=link, sequence=2, data=b"it is me")
+            self.watch.wait_counted("refused.link_theft", count)
+            self.assert_alive(belt, self.belt)
+            self.assert_alive(crane, self.crane)
             self.assert_refused("refused.link_theft", "link_theft a connection used another one's link id", count)
-        self.assert_alive(belt, self.belt)
-        self.assert_alive(crane, self.crane)
         self.assertEqual(self.route("arm")["link"], arm["link"])
 
     def test_a_gap_in_the_sequence(self):
@@ -265,13 +267,13 @@ class Strangers(Door):
         self.assert_alive(self.linked(self.belt), self.belt)
 
     def test_words_that_are_the_node_s_own(self):
-        client = self.linked(self.belt)
         for count, subtype in enumerate(("execute", "sign_request", "run_submit", "service_hello"), 1):
+            client = self.linked(self.belt)  # for each one: it lasts a lease
             ident = client.send(subtype, "belt", type=wire.COMMAND, data=wire.pack([]))
             answer = client.answer_to(ident)
             self.assertEqual((answer.subtype, wire.nack(answer)["code"]), ("nack", "not_permitted"))
+            self.assert_alive(client, self.belt)
             self.assert_refused("refused.not_permitted", f"not_permitted belt sent {subtype}", count)
-        self.assert_alive(client, self.belt)
 
     def test_an_oversized_frame(self):
         client = self.linked(self.belt)
