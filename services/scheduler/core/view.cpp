@@ -149,7 +149,7 @@ RunView view_of(const Run& run, const Executor& executor, Clock clock) {
     const Decision& by = run.epochs().decisions()[i];
     view.decisions.push_back({by.epoch, by.by, by.alert, by.person, by.reason, by.time, by.tasks});
   }
-  if (run.orders().pause() != nullptr) view.pause_number = run.orders().pause()->number;
+  view.pause_number = run.pause_number();
   if (run.orders().is_held()) view.paused_by = run.orders().pause()->by;
   const std::vector<bool> known = run.known_final();
   const std::vector<bool> skipped = run.known_skipped();

@@ -34,8 +34,7 @@ void Orders::outbid(const PauseOrder& order) {
   if (!order.paused && !names_doubles(order)) outbid_ = std::max(outbid_, order.number);
 }
 
-std::uint32_t Orders::next_hold() const {
-  const std::uint32_t known = pause_ ? pause_->number : 0;
+std::uint32_t Orders::next_hold(std::uint32_t known) const {
   return std::min(std::max(known, outbid_) + 1, kMaxPauses);
 }
 

@@ -10,8 +10,11 @@
 
 namespace trb::scheduler {
 
-/// Orders that hold a run are numbered up to this; one more lets it go on, whatever was ordered before.
-constexpr std::uint32_t kMaxPauses = 1000;
+/// How far orders are numbered: those that hold a run up to this; one more lets it go on. A robot's end first, so that
+/// a cloud node always has an order that no robot can undo.
+constexpr std::uint32_t kMaxPauses = 3000;
+constexpr std::uint32_t kMaxRobotHold = 2000;
+constexpr std::uint32_t kMaxRobotResume = 1001;
 
 class Orders {
  public:
@@ -29,8 +32,8 @@ class Orders {
   void outbid(const PauseOrder& order);
   /// The judge's hold has to be ordered anew.
   [[nodiscard]] bool is_outbid() const { return is_held_for_doubles() && outbid_ > pause_->number; }
-  /// The number of the judge's next order to hold it.
-  [[nodiscard]] std::uint32_t next_hold() const;
+  /// The number of the judge's next order to hold it, above `known`.
+  [[nodiscard]] std::uint32_t next_hold(std::uint32_t known) const;
 
   /// A task was done twice. No effect if a person has looked at it already.
   void note_double(const std::string& task);

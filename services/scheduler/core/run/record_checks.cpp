@@ -123,13 +123,27 @@ Result<Order> RecordChecks::open_order(const SignedRecord& record, std::string_v
 Result<PauseOrder> RecordChecks::pause(const SignedRecord& record) const {
   auto order = open_order<PauseOrder>(record, kSignedRunPause);
   if (!order) return order;
-  if (order->number == 0 || order->number > kMaxPauses + (order->paused ? 0 : 1)) {
-    return fail(Errc::bad_value,
-                "run " + definition_.id() + ": number " + std::to_string(order->number) + " is not one of 1 to " +
-                    std::to_string(kMaxPauses),
-                "who was held so often is aborted and begun anew");
-  }
+  if (auto numbered = check_number(*order); !numbered) return numbered.error();
   return order;
+}
+
+bool RecordChecks::outranks_robots(const std::string& node) const {
+  const Certificate* member = members_.find(node);
+  return node == definition_.rule().judge() || (member != nullptr && member->role == Role::cloud);
+}
+
+Status RecordChecks::check_number(const PauseOrder& order) const {
+  const bool outranks = outranks_robots(order.by);
+  const std::uint32_t most = outranks       ? kMaxPauses + (order.paused ? 0 : 1)
+                             : order.paused ? kMaxRobotHold
+                                            : kMaxRobotResume;
+  if (order.number >= 1 && order.number <= most) return Done{};
+  return fail(Errc::bad_value,
+              "run " + definition_.id() + ": the order of '" + order.by + "' to " +
+                  (order.paused ? "hold it" : "let it go on") + ": number " + std::to_string(order.number) +
+                  " is not one of 1 to " + std::to_string(most),
+              outranks ? "who was held so often is aborted and begun anew"
+                       : "say it on node '" + definition_.rule().judge() + "', or abort the run");
 }
 
 Result<AbortOrder> RecordChecks::abort(const SignedRecord& record) const {

@@ -27,6 +27,8 @@ class RecordChecks {
   /// An order to hold the run or to let it go on. Errors: not_permitted, conflict, source_mismatch, bad_value and those
   /// of open_record.
   [[nodiscard]] Result<PauseOrder> pause(const SignedRecord& record) const;
+  /// Its orders to hold the run or to let it go on have numbers beyond those of robots: a cloud node, or the judge.
+  [[nodiscard]] bool outranks_robots(const std::string& node) const;
   /// An order to abort the run. Errors: not_permitted, conflict, source_mismatch and those of open_record.
   [[nodiscard]] Result<AbortOrder> abort(const SignedRecord& record) const;
   /// An order to abort, or else one to hold.
@@ -38,6 +40,7 @@ class RecordChecks {
   [[nodiscard]] Result<const Certificate*> signer_of(const SignedRecord& record) const;
   template <class Order>
   [[nodiscard]] Result<Order> open_order(const SignedRecord& record, std::string_view purpose) const;
+  [[nodiscard]] Status check_number(const PauseOrder& order) const;
   [[nodiscard]] Status check_attempt(TaskIndex task, const TaskResult& result) const;
   [[nodiscard]] Status check_author(TaskIndex task, const TaskResult& result, const Certificate& signer) const;
   [[nodiscard]] Status check_verdict(const Choice& choice, const ChosenTask& chosen) const;

@@ -99,9 +99,26 @@ TEST_CASE("any member may order to hold or to abort; a bad number is refused") {
   CHECK(code_of(checks.pause(known.pause(0, true))) == Errc::bad_value);
   CHECK(code_of(checks.pause(known.pause(kMaxPauses + 1, true))) == Errc::bad_value);
   CHECK(checks.pause(known.pause(kMaxPauses + 1, false)).ok());
+  CHECK(code_of(checks.pause(known.pause(kMaxPauses + 2, false))) == Errc::bad_value);
   CHECK(checks.abort(known.abort("drone")).ok());
   CHECK(checks.order(known.abort("drone")).ok());
   CHECK(checks.order(known.pause(1, false)).ok());
+}
+
+TEST_CASE("a robot's numbers end before a cloud's: what a cloud holds beyond them no robot lets go") {
+  const KnownRun known(chain({"ur3"}));
+  const RecordChecks& checks = known.run().checks();
+  CHECK(checks.pause(known.pause(kMaxRobotResume, false, {}, "drone")).ok());
+  CHECK(checks.pause(known.pause(kMaxRobotHold, true, {}, "drone")).ok());
+  const auto beyond = checks.pause(known.pause(kMaxRobotResume + 1, false, {}, "drone"));
+  CHECK(code_of(beyond) == Errc::bad_value);
+  CHECK(beyond.error().text().find("'drone' to let it go on: number 1002 is not one of 1 to 1001") !=
+        std::string::npos);
+  CHECK(beyond.error().text().find("say it on node 'cloud'") != std::string::npos);
+  CHECK(code_of(checks.pause(known.pause(kMaxRobotHold + 1, true, {}, "drone"))) == Errc::bad_value);
+  // Also a cloud node that is not the judge outranks robots; a stranger outranks nobody.
+  CHECK(checks.pause(known.pause(kMaxRobotHold + 1, true, {}, "cloud2")).ok());
+  CHECK_FALSE(checks.outranks_robots("stranger"));
 }
 
 TEST_CASE("only the judge says that a run has FINISHED") {

@@ -158,6 +158,14 @@ Status Run::apply(const JournalPause& fact) {
   return Done{};
 }
 
+std::uint32_t Run::pause_number() const {
+  const PauseOrder* known = orders_.pause();
+  if (known == nullptr) return 0;
+  const bool overrides =
+      !known->paused && !checks_.outranks_robots(known->by) && checks_.outranks_robots(epochs_.self());
+  return overrides ? std::max(known->number, kMaxRobotResume) : known->number;
+}
+
 Status Run::apply(const JournalEnd& fact) {
   if (auto end = checks_.end(fact.end); !end) return end.error();
   if (orders_.has_ended()) return Done{};

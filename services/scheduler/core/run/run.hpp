@@ -68,6 +68,9 @@ class Run {
   bool add(HeldChoice held);
   /// An order to let the run go on that does not count, because it leaves out a task that was done twice.
   void outbid(const PauseOrder& order) { orders_.outbid(order); }
+  /// This node's next order to hold the run, or to let it go on, has a number above this. A cloud node goes beyond all
+  /// that robots can undo, if a robot's order lets the run go on.
+  [[nodiscard]] std::uint32_t pause_number() const;
 
   /// A result that another node sends, checked. Errors: those of RecordChecks::received_result; too_large (its robot
   /// has no room left for results of this run).
