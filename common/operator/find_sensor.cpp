@@ -13,10 +13,17 @@ bool matches(const FoundSensor& one, const SensorWish& wish) {
   return one.info.identity == wish.identity && (wish.name.empty() || named);
 }
 
+bool tells(const FoundSensor& one) {
+  return one.info.state == SensorState::ok || one.info.state == SensorState::unread;
+}
+
+bool is_there(const FoundSensor& one) {
+  return one.reached() && tells(one);
+}
+
 /// The lower, the better.
 auto preference(const FoundSensor& one, const SensorWish& wish) {
-  const bool tells = one.info.state == SensorState::ok || one.info.state == SensorState::unread;
-  return std::tuple(!one.reached(), one.info.name != wish.name, !tells, one.node_state != "self");
+  return std::tuple(!one.reached(), one.info.name != wish.name, !tells(one), one.node_state != "self");
 }
 
 std::string names_of(const std::vector<FoundSensor>& all) {
@@ -59,6 +66,13 @@ Result<FoundSensor> find_sensor(const RouteTable& table, const SensorWish& wish)
   if (unclear)
     return fail(Errc::bad_value, found[0].node + " has several of kind " + found[0].info.kind,
                 "name one: " + names_of(found));
+  // There is one device of a serial number: one of them is wrong.
+  const auto rival = std::ranges::find_if(
+      found, [&](const FoundSensor& one) { return one.node != found.front().node && is_there(one); });
+  if (!wish.identity.empty() && is_there(found.front()) && rival != found.end())
+    return fail(Errc::bad_value,
+                found.front().node + " and " + rival->node + " both say that they have " + text_of(wish),
+                "unplug one, or name the node: --of " + found.front().node);
   return found.front();
 }
 

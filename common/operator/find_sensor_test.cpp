@@ -60,6 +60,20 @@ TEST_CASE("of several nodes one is asked that tells its values, the own one firs
   CHECK(found(table, {"humidity", "", ""}) == "humidity of office");
 }
 
+TEST_CASE("of two nodes that claim one identity neither is asked, unless one is named or only one tells its values") {
+  RouteTable table = sensor_table();
+  table.routes[2].profile.plugged.push_back(info("temperature", "temperature", "SN2"));
+  CHECK(found(table, {"", "", "SN2"}) == "bad_value");
+  const Error why = find_sensor(table, {"temperature", "", "SN2"}).error();
+  CHECK(why.what == "office and hall both say that they have 'temperature' with identity SN2");
+  CHECK(why.hint == "unplug one, or name the node: --of office");
+  CHECK(found(table, {"", "hall", "SN2"}) == "oven of hall");
+  table.routes[2].profile.plugged.back().state = SensorState::failed;
+  CHECK(found(table, {"", "", "SN2"}) == "oven of hall");
+  table.routes[2].state = "OFFLINE";
+  CHECK(found(table, {"", "", "SN2"}) == "oven of hall");
+}
+
 TEST_CASE("a kind of which a node has several is no name; a node that is named is asked whatever it has") {
   RouteTable table = sensor_table();
   table.routes[1].profile.plugged[0].name = "fridge";

@@ -47,6 +47,23 @@ std::vector<std::string> ids_of(const std::map<std::string, NodeProfile>& profil
   return out;
 }
 
+/// There is one device of a serial number: who else claims it is wrong, and the run would wait.
+void check_rivals(const Condition& condition, const std::map<std::string, NodeProfile>& profiles,
+                  const std::string& path, const std::string& file, ConfigFaults& faults) {
+  std::string first;
+  for (const auto& [id, profile] : profiles) {
+    const SensorInfo* info = find_sensor(profile.plugged, condition);
+    if (info == nullptr || info->state != SensorState::ok) continue;
+    if (!first.empty()) {
+      return faults.push_back(
+          {file, path + ".of",
+           sensor_text(condition) + ": " + in_quotes(first) + " and " + in_quotes(id) + " both say that they have it",
+           "unplug one, or name the node here (the run waits until then)", true});
+    }
+    first = id;
+  }
+}
+
 }  // namespace
 
 Condition read_condition(const Value& json, const std::string& path, const FileFaults& faults) {
@@ -76,6 +93,7 @@ void check_condition(const Condition& condition, const std::map<std::string, Nod
              did_you_mean(condition.of, ids_of(profiles), "start its node, or use one of"));
     return;
   }
+  if (!condition.identity.empty() && condition.of.empty()) check_rivals(condition, profiles, path, file, faults);
   bool found = false;
   std::string other_unit;
   for (const auto& [id, profile] : profiles) {

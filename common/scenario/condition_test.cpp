@@ -38,13 +38,15 @@ SensorInfo thermometer(const std::string& name, const std::string& unit, const s
   return {name, "temperature", unit, identity, "", SensorState::ok, ""};
 }
 
-ConfigFaults check_in_fleet(const Condition& condition, std::vector<SensorInfo> plugged) {
+ConfigFaults check_in_fleet(const Condition& condition, std::vector<SensorInfo> plugged,
+                            std::vector<SensorInfo> at_robot = {}) {
   Scenario scenario;
   scenario.tasks = {{"t", "r", {}, "go", "", {}, 0, false, {condition}}};
   NodeProfile conveyor;
   conveyor.plugged = std::move(plugged);
   NodeProfile robot;
   robot.skills = {{"go", "mobile", {}, true, 60}};
+  robot.plugged = std::move(at_robot);
   ConfigFaults faults;
   check_scenario(scenario, {{"r", robot}, {"conveyor", conveyor}}, "s.json", faults);
   return faults;
@@ -156,4 +158,24 @@ TEST_CASE("a condition is checked against the fleet: what is not plugged in yet 
   Condition anywhere = condition;
   anywhere.of = "";
   CHECK(check_in_fleet(anywhere, {thermometer("temperature", "degC")}).empty());
+}
+
+TEST_CASE("two nodes that claim one serial number are told before the run would wait for them") {
+  Condition condition = over(Comparison::more, 20);
+  condition.of = "";
+  condition.identity = "7";
+  SensorInfo mine = thermometer("temperature", "degC");
+  mine.identity = "7";
+  SensorInfo claimed = mine;
+  CHECK(check_in_fleet(condition, {mine}).empty());
+  const ConfigFaults two = check_in_fleet(condition, {mine}, {claimed});
+  REQUIRE(two.size() == 1);
+  CHECK(two[0].key == "tasks[0].when.of");
+  CHECK(two[0].what == "temperature with serial number 7: 'conveyor' and 'r' both say that they have it");
+  CHECK(two[0].may_wait);
+  condition.of = "conveyor";
+  CHECK(check_in_fleet(condition, {mine}, {claimed}).empty());
+  condition.of = "";
+  claimed.state = SensorState::failed;
+  CHECK(check_in_fleet(condition, {mine}, {claimed}).empty());
 }

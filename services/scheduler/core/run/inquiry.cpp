@@ -15,14 +15,15 @@ constexpr Duration kRead = std::chrono::seconds(6);
 struct Found {
   const Route* route = nullptr;
   const SensorInfo* sensor = nullptr;
+  const Route* rival = nullptr;  ///< has the same serial number, and is as good a choice
 };
 
 /// Smaller is the better choice: a node that can be reached, a sensor that sends values, the node that the condition
-/// names (another may claim to have what still is there), the smaller id.
+/// names (another may claim to have what still is there). Of equals the smaller id is asked, unless it is a serial
+/// number: there is one such device, so one of them is wrong.
 auto rank(const Found& found, const Condition& condition) {
   const bool away = found.route->state == "OFFLINE" || found.route->state == "CONNECTION_BROKEN";
-  return std::tuple(away, found.sensor->state != SensorState::ok, found.route->id != condition.of,
-                    std::string_view(found.route->id));
+  return std::tuple(away, found.sensor->state != SensorState::ok, found.route->id != condition.of);
 }
 
 Found find(const RouteTable& table, const Condition& condition) {
@@ -31,8 +32,11 @@ Found find(const RouteTable& table, const Condition& condition) {
   for (const Route& route : table.routes) {
     if (bound && route.id != condition.of) continue;
     const Found found{&route, find_sensor(route.profile.plugged, condition)};
-    if (found.sensor != nullptr && (best.sensor == nullptr || rank(found, condition) < rank(best, condition)))
-      best = found;
+    if (found.sensor == nullptr) continue;
+    const bool better = best.sensor == nullptr || rank(found, condition) < rank(best, condition);
+    const bool equal = !better && rank(found, condition) == rank(best, condition);
+    if (equal && !condition.identity.empty()) best.rival = &route;
+    if (better || (equal && condition.identity.empty() && route.id < best.route->id)) best = found;
   }
   return best;
 }
@@ -78,6 +82,11 @@ void Inquiry::on(const RouteTable& table, Now now, Outbox& out) {
   if (phase_ != InquiryPhase::looking) return;
   const Found found = find(table, condition_);
   if (found.sensor == nullptr) return try_again("no such sensor is plugged in", now);
+  if (found.rival != nullptr) {
+    return try_again("'" + found.route->id + "' and '" + found.rival->id +
+                         "' both say that they have it: unplug one, or name the node in the condition's \"of\"",
+                     now);
+  }
   phase_ = InquiryPhase::asked;
   next_ = now.mono + kRead;
   node_ = found.route->id;

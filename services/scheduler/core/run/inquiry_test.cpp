@@ -26,8 +26,8 @@ SensorReading reading(const char* sensor = "temperature") {
 }
 
 struct Asking {
-  explicit Asking(const char* of = "belt")
-      : inquiry("ur3", {"temperature", of, "", Comparison::more, false, 20, "", "degC"}) {}
+  explicit Asking(const char* of = "belt", const char* identity = "")
+      : inquiry("ur3", {"temperature", of, identity, Comparison::more, false, 20, "", "degC"}) {}
 
   Outbox tick(double s) {
     Outbox out;
@@ -59,6 +59,25 @@ TEST_CASE("of several nodes one is asked that can be reached, then the smallest 
   asking.tick(0);
   CHECK(asking.asks(table_with({{"a", "OFFLINE"}, {"b", "CONNECTION_BROKEN"}, {"d", "ONLINE"}, {"c", "self"}}), 0) ==
         "c");
+}
+
+TEST_CASE("of two that claim one serial number neither is asked, until one has it no more or the condition names one") {
+  const RouteTable both = table_with({{"belt", "ONLINE"}, {"arm", "ONLINE"}});
+  Asking unnamed("", "28-01");
+  unnamed.tick(0);
+  CHECK(unnamed.asks(both, 0).empty());
+  CHECK(unnamed.inquiry.obstacle() ==
+        "temperature with serial number 28-01: 'belt' and 'arm' both say that they have it: unplug one, or name the "
+        "node in the condition's \"of\"");
+  unnamed.tick(0.5);
+  CHECK(unnamed.asks(table_with({{"belt", "ONLINE"}, {"arm", "OFFLINE"}}), 0.5) == "belt");
+  Asking named("arm", "28-01");
+  named.tick(0);
+  CHECK(named.asks(both, 0) == "arm");
+  // Of two others that have what the named one has not, neither is better.
+  Asking other("drone", "28-01");
+  other.tick(0);
+  CHECK(other.asks(both, 0).empty());
 }
 
 TEST_CASE("another's, another sensor's and a watch's value are no answer") {
