@@ -1,7 +1,8 @@
 #include "services/scheduler/core/deferred_messages.hpp"
 
 #include <algorithm>
-#include <map>
+
+#include "common/base/gives_way.hpp"
 
 namespace trb::scheduler {
 
@@ -16,16 +17,6 @@ std::vector<Inbound> DeferredMessages::take_if(Match match) {
   return out;
 }
 
-std::string DeferredMessages::greediest(const std::string& first) const {
-  std::map<std::string, std::size_t> counts;
-  for (const Entry& entry : entries_) ++counts[entry.message.source];
-  std::string out = first;
-  for (const auto& [source, count] : counts) {
-    if (count > counts[out]) out = source;
-  }
-  return out;
-}
-
 std::optional<Inbound> DeferredMessages::add(const std::string& run, const Inbound& message, MonotonicTime now) {
   const auto same = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& entry) {
     return entry.run == run && entry.message.source == message.source &&
@@ -35,13 +26,17 @@ std::optional<Inbound> DeferredMessages::add(const std::string& run, const Inbou
     *same = {run, now + kPatience, message};
     return std::nullopt;
   }
+  std::optional<Inbound> out;
+  if (entries_.size() >= kMax) {
+    const auto source_of = [](const Entry& entry) { return entry.message.source; };
+    const std::string source = gives_way(entries_, message.source, source_of);
+    if (source == message.source) return message;
+    const auto newest = std::find_if(entries_.rbegin(), entries_.rend(),
+                                     [&](const Entry& entry) { return entry.message.source == source; });
+    out = std::move(newest->message);
+    entries_.erase(std::prev(newest.base()));
+  }
   entries_.push_back({run, now + kPatience, message});
-  if (entries_.size() <= kMax) return std::nullopt;
-  const std::string gives_way = greediest(message.source);
-  const auto newest = std::find_if(entries_.rbegin(), entries_.rend(),
-                                   [&](const Entry& entry) { return entry.message.source == gives_way; });
-  Inbound out = std::move(newest->message);
-  entries_.erase(std::prev(newest.base()));
   return out;
 }
 

@@ -38,8 +38,6 @@ class DeferredMessages {
   };
   template <class Match>
   std::vector<Inbound> take_if(Match match);
-  /// The source with the most messages; `first` if no other has more.
-  [[nodiscard]] std::string greediest(const std::string& first) const;
 
   std::vector<Entry> entries_;
 };

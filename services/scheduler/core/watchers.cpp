@@ -1,6 +1,9 @@
 #include "services/scheduler/core/watchers.hpp"
 
 #include <algorithm>
+#include <ranges>
+
+#include "common/base/gives_way.hpp"
 
 namespace trb::scheduler {
 
@@ -12,17 +15,25 @@ Status Watchers::add(const Inbound& from, double lease_s, Now now) {
   // The upper 16 bits are the asking service's slot: its new watch follows its old one.
   std::erase_if(watchers_,
                 [&](const Watcher& one) { return one.source == from.source && one.id >> 48U == from.id >> 48U; });
-  if (watchers_.size() >= kMax) {
-    // The own node's services come first: without its watch the resilience would see no run.
-    const auto foreign =
-        std::find_if(watchers_.begin(), watchers_.end(), [&](const Watcher& one) { return one.source != from.target; });
-    if (from.source != from.target || foreign == watchers_.end()) {
-      return fail(Errc::queue_full, "8 watch already", "wait for a lease to end");
-    }
-    watchers_.erase(foreign);
+  if (watchers_.size() >= kMax && !make_room(from)) {
+    return fail(Errc::queue_full, "8 watch already", "wait for a lease to end");
   }
   watchers_.push_back({from.source, from.id, now.mono + seconds(lease_s), {}});
   return Done{};
+}
+
+/// The own node's services come first: without its watch the resilience would see no run.
+bool Watchers::make_room(const Inbound& from) {
+  const bool own = from.source == from.target;
+  const auto is_foreign = [&](const Watcher& one) { return one.source != from.target; };
+  const std::string source = gives_way(watchers_ | std::views::filter(is_foreign), from.source, &Watcher::source);
+  if (!own && source == from.source) return false;
+  auto newest = std::find_if(watchers_.rbegin(), watchers_.rend(),
+                             [&](const Watcher& one) { return one.source == source && is_foreign(one); });
+  if (newest == watchers_.rend()) newest = std::find_if(watchers_.rbegin(), watchers_.rend(), is_foreign);
+  if (newest == watchers_.rend()) return false;
+  watchers_.erase(std::prev(newest.base()));
+  return true;
 }
 
 void Watchers::forget(MonotonicTime now) {

@@ -17,7 +17,8 @@ class Watchers {
   static constexpr std::size_t kMax = 8;
   static constexpr double kLongest_s = 60;
 
-  /// A new watch, or (of the same requester and service) one in the place of the older. Error: queue_full, bad_value.
+  /// A new watch, or (of the same requester and service) one in the place of the older. If there is no place, who has
+  /// the most gives way, and anybody else to the own node. Error: queue_full, bad_value.
   Status add(const Inbound& from, double lease_s, Now now);
   void forget(MonotonicTime now);
   [[nodiscard]] bool empty() const { return watchers_.empty(); }
@@ -43,6 +44,8 @@ class Watchers {
     MonotonicTime until;
     std::map<std::string, std::uint64_t> told;
   };
+  bool make_room(const Inbound& from);
+
   std::vector<Watcher> watchers_;
 };
 

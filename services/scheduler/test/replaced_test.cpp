@@ -256,7 +256,9 @@ TEST_CASE("whoever watches from elsewhere keeps no service of the own node from 
     return added ? "watches" : std::string(errc_name(added.error().code));
   };
   for (std::uint64_t slot = 1; slot <= scheduler::Watchers::kMax; ++slot) CHECK(watch("ur3", slot) == "watches");
-  CHECK(watch("drone", 1) == "queue_full");
+  // Nor anybody else from its share.
+  for (std::uint64_t slot = 1; slot <= 4; ++slot) CHECK(watch("drone", slot) == "watches");
+  CHECK(watch("drone", 5) == "queue_full");
   CHECK(watch("cloud", 1) == "watches");
   CHECK(watch("ur3", 9) == "queue_full");
   for (std::uint64_t slot = 2; slot <= scheduler::Watchers::kMax; ++slot) CHECK(watch("cloud", slot) == "watches");
