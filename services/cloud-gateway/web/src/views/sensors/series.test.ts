@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { joined, MOST_POINTS, since, spanOf, type Point } from './series';
+import { joined, MOST_POINTS, since, spanOf, wholeSince, type Point } from './series';
 
 const points = (...pairs: [number, number][]): Point[] => pairs.map(([time, value]) => ({ time, value }));
 
@@ -16,6 +16,14 @@ describe('a sensor\'s values', () => {
     const many = Array.from({ length: MOST_POINTS + 2 }, (_, i) => ({ time: i, value: i }));
     expect(joined([], many)[0]!.time).toBe(2);
     expect(joined(many.slice(0, MOST_POINTS), points([9e9, 1]))).toHaveLength(MOST_POINTS);
+  });
+
+  it('are whole since they were read, or since the oldest that was not pushed out', () => {
+    expect(wholeSince(points([5, 1], [6, 1]), -Infinity)).toBe(-Infinity);
+    expect(wholeSince(points([5, 1], [6, 1]), 5)).toBe(5);
+    const many = Array.from({ length: MOST_POINTS }, (_, i) => ({ time: i + 7, value: i }));
+    expect(wholeSince(many, -Infinity)).toBe(7);
+    expect(wholeSince(many, 9)).toBe(9);
   });
 
   it('are told by their least, most and mean within a window', () => {

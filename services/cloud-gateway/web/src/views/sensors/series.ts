@@ -11,7 +11,7 @@ export interface Span {
   mean: number;
 }
 
-export const MOST_POINTS = 5000;
+export const MOST_POINTS = 20_000;
 
 /** The later of two values of one moment counts. */
 export function joined(points: readonly Point[], more: readonly Point[]): Point[] {
@@ -20,6 +20,11 @@ export function joined(points: readonly Point[], more: readonly Point[]): Point[
   if (isBehind) return [...points, ...more].slice(-MOST_POINTS);
   const byTime = new Map([...points, ...more].map((one) => [one.time, one]));
   return [...byTime.values()].sort((a, b) => a.time - b.time).slice(-MOST_POINTS);
+}
+
+/** Since when none is missing, of values that were stored since `since`: too many push the oldest out. */
+export function wholeSince(points: readonly Point[], since: number): number {
+  return points.length < MOST_POINTS ? since : Math.max(since, points[0]!.time);
 }
 
 export function since(points: readonly Point[], time: number): Point[] {
