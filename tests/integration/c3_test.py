@@ -158,6 +158,14 @@ class Node(arm_fleet.ArmTest, unittest.TestCase):
         self.assertEqual(self.send("wave", data), "started")
         self.said(f"message command wave {CLOUD} {len(data)} " + 'say "hi"\\nor \\\\q' + "x" * 200)
 
+    def test_information_moves_nothing(self):
+        for name in ("go_home", "greeting"):
+            self.fleet.trb("send", self.arm, "information", name, node=CLOUD)
+        self.said("message information greeting")
+        self.assertEqual(self.send("wave", "1"), "started")
+        self.said("message command wave")
+        self.assertFalse([line for line in self.fleet.robot.lines[self.start:] if "go_home" in line])
+
     def test_a_request_of_the_programs_own(self):
         self.assertEqual(self.request("gripper")["data"], "open")
         self.assertIn("unknown request", self.request("weather")["error"]["what"])

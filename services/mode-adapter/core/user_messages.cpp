@@ -1,20 +1,47 @@
 #include "services/mode-adapter/core/user_messages.hpp"
 
+#include <algorithm>
+
 namespace trb::adapter {
 namespace {
 
 constexpr std::size_t kMaxRequests = 64;
 constexpr Duration kStale = std::chrono::seconds(2);
 
+char lower(char c) {
+  return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+}
+
+/// Robots' programs compare their words without case.
+bool same_word(std::string_view one, std::string_view other) {
+  return std::ranges::equal(one, other, {}, lower, lower);
+}
+
 }  // namespace
 
 void UserMessages::on_message(const Inbound& message, const Opaque& body, Now now, Outbox& out) {
-  if (message.type == MessageType::information) return inform(body.subtype, message.source, body.data, now, out);
+  if (message.type == MessageType::information) return on_information(message, body, now, out);
   if (message.remaining_ms == 0) {
     return out.nack(message, fail(Errc::expired, "its deadline had passed when it came to the robot's node"));
   }
   if (message.type == MessageType::command) return on_command(message, body, now, out);
   on_request(message, body, now, out);
+}
+
+void UserMessages::on_information(const Inbound& message, const Opaque& body, Now now, Outbox& out) {
+  if (!means_command(body.subtype)) return inform(body.subtype, message.source, body.data, now, out);
+  out.count("refused.not_as_command");
+  out.log(LogLevel::warning, "not_as_command",
+          "information '" + body.subtype + "' of " + message.source +
+              " is not given to the robot: it has a command of that name; send it as a command");
+}
+
+/// A robot's program may carry out what it knows, whatever the type says: past lease, fence and out-of-use.
+bool UserMessages::means_command(std::string_view subtype) const {
+  const auto is_it = [&](const std::string& word) { return same_word(word, subtype); };
+  return std::ranges::any_of(robot_.settings.commands.commands, is_it,
+                             [](const auto& command) -> const std::string& { return command.first; }) ||
+         std::ranges::any_of(robot_.settings.description.skills, is_it, &Skill::subtype);
 }
 
 void UserMessages::on_command(const Inbound& message, const Opaque& body, Now now, Outbox& out) {

@@ -12,7 +12,7 @@ namespace trb::adapter {
 /// ------------|-----------------------------------------------------------------------------------
 /// command     | once the robot has it or begins it (Ack), refuses it, or has not accepted it in time
 /// request     | with the robot's answer, or with the value of its monitor
-/// information | never
+/// information | never; it is not given to the robot if it is named as one of its commands
 class UserMessages {
  public:
   /// Both outlive it.
@@ -33,6 +33,8 @@ class UserMessages {
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const;
 
  private:
+  void on_information(const Inbound& message, const Opaque& body, Now now, Outbox& out);
+  [[nodiscard]] bool means_command(std::string_view subtype) const;
   void on_command(const Inbound& message, const Opaque& body, Now now, Outbox& out);
   void on_request(const Inbound& message, const Opaque& body, Now now, Outbox& out);
   bool begin_stream(const Inbound& message, const Opaque& body, Driver& mode, Now now, Outbox& out);

@@ -119,8 +119,10 @@ void Program::take_message(double now) {
   // Refused: the end is signalled before the message is taken, so that its sender gets it as the answer.
   if (type == "request") {
     answer(subtype);
-  } else {
+  } else if (type == "command") {
     begin(subtype, now);
+  } else {
+    finish(kWell, "");
   }
   variables_.set("TRB_COMMAND", "FALSE");
 }

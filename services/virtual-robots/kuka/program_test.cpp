@@ -8,7 +8,7 @@ using namespace trb::virtual_robots::kuka;
 
 namespace {
 
-/** A node that sends messages as config/robots/kuka/README describes. */
+/** A node that sends messages as config/robots/README.md describes. */
 struct Node {
   explicit Node(std::vector<Failure> failures = {}) : program(std::move(failures)) { program.advance(0); }
 
@@ -81,6 +81,14 @@ TEST_CASE("what is refused is over before it is taken") {
   CHECK(node.end() == "3 5 \"unknown request dance\"");
   node.order("dance");
   CHECK(node.end() == "4 0 \"\"");
+}
+
+TEST_CASE("information is over at once, and moves nothing, whatever its name") {
+  Node node;
+  node.order("go_home", "information");
+  for (const std::string& event : node.program.take_events()) CHECK_FALSE(event.starts_with("start"));
+  CHECK(node.get("TRB_COMMAND") == "FALSE");
+  CHECK(node.end() == "1 0 \"\"");
 }
 
 TEST_CASE("its camera has found a box: the result is JSON") {

@@ -85,6 +85,18 @@ TEST_CASE("a message goes field by field, and is answered once the robot's progr
   CHECK(fixture.counted("from_robot.done") == 1);
 }
 
+TEST_CASE("information named as a command of the robot is not given to its program") {
+  C3Fixture fixture;
+  fixture.writes();
+  for (const char* name : {"home", "Home", "move"}) fixture.send(MessageType::information, name, "[1, 2]", "ur3");
+  fixture.live(0.5);
+  CHECK(fixture.writes().empty());
+  CHECK(fixture.counted("refused.not_as_command") == 3);
+  fixture.send(MessageType::information, "greeting", "hello", "ur3");
+  fixture.live(0.1);
+  CHECK(fixture.writes().starts_with("TRB_TYPE[]=\"information\"\nTRB_SUBTYPE[]=\"greeting\"\n"));
+}
+
 TEST_CASE("words are written before the message, and must fit the data") {
   C3Fixture fixture;
   fixture.writes();
