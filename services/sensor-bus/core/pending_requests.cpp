@@ -3,6 +3,7 @@
 #include <charconv>
 #include <cmath>
 
+#include "common/base/gives_way.hpp"
 #include "services/sensor-bus/core/sensor_bus_core.hpp"
 
 namespace trb::sensor {
@@ -38,14 +39,26 @@ Duration SensorBusCore::patience_of(const std::string& name, double timeout_s) c
   return std::clamp<Duration>(periods, kLeastReadPatience, seconds(kMostTimeout_s));
 }
 
+/// Who asks too much keeps nobody else from asking. False: it is this node.
+bool SensorBusCore::make_room(std::vector<Requester>& waiting, const Inbound& asked, const Error& why, Outbox& out) {
+  const auto source_of = [](const Requester& one) { return one.asked.source; };
+  const std::string other = gives_way(waiting, asked.source, source_of);
+  if (other == asked.source) return false;
+  const auto newest =
+      std::find_if(waiting.rbegin(), waiting.rend(), [&](const Requester& one) { return one.asked.source == other; });
+  out.nack(newest->asked, why);
+  waiting.erase(std::prev(newest.base()));
+  return true;
+}
+
 void SensorBusCore::begin_read(const Inbound& asked, const SensorRead& body, Now now, Outbox& out) {
   const auto name = sensors_.resolve(body.sensor, body.identity);
   if (!name) return out.nack(asked, name.error());
   const Sensor* sensor = sensors_.find(*name);
   if (sensor != nullptr && sensor->info.kind == kImage)
     return out.nack(asked, fail(Errc::bad_value, *name + " tells pictures", "ask for a sensor_snapshot"));
-  if (reads_.size() >= kMaxReads)
-    return out.nack(asked, fail(Errc::queue_full, "64 wait for a value already", "wait, or watch the sensor"));
+  const Error full = fail(Errc::queue_full, "64 wait for a value already", "wait, or watch the sensor");
+  if (reads_.size() >= kMaxReads && !make_room(reads_, asked, full, out)) return out.nack(asked, full);
   // Whoever has given up by then gets no answer.
   const Duration patience = std::min<Duration>(patience_of(*name, body.timeout_s), milliseconds(asked.remaining_ms));
   reads_.push_back({asked, *name, patience, now.mono + patience});
@@ -60,7 +73,7 @@ void SensorBusCore::order_watch(const Inbound& asked, const SensorWatch& body, N
   const Sensor* sensor = sensors_.find(*name);
   if (sensor != nullptr && sensor->info.kind == kImage)
     return out.nack(asked, fail(Errc::bad_value, *name + " tells pictures", "ask for a sensor_snapshot now and then"));
-  if (Status ordered = watches_.order(asked, body, *name, now); !ordered) return out.nack(asked, ordered.error());
+  if (Status ordered = watches_.order(asked, body, *name, now, out); !ordered) return out.nack(asked, ordered.error());
   out.reply(asked, Ack{"accepted", sensor == nullptr ? "no sensor has told of that name yet" : ""});
 }
 
@@ -75,8 +88,8 @@ void SensorBusCore::begin_picture(const Inbound& asked, const SensorSnapshot& bo
                     fail(Errc::unknown_target, "'" + *name + "' is no sensor", "there are: " + sensors_.names()));
   if (sensor->info.kind != kImage)
     return out.nack(asked, fail(Errc::bad_value, *name + " tells no pictures", "ask for a sensor_read"));
-  if (pictures_.size() >= kMaxPictures)
-    return out.nack(asked, fail(Errc::queue_full, "16 wait for a picture already", "wait"));
+  const Error full = fail(Errc::queue_full, "16 wait for a picture already", "wait");
+  if (pictures_.size() >= kMaxPictures && !make_room(pictures_, asked, full, out)) return out.nack(asked, full);
   const bool asked_already = std::ranges::any_of(pictures_, [&](const Requester& one) { return one.name == *name; });
   const Duration patience = std::min<Duration>(kPicturePatience, milliseconds(asked.remaining_ms));
   pictures_.push_back({asked, *name, patience, now.mono + patience});

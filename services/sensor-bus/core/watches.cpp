@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/base/gives_way.hpp"
+
 namespace trb::sensor {
 namespace {
 
@@ -13,7 +15,19 @@ constexpr double kLongestLease_s = 60;
 
 }  // namespace
 
-Status Watches::order(const Inbound& asked, const SensorWatch& body, const std::string& name, Now now) {
+bool Watches::make_room(const std::string& asking, const Error& why, Outbox& out) {
+  const auto node_of = [](const auto& one) { return std::get<1>(one.first); };
+  const std::string other = gives_way(watches_, asking, node_of);
+  if (other == asking) return false;
+  const auto last =
+      std::find_if(watches_.rbegin(), watches_.rend(), [&](const auto& one) { return node_of(one) == other; });
+  end(last->first, last->second, why, out);
+  watches_.erase(std::next(last).base());
+  changed_ = true;
+  return true;
+}
+
+Status Watches::order(const Inbound& asked, const SensorWatch& body, const std::string& name, Now now, Outbox& out) {
   if (!(body.lease_s >= 0)) return fail(Errc::bad_value, "lease_s: is no number of seconds", "60 at most, 0 ends it");
   if (!(body.every_s >= 0)) return fail(Errc::bad_value, "every_s: is no number of seconds", "0.01 at least");
   const Key key{name, asked.source, asked.id >> 48U, body.watch};
@@ -22,8 +36,9 @@ Status Watches::order(const Inbound& asked, const SensorWatch& body, const std::
     return Done{};
   }
   if (watches_.count(key) == 0) {
-    if (watches_.size() >= kMaxWatches)
-      return fail(Errc::queue_full, "the sensors of this node are watched 256 times already", "wait until some end");
+    const Error full =
+        fail(Errc::queue_full, "the sensors of this node are watched 256 times already", "wait until some end");
+    if (watches_.size() >= kMaxWatches && !make_room(asked.source, full, out)) return full;
     changed_ = true;
   }
   Watch& watch = watches_[key];
@@ -61,14 +76,18 @@ void Watches::told_at_once(const std::string& name, const SensorReading& reading
   }
 }
 
+/// Its requester hears that nothing more comes.
+void Watches::end(const Key& key, const Watch& watch, const Error& why, Outbox& out) {
+  out.sends.push_back({.type = MessageType::information,
+                       .target = std::get<1>(key),
+                       .reply_to = watch.request,
+                       .body = Nack{std::string(errc_name(why.code)), std::string(SensorWatch::kSubtype),
+                                    std::get<0>(key), why.what, why.hint}});
+}
+
 void Watches::end_of(const std::string& name, const Error& why, Outbox& out) {
   for (auto at = first_of(name); at != watches_.end() && std::get<0>(at->first) == name;) {
-    const auto& [key, watch] = *at;
-    out.sends.push_back(
-        {.type = MessageType::information,
-         .target = std::get<1>(key),
-         .reply_to = watch.request,
-         .body = Nack{std::string(errc_name(why.code)), std::string(SensorWatch::kSubtype), name, why.what, why.hint}});
+    end(at->first, at->second, why, out);
     at = watches_.erase(at);
     changed_ = true;
   }

@@ -15,9 +15,9 @@ namespace trb::sensor {
 
 class Watches {
  public:
-  /// Begins, renews (lease > 0) or ends (lease 0) the requester's watch of the sensor `name`. Errors: bad_value,
-  /// queue_full.
-  Status order(const Inbound& asked, const SensorWatch& body, const std::string& name, Now now);
+  /// Begins, renews (lease > 0) or ends (lease 0) the requester's watch of the sensor `name`. If there is no place, a
+  /// watch of the node that has the most ends. Errors: bad_value, queue_full.
+  Status order(const Inbound& asked, const SensorWatch& body, const std::string& name, Now now, Outbox& out);
 
   /// A value was told: to each watch that is due. `reading` has no watch and count yet.
   void send(const std::string& name, const SensorReading& reading, Now now, Outbox& out);
@@ -45,6 +45,8 @@ class Watches {
     std::optional<MonotonicTime> next;
     std::uint64_t count = 0;
   };
+  bool make_room(const std::string& asking, const Error& why, Outbox& out);
+  static void end(const Key& key, const Watch& watch, const Error& why, Outbox& out);
   void send(const Key& key, Watch& watch, SensorReading reading, Outbox& out);
   template <class Over>
   void drop(Over over) {

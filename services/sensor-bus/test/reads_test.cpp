@@ -145,8 +145,13 @@ TEST_CASE("who reads while the sensor is unplugged hears so at once") {
 
 TEST_CASE("no more than 64 wait at a time") {
   Fixture fixture;
-  for (int i = 0; i < 64; ++i) fixture.read("humidity");
+  std::uint64_t newest = 0;
+  for (int i = 0; i < 64; ++i) newest = fixture.read("humidity");
   CHECK(fixture.answer(fixture.read("humidity")) == "nack queue_full: 64 wait for a value already");
+  // Who asks for all takes no other's place: its newest gives way.
+  const auto other = fixture.ask(SensorRead{"humidity", "", 0}, "pioneer1");
+  CHECK(fixture.answer(other).empty());
+  CHECK(fixture.answer(newest) == "nack queue_full: 64 wait for a value already");
 }
 
 TEST_CASE("what the robot itself is asked for stays the robot's: a device is called otherwise, a program is refused") {

@@ -149,6 +149,12 @@ TEST_CASE("what makes no sense is refused with words, and there are 256 watches 
   CHECK(fixture.answer(fixture.watch("temperature", 1, 10, 999)) ==
         "nack queue_full: the sensors of this node are watched 256 times already");
   CHECK(fixture.answer(fixture.watch("temperature", 1, 10, 5)) == "ack accepted");  // a renewal
+  // Who has them all takes no other's place: one of its watches ends, and it is told so.
+  fixture.out.clear();
+  CHECK(fixture.answer(fixture.watch("temperature", 1, 10, 1, "pioneer1")) == "ack accepted");
+  CHECK(sent<Nack>(fixture.out).size() == 1);
+  CHECK(fixture.answer(fixture.watch("temperature", 1, 10, 999)) ==
+        "nack queue_full: the sensors of this node are watched 256 times already");
 }
 
 TEST_CASE("the bus that comes back gets the rules of those who still watch") {
