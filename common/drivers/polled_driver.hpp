@@ -73,10 +73,10 @@ class PolledDriver : public CommandsDriver<Words> {
   }
   Result<Token> release(Now now, const DriverOut& out) override {
     if (!takes_orders()) return fail(Errc::robot_offline, wording_.offline);
-    this->told_to_stop_ = false;
     const Token ticket = ++this->last_ticket_;
     auto steps = fill("release", {});
     if (!steps || steps->empty()) {
+      this->told_to_stop_ = false;
       out.emit(Released{ticket});
       return ticket;
     }
@@ -100,12 +100,34 @@ class PolledDriver : public CommandsDriver<Words> {
   /// True while a halt or a release may be sent.
   [[nodiscard]] virtual bool takes_orders() const = 0;
 
+  /// The robot has taken a release.
+  void on_released(const Job& job, const DriverOut& out) {
+    this->told_to_stop_ = false;
+    if (job.purpose == Purpose::release) out.emit(Released{job.token});
+    out.emit(FaultOver{kWouldNotGoOn});
+  }
+  /// A robot that has the halt is in its stop, and would carry out nothing more.
+  void resume(const DriverOut& out) {
+    auto steps = fill("release", {});
+    if (!steps || steps->empty()) return;
+    this->told_to_stop_ = true;  // a release that is lost is given again
+    if (queue_.will_release()) return;
+    out.out.count("to_robot.release");
+    queue_.add_urgent({Purpose::resume, 0, false, std::move(*steps), 0});
+  }
+  void say_would_not_go_on(const Error& error, const DriverOut& out) const {
+    const std::string text = std::string("the ") + wording_.robot + " refused to go on after a stop: " + error.what;
+    out.emit(FaultSaid{"", Severity::critical, text, kWouldNotGoOn, false});
+  }
+
   Poll poll_;
   Queue queue_;
   bool up_ = false;
   bool heard_ = false;  ///< the robot has answered
 
  private:
+  static constexpr const char* kWouldNotGoOn = "release refused";
+
   /// The request in progress cannot be recalled; its answer is ignored.
   void drop_for_stop(const DriverOut& out) {
     for (const Job& job : queue_.drop_for_stop()) {

@@ -12,7 +12,8 @@
 
 namespace trb::drivers {
 
-enum class Purpose : std::uint8_t { command, halt, stop, release };
+/// `resume`: the release that follows a halt.
+enum class Purpose : std::uint8_t { command, halt, stop, release, resume };
 
 /// Whose answer is awaited. A job that was dropped meanwhile leaves `nobody`: its answer is received and ignored.
 enum class Awaits : std::uint8_t { nothing = 0, poll, job, nobody };
@@ -66,10 +67,15 @@ class RequestQueue {
   }
 
   void add(Job job) { jobs_.push_back(std::move(job)); }
+  /// Before the commands, behind stops and halts: a release in front of a halt would let the motion go on.
   void add_urgent(Job job) {
     auto at = waiting();
-    while (at != jobs_.end() && at->purpose == Purpose::stop) ++at;
+    while (at != jobs_.end() && (at->purpose == Purpose::stop || at->purpose == Purpose::halt)) ++at;
     jobs_.insert(at, std::move(job));
+  }
+  [[nodiscard]] bool will_release() const {
+    return std::ranges::any_of(
+        jobs_, [](const Job& job) { return job.purpose == Purpose::release || job.purpose == Purpose::resume; });
   }
   /// A second stop joins the one that waits, which now has this ticket. False: none waits.
   bool join_stop(Token ticket) {

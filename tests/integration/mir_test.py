@@ -106,6 +106,15 @@ class Mir(unittest.TestCase):
         self.fleet.wait("it is ready", lambda: client.ask("GET", "/status")[1]["state_id"] == 3, 5)
         self.fleet.trb("scenario", "abort", run, node="mir", check=False)
 
+    def test_b2_after_a_run_that_was_aborted_the_robot_takes_the_next_mission(self):
+        run = self.fleet.submit(self.missions["Go to far"])
+        self.fleet.wait_task(run, "RUNNING")
+        client = self.fleet.client()
+        self.fleet.wait("it drives", lambda: client.ask("GET", "/status")[1]["state_id"] == 5, 5)
+        self.fleet.trb("scenario", "abort", run, node="mir")
+        following = self.fleet.submit(self.missions["Go to dock"])
+        self.assertEqual(self.fleet.wait_task(following, "FINISHED", "FAILED")["state"], "FINISHED")
+
     def test_c_a_mission_that_the_robot_does_not_know_fails_with_its_words(self):
         run = self.fleet.submit("no-such-mission")
         task = self.fleet.wait_task(run, "FAILED")

@@ -5,8 +5,8 @@
 namespace trb::drivers {
 namespace {
 
-/// A stop whose connection is lost this often in a row counts as refused by the robot.
-constexpr std::size_t kStopsLost = 3;
+/// A stop or release whose connection is lost this often in a row counts as refused by the robot.
+constexpr std::size_t kLostOften = 3;
 constexpr const char* kWouldNotStop = "stop refused";
 
 std::map<std::string, HttpQuestion> questions_of(const HttpCommands& commands, const VendorCommands& vendor,
@@ -148,9 +148,12 @@ Status HttpJsonDriver::remember(const HttpCall& words, const HttpAnswer& answer)
 
 void HttpJsonDriver::on_done(const Job& job, const DriverOut& out) {
   if (job.purpose == Purpose::stop) out.emit(Stopped{job.token});
-  if (job.purpose == Purpose::halt) out.emit(Halted{job.token});
-  if (job.purpose == Purpose::stop || job.purpose == Purpose::halt) return out.emit(FaultOver{kWouldNotStop});
-  if (job.purpose == Purpose::release) return out.emit(Released{job.token});
+  if (job.purpose == Purpose::halt) {
+    out.emit(Halted{job.token});
+    resume(out);
+  }
+  if (stops(job)) return out.emit(FaultOver{kWouldNotStop});
+  if (job.purpose != Purpose::command) return on_released(job, out);
   out.emit(HandedOver{job.token});
   if (job.skill) out.emit(Ended{job.token, true, {}});
 }
@@ -159,7 +162,7 @@ void HttpJsonDriver::on_refused(const Job& job, Error error, const DriverOut& ou
   if (job.done > 0) error.what += "; the " + std::to_string(job.done) + " requests before it were answered well";
   if (job.purpose == Purpose::command) return out.emit(Refused{job.token, std::move(error)});
   out.refuse("robot_error", error.text());
-  if (job.purpose != Purpose::release) say_would_not_stop(job, error, out);
+  stops(job) ? say_would_not_stop(job, error, out) : say_would_not_go_on(error, out);
 }
 
 /// Its requester is notified at its deadline that nothing was confirmed; all others must know at once.
@@ -185,10 +188,11 @@ void HttpJsonDriver::on_lost_job(const std::string& reason, const DriverOut& out
                           "the connection was lost before the answer to " + text_of(job.steps[job.done].words) +
                               ", and nobody knows whether it was taken: " + reason,
                           "look at the robot before you send it again");
-  if (job.purpose == Purpose::command || job.purpose == Purpose::release) return on_refused(queue_.pop(), lost, out);
-  // Stopping twice does no harm: it stays, and is sent first on the next connection.
-  out.out.count("to_robot.stop_again");
-  if (++job.lost == kStopsLost) say_would_not_stop(job, lost, out);
+  if (job.purpose == Purpose::command) return on_refused(queue_.pop(), lost, out);
+  // Stopping or releasing twice does no harm: it stays, and is sent first on the next connection.
+  out.out.count(stops(job) ? "to_robot.stop_again" : "to_robot.release_again");
+  if (++job.lost != kLostOften) return;
+  stops(job) ? say_would_not_stop(job, lost, out) : say_would_not_go_on(lost, out);
 }
 
 void HttpJsonDriver::go_offline(const std::string& reason, const DriverOut& out) {

@@ -25,7 +25,8 @@ struct HttpStep {
 /// no answer in time   | -                        | as the connection's end    | the connection is closed
 /// connection ends     | dialled again, and said  | Refused: nobody knows      | asked for again
 ///                     | only if that takes long  | whether it was taken; a    |
-///                     |                          | stop is sent again         |
+///                     |                          | stop, a release go again   |
+/// halt answered       | -                        | the release follows        | -
 /// stop                | at once                  | behind that one answer     | behind that one answer
 class HttpJsonDriver : public PolledDriver<std::vector<HttpCall>, HttpStep, HttpPoll> {
  public:
@@ -58,6 +59,9 @@ class HttpJsonDriver : public PolledDriver<std::vector<HttpCall>, HttpStep, Http
   void on_done(const Job& job, const DriverOut& out);
   void on_refused(const Job& job, Error error, const DriverOut& out);
   void on_lost_job(const std::string& reason, const DriverOut& out);
+  [[nodiscard]] static bool stops(const Job& job) {
+    return job.purpose == Purpose::stop || job.purpose == Purpose::halt;
+  }
   static void say_would_not_stop(const Job& job, const Error& error, const DriverOut& out);
   void go_offline(const std::string& reason, const DriverOut& out);
 

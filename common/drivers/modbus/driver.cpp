@@ -101,8 +101,11 @@ void ModbusDriver::on_done(const Job& job, const DriverOut& out) {
     out.emit(Stopped{job.token, true});
     out.emit(FaultOver{kWouldNotStop});
   }
-  if (job.purpose == Purpose::halt) out.emit(Halted{job.token});
-  if (job.purpose == Purpose::release) out.emit(Released{job.token});
+  if (job.purpose == Purpose::halt) {
+    out.emit(Halted{job.token});
+    resume(out);
+  }
+  if (job.purpose == Purpose::release || job.purpose == Purpose::resume) on_released(job, out);
   if (job.purpose != Purpose::command) return;
   out.out.count("from_robot.done");
   out.emit(HandedOver{job.token});
@@ -116,7 +119,9 @@ void ModbusDriver::on_exception(const Job& job, std::uint8_t exception, const Dr
   out.refuse("robot_error", error.text());
   if (job.purpose == Purpose::halt) out.emit(Halted{job.token, false, error.what});
   // Its requester is notified at its deadline that nothing was confirmed; all others must know at once.
-  if (job.purpose != Purpose::release) {
+  if (job.purpose == Purpose::release || job.purpose == Purpose::resume) {
+    say_would_not_go_on(error, out);
+  } else {
     out.emit(FaultSaid{"", Severity::critical, "the device refused to stop: " + error.what, kWouldNotStop, false});
   }
 }

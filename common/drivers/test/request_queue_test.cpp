@@ -61,6 +61,17 @@ TEST_CASE("a stop goes behind what is under way, whose answer is nobody's; a sec
   CHECK(queue.pop().token == 9);
 }
 
+TEST_CASE("a release waits for the halts before it, a halt not for a release") {
+  Queue queue;
+  queue.add(job(1));
+  queue.add_urgent(job(2, Purpose::release));
+  CHECK(queue.will_release());
+  queue.add_urgent(job(3, Purpose::halt));
+  queue.add_urgent(job(4, Purpose::resume));
+  for (const Token token : {3, 4, 2, 1}) CHECK(queue.pop().token == token);
+  CHECK_FALSE(queue.will_release());
+}
+
 TEST_CASE("halted is what was sent; what has not begun is only dropped; what nobody knows may move") {
   Queue queue = with_one_sent();
   CHECK_FALSE(queue.halt(2));

@@ -324,3 +324,68 @@ TEST_CASE("http: a robot that is away before it has answered the halt is halted 
   fixture.up(Channel::command);
   CHECK(fixture.serve().starts_with(R"(PUT /status {"state_id": 4})"));
 }
+TEST_CASE("http: a robot that was halted is released before it gets anything else") {
+  OnlineMir fixture;
+  const Execute drive = order("drive", R"({"mission": "dock"})");
+  fixture.deliver(MessageType::command, drive, "mir");
+  fixture.serve();
+  fixture.deliver(MessageType::command, CancelExecution{drive.key, "enough"}, "mir");
+  CHECK(fixture.asked() == R"(PUT /status {"state_id": 4})");
+  fixture.flags = kFlagTakeControl;
+  fixture.command("again", "");
+  fixture.answer_with(200, "{}");
+  CHECK(fixture.asked() == R"(PUT /status {"state_id": 3})");
+  fixture.down(Channel::command, "end of the stream");
+  fixture.wait(0.1);
+  fixture.up(Channel::command);
+  CHECK(fixture.serve() == R"(PUT /status {"state_id": 3}; DELETE /queue/7)");
+}
+
+TEST_CASE("http: a stop that comes after a halt leaves the robot stopped") {
+  OnlineMir fixture;
+  const Execute drive = order("drive", R"({"mission": "dock"})");
+  fixture.deliver(MessageType::command, drive, "mir");
+  fixture.serve();
+  fixture.deliver(MessageType::command, CancelExecution{drive.key, "enough"}, "mir");
+  fixture.asked();
+  fixture.answer_with(200, "{}");
+  CHECK(fixture.asked() == R"(PUT /status {"state_id": 3})");
+  fixture.deliver(MessageType::command, Stop{}, "operator");
+  fixture.answer_with(200, "{}");
+  CHECK(fixture.serve() == R"(PUT /status {"state_id": 4})");
+}
+
+TEST_CASE("http: a robot that does not go on after a halt is out of use until it does") {
+  OnlineMir fixture;
+  const Execute drive = order("drive", R"({"mission": "dock"})");
+  fixture.deliver(MessageType::command, drive, "mir");
+  fixture.serve();
+  fixture.deliver(MessageType::command, CancelExecution{drive.key, "enough"}, "mir");
+  fixture.asked();
+  fixture.answer_with(200, "{}");
+  fixture.asked();
+  fixture.answer_with(503);
+  const RobotFault fault = fixture.one<RobotFault>();
+  CHECK(fault.severity == Severity::critical);
+  CHECK(fault.text.starts_with("the robot refused to go on after a stop"));
+  CHECK(fixture.kept.size() == 1);
+  fixture.deliver(MessageType::command, Release{}, "operator");
+  fixture.serve();
+  CHECK(fixture.kept.empty());
+}
+
+TEST_CASE("http: a release that is lost is given again, at the next connection or when the robot is back") {
+  for (const bool long_gone : {false, true}) {
+    OnlineMir fixture;
+    fixture.deliver(MessageType::command, Stop{}, "operator");
+    fixture.serve();
+    fixture.deliver(MessageType::command, Release{}, "operator");
+    CHECK(fixture.asked() == R"(PUT /status {"state_id": 3})");
+    fixture.down(Channel::command, "end of the stream");
+    fixture.wait(long_gone ? 1.5 : 0.1);
+    CHECK(fixture.robot() == (long_gone ? "CONNECTION_BROKEN" : "ONLINE"));
+    fixture.up(Channel::command);
+    CHECK(fixture.serve() == R"(PUT /status {"state_id": 3})");
+  }
+}
+

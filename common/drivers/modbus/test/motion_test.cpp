@@ -162,6 +162,32 @@ TEST_CASE("modbus: a skill is halted once the device has acknowledged it; if it 
   }
 }
 
+TEST_CASE("modbus: a device that was halted is released, again if that is lost, before it gets anything else") {
+  Settings settings = conveyor();
+  settings.commands.commands["release"] = "coil 2 = true";
+  for (const bool lost : {false, true}) {
+    PlcFixture fixture(settings);
+    fixture.connect();
+    const Execute run = order("run", R"({"speed": 0.5})");
+    fixture.deliver(MessageType::command, run, "conveyor");
+    fixture.serve();
+    fixture.deliver(MessageType::command, CancelExecution{run.key, "enough"}, "conveyor");
+    CHECK(fixture.asked() == "write coil 0 0");
+    fixture.answer_call();
+    CHECK(fixture.asked() == "write coil 2 1");
+    if (lost) {
+      fixture.down(Channel::command, "no answer in time");
+      fixture.connect();
+      CHECK(fixture.memory[{ModbusKind::coil, 2}] == 1);
+    } else {
+      fixture.answer_call();
+    }
+    fixture.flags = kFlagTakeControl;
+    fixture.command("set_speed", "0.5");
+    CHECK(fixture.serve() == "holding 0 500");
+  }
+}
+
 TEST_CASE("modbus: a halt whose answer is lost with the connection is written again before anything else") {
   OnlinePlc fixture;
   const Execute run = order("run", R"({"speed": 0.5})");
