@@ -117,6 +117,7 @@ class Alone(unittest.TestCase):
         before = client.read("$POS_ACT")
         self.assertRegex(before, r"^\{E6POS: X [-0-9.]+, Y .*, S 2, T 35, E1 0.0000,")
         client.write("TRB_AXIS", "{E6AXIS: A1 90, A2 -90, A3 90, A4 0, A5 0, A6 0}")
+        client.write("TRB_TYPE[]", '"command"')
         client.write("TRB_SUBTYPE[]", '"move"')
         client.write("TRB_NUMBER", "5")
         client.write("TRB_COMMAND", "TRUE")
