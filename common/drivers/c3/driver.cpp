@@ -206,10 +206,17 @@ void C3Driver::on_answer(const C3Link::Answer& answer, Now now, const DriverOut&
       return values_.on_request(answer, out);
     case C3Purpose::stop:
     case C3Purpose::release:
-      return go_on(turns_.on_written(answer, now, out), now, out);
+      return on_turn(answer, now, out);
     case C3Purpose::note:
       return;
   }
+}
+
+void C3Driver::on_turn(const C3Link::Answer& answer, Now now, const DriverOut& out) {
+  const bool ended = turns_.ends_motion();
+  const bool free = turns_.on_written(answer, now, out);
+  if (ended && !answer.reply.ok && !turns_.ends_motion()) jobs_.on_halt_refused(now, out);
+  go_on(free, now, out);
 }
 
 void C3Driver::warn_unknown(const C3Link::Answer& answer, const DriverOut& out) {

@@ -47,6 +47,7 @@ class C3Driver : public Driver {
   void drop_connection(const std::string& counted, const std::string& reason, Now now, const DriverOut& out);
 
   void on_answer(const C3Link::Answer& answer, Now now, const DriverOut& out);
+  void on_turn(const C3Link::Answer& answer, Now now, const DriverOut& out);
   void on_probe(Probe what, const C3Reply& reply, Now now, const DriverOut& out);
   void on_stop_message(bool raised, Now now, const DriverOut& out);
   void on_program_stopped(Now now, const DriverOut& out);

@@ -129,6 +129,12 @@ bool C3Jobs::halt(Token token, Now now, const DriverOut& out) {
   return true;
 }
 
+void C3Jobs::on_halt_refused(Now now, const DriverOut& out) {
+  if (!current_ || !current_->halted) return;
+  current_->halted = false;
+  if (current_->phase != C3Job::Phase::running) withdraw(now, out);
+}
+
 /// The robot may have the last write that it needs to begin.
 bool C3Jobs::may_be_taken() const {
   if (current_->phase != C3Job::Phase::writing || !program_.fields) return true;
@@ -202,7 +208,8 @@ void C3Jobs::on_chunk_flag(bool raised, Now now, const DriverOut& out) {
 }
 
 void C3Jobs::on_command_flag(bool raised, Now now, const DriverOut& out) {
-  if (!raised && current_ && current_->phase == C3Job::Phase::offered) on_taken(now, out);
+  const bool offered = current_ && current_->phase == C3Job::Phase::offered;
+  if (!raised && offered && !current_->halted) on_taken(now, out);
 }
 
 void C3Jobs::on_done_flag(bool raised, Now now, const DriverOut& out) {

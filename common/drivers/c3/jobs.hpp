@@ -21,6 +21,7 @@ namespace trb::drivers {
 /// running         | the done flag, ours      | Ended, an answer, or Refused; the next message
 /// any             | the done flag, another's | counted as late
 /// halted          | its end, before the stop | as of one that runs
+/// halted          | the halt is refused      | running; the offer withdrawn, if it was not taken
 /// any             | the connection is lost   | Refused, unless it has been answered
 class C3Jobs {
  public:
@@ -53,6 +54,8 @@ class C3Jobs {
   void drop_halted() {
     if (current_ && current_->halted) current_.reset();
   }
+  /// The program goes on with it: the next message must not be written over it before its end.
+  void on_halt_refused(Now now, const DriverOut& out);
   /// Begins the first waiting message, unless one is in progress.
   void begin_next(Now now, const DriverOut& out);
 

@@ -3,6 +3,12 @@
 #include <utility>
 
 namespace trb::drivers {
+namespace {
+
+constexpr const char* kWouldNotStop = "stop refused";
+constexpr const char* kWouldNotGoOn = "release refused";
+
+}  // namespace
 
 Token C3Turns::stop(Now now, const DriverOut& out) {
   told_to_stop_ = true;
@@ -31,14 +37,19 @@ Token C3Turns::begin(bool stop, bool own, Token halts, Now now, const DriverOut&
 
 bool C3Turns::on_written(const C3Link::Answer& answer, Now now, const DriverOut& out) {
   if (!open_ || open_->ticket != answer.ask.about) return false;
-  // What the robot refuses is not confirmed: its requester is notified at the deadline.
-  if (!answer.reply.ok) {
-    const Error why = refused_by_robot(answer);
-    if (ends_motion()) out.emit(Halted{open_->halts, false, why.what});
-    out.refuse("robot_error", why.text());
-    return false;
-  }
+  if (!answer.reply.ok) return on_refused(refused_by_robot(answer), out);
   return --open_->unanswered == 0 && !words_.told_by_robot && confirm(false, now, out);
+}
+
+bool C3Turns::on_refused(const Error& why, const DriverOut& out) {
+  if (ends_motion()) out.emit(Halted{open_->halts, false, why.what});
+  out.refuse("robot_error", why.text());
+  const std::string text = std::string("the robot refuses to ") + (open_->stop ? "stop" : "go on") + ": " + why.what;
+  out.emit(FaultSaid{"", Severity::critical, text, open_->stop ? kWouldNotStop : kWouldNotGoOn, false});
+  // A person's stays open: its requester is notified at the deadline. Nobody waits for the driver's own.
+  if (!open_->own) return false;
+  open_.reset();
+  return true;
 }
 
 bool C3Turns::on_stopped(bool stopped, Now now, const DriverOut& out) {
@@ -47,6 +58,7 @@ bool C3Turns::on_stopped(bool stopped, Now now, const DriverOut& out) {
 
 bool C3Turns::confirm(bool by_robot, Now now, const DriverOut& out) {
   const Turn turn = *std::exchange(open_, std::nullopt);
+  out.emit(FaultOver{turn.stop ? kWouldNotStop : kWouldNotGoOn});
   if (turn.stop && turn.own) {
     out.emit(Halted{turn.halts});
     begin(false, true, 0, now, out);

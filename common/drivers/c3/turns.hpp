@@ -13,6 +13,9 @@ namespace trb::drivers {
 /// release    | it is FALSE                                 | Released; commands go on
 /// end_motion | TRUE, then FALSE after a release of its own | Halted at TRUE; commands go on at FALSE
 ///
+/// A refused write is a fault until a stop, or a release, is confirmed. end_motion is over then, and commands go on;
+/// the others stay open.
+///
 /// Without a stopped variable the answers to the writes count, without words for it nothing is awaited at all; Stopped
 /// says then that the robot was merely told.
 class C3Turns {
@@ -51,6 +54,7 @@ class C3Turns {
     Token halts = 0;             ///< own: the command that is to end
   };
   Token begin(bool stop, bool own, Token halts, Now now, const DriverOut& out);
+  bool on_refused(const Error& why, const DriverOut& out);
   bool confirm(bool by_robot, Now now, const DriverOut& out);
 
   C3Link& link_;

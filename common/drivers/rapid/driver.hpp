@@ -104,6 +104,7 @@ class RapidDriver : public CommandsDriver<RapidCommand> {
   void end_job(bool well, const std::string& text, Now now, const DriverOut& out);
   void on_started(const DriverOut& out);
   void on_turn(const RapidPort::Answer& answer, Now now, const DriverOut& out);
+  void on_turn_refused(const std::string& why, Now now, const DriverOut& out);
   void confirm_turn(bool by_robot, Now now, const DriverOut& out);
   void on_state(const RapidAnswer& answer, Now now, const DriverOut& out);
   void on_value(const RapidPort::Answer& answer, Now now, const DriverOut& out);

@@ -13,6 +13,8 @@ constexpr Duration kLossTime = std::chrono::seconds(1);
 constexpr std::size_t kStateNumbers = 4;
 constexpr const char* kError = "error";
 constexpr const char* kMotors = "motors";
+constexpr const char* kWouldNotStop = "stop refused";
+constexpr const char* kWouldNotGoOn = "release refused";
 
 std::string reason_of(const RapidAnswer& answer) {
   return answer.text.empty() ? "it answered " + std::to_string(answer.code) + " 0" : answer.text;
@@ -107,16 +109,24 @@ void RapidDriver::end_job(bool well, const std::string& text, Now now, const Dri
 
 void RapidDriver::on_turn(const RapidPort::Answer& answer, Now now, const DriverOut& out) {
   if (!turn_ || turn_->ticket != answer.ask.about) return;
-  // What the robot does not confirm stays open: its requester is notified at the deadline.
-  if (!answer.answer.ok) {
-    give_up_halt("the robot refuses to stop: " + reason_of(answer.answer), out);
-    return out.refuse("robot_error", "the robot refuses to stop or go on: " + reason_of(answer.answer));
-  }
+  if (!answer.answer.ok) return on_turn_refused(reason_of(answer.answer), now, out);
   if (--turn_->unanswered == 0) confirm_turn(true, now, out);
+}
+
+void RapidDriver::on_turn_refused(const std::string& why, Now now, const DriverOut& out) {
+  const std::string text = std::string("the robot refuses to ") + (turn_->stop ? "stop" : "go on") + ": " + why;
+  give_up_halt(text, out);
+  out.refuse("robot_error", text);
+  out.emit(FaultSaid{"", Severity::critical, text, turn_->stop ? kWouldNotStop : kWouldNotGoOn, false});
+  // A person's stays open: its requester is notified at the deadline. Nobody waits for the driver's own.
+  if (!turn_->own) return;
+  turn_.reset();
+  begin_next(now, out);
 }
 
 void RapidDriver::confirm_turn(bool by_robot, Now now, const DriverOut& out) {
   const Turn turn = *std::exchange(turn_, std::nullopt);
+  out.emit(FaultOver{turn.stop ? kWouldNotStop : kWouldNotGoOn});
   if (turn.stop && turn.own) {
     on_halted(turn.halts, out);
     begin_turn(false, true, now, out);

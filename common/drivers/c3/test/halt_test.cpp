@@ -49,6 +49,28 @@ TEST_CASE("a message that the program has just taken is halted, too") {
   CHECK(fixture.one<Outcome>().outcome == TaskOutcome::failed);
 }
 
+TEST_CASE("a halt that the robot refuses: the message goes on, and the next one waits for its end") {
+  C3Fixture fixture;
+  fixture.deliver(MessageType::request, order("home", ""), "kuka");
+  fixture.take();
+  fixture.robot.erase("TRB_STOP");
+  fixture.deliver(MessageType::command, CancelExecution{attempt(), "enough"}, "kuka");
+  fixture.live(0.1);
+  CHECK(fixture.one<Outcome>().outcome == TaskOutcome::interrupted);
+  CHECK(fixture.told<RobotFault>().size() == 2);  // a capability each
+  CHECK(fixture.kept.size() == 1);
+  fixture.writes();
+  fixture.flags = kFlagTakeControl;
+  CHECK(fixture.answer(fixture.command("wave", "1")) == "nack busy");
+  fixture.live(0.1);
+  CHECK(fixture.writes().empty());
+  fixture.finish();
+  fixture.writes();
+  const auto id = fixture.command("wave", "1");
+  fixture.take();
+  CHECK(fixture.answer(id) == "ack started");
+}
+
 TEST_CASE("a halt that is lost with the connection is written again before all else") {
   C3Fixture fixture;
   fixture.deliver(MessageType::request, order("home", ""), "kuka");

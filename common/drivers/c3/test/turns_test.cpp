@@ -57,6 +57,7 @@ TEST_CASE("a motion is ended by a stop and a release of its own, and its halt is
   REQUIRE(halted.size() == 1);
   CHECK(halted[0].token == 1);
   CHECK(halted[0].well);
+  CHECK(fixture.told<FaultOver>().size() == 2);  // it has taken both
   CHECK(fixture.events.empty());
 }
 
@@ -67,6 +68,24 @@ TEST_CASE("a write that the robot refuses confirms nothing") {
   CHECK_FALSE(fixture.turns.on_stopped(true, fixture.now, fixture.out));
   CHECK(fixture.turns.open());
   CHECK(fixture.outbox.counts == std::vector<std::string>{"refused.robot_error"});
+}
+
+TEST_CASE("a motion whose end is refused is a fault, and commands go on; so is one that may not go on") {
+  for (const bool release : {false, true}) {
+    TurnsFixture fixture;
+    fixture.turns.end_motion(1, fixture.now, fixture.out);
+    if (release) {
+      fixture.turns.on_written(fixture.answer("TRUE"), fixture.now, fixture.out);
+      fixture.turns.on_stopped(true, fixture.now, fixture.out);
+    }
+    CHECK(fixture.turns.on_written(fixture.answer("", false), fixture.now, fixture.out));
+    CHECK_FALSE(fixture.turns.open());
+    CHECK(fixture.told<Halted>().at(0).well == release);
+    const auto faults = fixture.told<FaultSaid>();
+    REQUIRE(faults.size() == 1);
+    CHECK(faults[0].severity == Severity::critical);
+    CHECK(faults[0].cause == (release ? "release refused" : "stop refused"));
+  }
 }
 
 TEST_CASE("without a stopped variable the answers count, without words nothing is awaited: the robot was merely told") {

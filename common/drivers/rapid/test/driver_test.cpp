@@ -248,6 +248,36 @@ TEST_CASE("a halt that is lost with the connection is given again before all els
 
 TEST_CASE("a program that never answers the move that was ended is dialled again") {
   RapidFixture fixture;
+TEST_CASE("a halt, or the release behind it, that is refused is a fault until one is taken, and commands go on") {
+  for (const bool release : {false, true}) {
+    Cancelled fixture;
+    fixture.live(0.1);
+    if (release) fixture.service("91 1#");
+    fixture.serve();
+    CHECK(fixture.turns == (release ? "91 #92 #" : "91 #"));
+    fixture.service(release ? "92 0 not now#" : "91 0 not now#");
+    const auto faults = fixture.told<RobotFault>();
+    REQUIRE(faults.size() == 2);  // a capability each
+    CHECK(get<RobotFault>(faults[0].body).severity == Severity::critical);
+    CHECK(get<RobotFault>(faults[0].body).text ==
+          std::string("the robot refuses to ") + (release ? "go on" : "stop") + ": not now");
+    fixture.program("2 0 stopped#");
+    fixture.sent();
+    fixture.flags = kFlagTakeControl;
+    fixture.command("move", "[1, 1]");
+    CHECK(fixture.sent() == "2 1 1 #");
+    CHECK(fixture.kept.size() == 1);
+    fixture.confirms = true;
+    if (release) {
+      fixture.deliver(MessageType::command, Release{}, "operator");
+    } else {
+      fixture.deliver(MessageType::command, Stop{}, "operator");
+    }
+    fixture.live(0.1);
+    CHECK(fixture.kept.empty());
+  }
+}
+
   fixture.deliver(MessageType::request, order("home", ""), "abb");
   fixture.live(15.3);
   CHECK(fixture.closed().find("did not answer") != std::string::npos);
