@@ -115,7 +115,8 @@ std::optional<std::string> RapidReader::next(MonotonicTime now) {
     buffer_.erase(0, std::min(buffer_.find_first_not_of(" \r\n#"), buffer_.size()));
     if (buffer_.empty()) return std::nullopt;
     const std::size_t end = buffer_.find_first_of(kEnds);
-    if (end == Bytes::npos && now - heard_ < kSilence) return std::nullopt;
+    if (end == Bytes::npos && (ends_ || now - heard_ < kSilence)) return std::nullopt;
+    ends_ = ends_ || end != Bytes::npos;
     std::string answer = buffer_.substr(0, end);
     buffer_.erase(0, end);
     if (!trimmed(answer).empty()) return answer;
@@ -123,7 +124,7 @@ std::optional<std::string> RapidReader::next(MonotonicTime now) {
 }
 
 std::optional<MonotonicTime> RapidReader::next_deadline() const {
-  return buffer_.empty() ? std::nullopt : std::optional(heard_ + kSilence);
+  return buffer_.empty() || ends_ ? std::nullopt : std::optional(heard_ + kSilence);
 }
 
 }  // namespace trb::drivers

@@ -27,21 +27,26 @@ Result<RapidAnswer> read_rapid_answer(std::string_view line);
 Result<std::string> rapid_literal(const Value& value);
 std::string rapid_unescaped(std::string_view text);
 
-/// Answers end with `#` or a line end. For servers that send neither, a moment's silence ends one.
+/// Answers end with `#` or a line end. From a server that has sent neither, a moment's silence ends one.
 class RapidReader {
  public:
   static constexpr std::size_t kMost = 4096;
 
   void add(BytesView bytes, MonotonicTime now);
-  /// The next answer's text. With `silent` the bytes received so far count as one after a while.
+  /// The next answer's text.
   std::optional<std::string> next(MonotonicTime now);
   [[nodiscard]] bool overflowed() const { return buffer_.size() > kMost; }
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const;
-  void clear() { buffer_.clear(); }
+  /// For a new connection.
+  void clear() {
+    buffer_.clear();
+    ends_ = false;
+  }
 
  private:
   Bytes buffer_;
   MonotonicTime heard_;
+  bool ends_ = false;  ///< the server has ended an answer itself
 };
 
 }  // namespace trb::drivers

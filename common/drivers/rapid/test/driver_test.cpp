@@ -87,15 +87,35 @@ TEST_CASE("answers: in pieces, ended by # or a line end, or by a moment's silenc
   MonotonicTime now{1};
   reader.add("2 ", now);
   CHECK_FALSE(reader.next(now));
-  reader.add("1#\n4 1 1", now);
+  reader.add("1#\n4 1 1\n", now);
   CHECK(*reader.next(now) == "2 1");
+  CHECK(*reader.next(now) == "4 1 1");
   CHECK_FALSE(reader.next(now));
-  CHECK(*reader.next(now + seconds(0.1)) == "4 1 1");
+  RapidReader endless;
+  endless.add("4 1 1", now);
+  CHECK_FALSE(endless.next(now));
+  CHECK(*endless.next(now + seconds(0.1)) == "4 1 1");
   const auto answer = read_rapid_answer("4 1 1.5 -2e1 x%20%22y%22");
   CHECK(answer->numbers == std::vector<double>{1.5, -20});
   CHECK(answer->text == "1.5 -2e1 x \"y\"");
   for (const char* bad : {"", "x", "2", "-1 1", "1.5 1", "99999 1"})
     CHECK_FALSE_MESSAGE(read_rapid_answer(bad).ok(), bad);
+}
+
+TEST_CASE("answers: a server that has ended one itself ends each; a pause inside one ends none") {
+  RapidReader reader;
+  MonotonicTime now{1};
+  reader.add("90 1 0 0 1 0#", now);
+  CHECK(*reader.next(now) == "90 1 0 0 1 0");
+  reader.add("90 1 0 0 1 41", now);
+  now = now + seconds(0.3);
+  CHECK_FALSE(reader.next(now));
+  CHECK_FALSE(reader.next_deadline());
+  reader.add(" arm WARNING x#", now);
+  CHECK(*reader.next(now) == "90 1 0 0 1 41 arm WARNING x");
+  reader.clear();  // another connection, and maybe another server
+  reader.add("2 1", now);
+  CHECK(*reader.next(now + seconds(0.1)) == "2 1");
 }
 
 TEST_CASE("parameters: numbers of six digits, and texts that end nothing") {
@@ -232,22 +252,6 @@ TEST_CASE("a service task that refuses a halt: nobody knows") {
   CHECK(fixture.one<Outcome>().outcome == TaskOutcome::interrupted);
 }
 
-TEST_CASE("a halt that is lost with the connection is given again before all else") {
-  Cancelled fixture;
-  fixture.live(2.5);
-  CHECK(fixture.one<Outcome>().outcome == TaskOutcome::interrupted);
-  fixture.turns.clear();
-  fixture.confirms = true;
-  fixture.up(Channel::monitor);
-  fixture.down(Channel::command, "gone");
-  fixture.up(Channel::command);
-  fixture.live(0.1);
-  CHECK(fixture.turns == "91 #92 #");
-  CHECK(fixture.answer(fixture.deliver(MessageType::command, order("home", "", 2), "abb")) == "running");
-}
-
-TEST_CASE("a program that never answers the move that was ended is dialled again") {
-  RapidFixture fixture;
 TEST_CASE("a halt, or the release behind it, that is refused is a fault until one is taken, and commands go on") {
   for (const bool release : {false, true}) {
     Cancelled fixture;
@@ -278,6 +282,22 @@ TEST_CASE("a halt, or the release behind it, that is refused is a fault until on
   }
 }
 
+TEST_CASE("a halt that is lost with the connection is given again before all else") {
+  Cancelled fixture;
+  fixture.live(2.5);
+  CHECK(fixture.one<Outcome>().outcome == TaskOutcome::interrupted);
+  fixture.turns.clear();
+  fixture.confirms = true;
+  fixture.up(Channel::monitor);
+  fixture.down(Channel::command, "gone");
+  fixture.up(Channel::command);
+  fixture.live(0.1);
+  CHECK(fixture.turns == "91 #92 #");
+  CHECK(fixture.answer(fixture.deliver(MessageType::command, order("home", "", 2), "abb")) == "running");
+}
+
+TEST_CASE("a program that never answers the move that was ended is dialled again") {
+  RapidFixture fixture;
   fixture.deliver(MessageType::request, order("home", ""), "abb");
   fixture.live(15.3);
   CHECK(fixture.closed().find("did not answer") != std::string::npos);
