@@ -108,6 +108,7 @@ void HttpJsonDriver::on_bytes(Channel channel, BytesView bytes, Now now, const D
 
 void HttpJsonDriver::on_answer(const HttpAnswer& answer, Now now, const DriverOut& out) {
   const Awaits whose = queue_.answered();
+  unanswered_ = 0;
   if (whose == Awaits::nothing) return out.refuse("bad_packet", "an answer that nobody has asked for");
   if (whose == Awaits::poll) on_poll(answer, now, out);
   if (whose == Awaits::job) on_step(answer, out);
@@ -179,7 +180,16 @@ void HttpJsonDriver::on_down(Channel channel, const std::string& reason, Now now
   up_ = false;
   if (!lost_at_) lost_at_ = now.mono;
   lost_why_ = reason;
-  if (queue_.answered() == Awaits::job) on_lost_job(reason, out);
+  const Awaits whose = queue_.answered();
+  if (whose == Awaits::job) on_lost_job(reason, out);
+  if (whose != Awaits::nothing) on_unanswered(reason, now, out);
+}
+
+/// HTTP allows a connection to end before an answer: only several in a row, for as long as one answer may take, count.
+void HttpJsonDriver::on_unanswered(const std::string& reason, Now now, const DriverOut& out) {
+  if (unanswered_++ == 0) unanswered_since_ = now.mono;
+  const bool long_enough = now.mono - unanswered_since_ >= timeout_;
+  if (heard_ && unanswered_ >= kMostUnanswered && long_enough) go_offline(reason, out);
 }
 
 void HttpJsonDriver::on_lost_job(const std::string& reason, const DriverOut& out) {

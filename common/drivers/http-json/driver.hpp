@@ -33,7 +33,7 @@ class HttpJsonDriver : public PolledDriver<std::vector<HttpCall>, HttpStep, Http
   HttpJsonDriver(const DriverSettings& settings, HttpCommands commands);
 
   /// Connections come and go with HTTP: the robot is online if it has answered, until no connection can be made for
-  /// long.
+  /// long, or none of them brings an answer.
   [[nodiscard]] bool online() const override { return heard_; }
   /// An answer to each request of a halt, on one of three connections, and to the request that is under way.
   [[nodiscard]] Duration silence_bound() const override { return kMostRequests * timeout_; }
@@ -46,6 +46,7 @@ class HttpJsonDriver : public PolledDriver<std::vector<HttpCall>, HttpStep, Http
 
  private:
   static constexpr int kMostRequests = 10;
+  static constexpr std::size_t kMostUnanswered = 3;  ///< requests in a row: then the robot counts as gone
 
   Result<std::vector<HttpStep>> fill(std::string_view subtype, BytesView data) const override;
   void pump(Now now, const DriverOut& out) override;
@@ -58,11 +59,12 @@ class HttpJsonDriver : public PolledDriver<std::vector<HttpCall>, HttpStep, Http
   Status remember(const HttpCall& words, const HttpAnswer& answer);
   void on_done(const Job& job, const DriverOut& out);
   void on_refused(const Job& job, Error error, const DriverOut& out);
-  void on_lost_job(const std::string& reason, const DriverOut& out);
   [[nodiscard]] static bool stops(const Job& job) {
     return job.purpose == Purpose::stop || job.purpose == Purpose::halt;
   }
+  void on_lost_job(const std::string& reason, const DriverOut& out);
   static void say_would_not_stop(const Job& job, const Error& error, const DriverOut& out);
+  void on_unanswered(const std::string& reason, Now now, const DriverOut& out);
   void go_offline(const std::string& reason, const DriverOut& out);
 
   std::string host_;
@@ -72,6 +74,8 @@ class HttpJsonDriver : public PolledDriver<std::vector<HttpCall>, HttpStep, Http
   MonotonicTime sent_at_{};
   std::optional<MonotonicTime> lost_at_;  ///< the last connection's end, until there is another one
   std::string lost_why_;
+  std::size_t unanswered_ = 0;        ///< requests in a row whose connection ended before the answer
+  MonotonicTime unanswered_since_{};  ///< when the first of them did
   Remembered remembered_;
   HttpReader reader_;
 };

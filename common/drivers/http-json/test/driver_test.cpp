@@ -277,6 +277,28 @@ TEST_CASE("http: without an answer the connection is given up; what was under wa
   CHECK(fixture.answer(fixture.command("tidy", "")) == "nack robot_offline");
 }
 
+TEST_CASE("http: a robot that accepts each connection and never answers is gone; one that answers in between is not") {
+  Settings settings = mir();
+  settings.commands.numbers["timeout_s"] = 3;
+  for (const bool answers : {false, true}) {
+    MirFixture fixture(settings);
+    fixture.connect();
+    fixture.wait(1);  // the values are due
+    for (int i = 0; i < 5; ++i) {
+      CHECK(fixture.asked() == "GET /status");
+      if (answers && i % 2 == 1) {
+        fixture.answer_with(200, kStatus);
+        fixture.wait(1);
+        CHECK(fixture.asked() == "GET /status");
+      }
+      fixture.wait(3);
+      CHECK(fixture.closed() == "no answer in time;");
+      fixture.up(Channel::command);
+    }
+    CHECK(fixture.robot() == (answers ? "ONLINE" : "CONNECTION_BROKEN"));
+  }
+}
+
 TEST_CASE("http: an answer that nobody asked for, and one that is no HTTP, do no harm") {
   OnlineMir fixture;
   fixture.answer_with(200, "{}");
@@ -311,19 +333,6 @@ TEST_CASE("http: a skill is halted once the robot has answered that; if it refus
   }
 }
 
-TEST_CASE("http: a robot that is away before it has answered the halt is halted when it is back") {
-  OnlineMir fixture;
-  const Execute drive = order("drive", R"({"mission": "dock"})");
-  fixture.deliver(MessageType::command, drive, "mir");
-  fixture.serve();
-  fixture.deliver(MessageType::command, CancelExecution{drive.key, "enough"}, "mir");
-  CHECK(fixture.asked() == R"(PUT /status {"state_id": 4})");
-  fixture.down(Channel::command, "no route to host");
-  fixture.wait(1.1);
-  CHECK(fixture.one<Outcome>().outcome == TaskOutcome::interrupted);
-  fixture.up(Channel::command);
-  CHECK(fixture.serve().starts_with(R"(PUT /status {"state_id": 4})"));
-}
 TEST_CASE("http: a robot that was halted is released before it gets anything else") {
   OnlineMir fixture;
   const Execute drive = order("drive", R"({"mission": "dock"})");
@@ -389,3 +398,16 @@ TEST_CASE("http: a release that is lost is given again, at the next connection o
   }
 }
 
+TEST_CASE("http: a robot that is away before it has answered the halt is halted when it is back") {
+  OnlineMir fixture;
+  const Execute drive = order("drive", R"({"mission": "dock"})");
+  fixture.deliver(MessageType::command, drive, "mir");
+  fixture.serve();
+  fixture.deliver(MessageType::command, CancelExecution{drive.key, "enough"}, "mir");
+  CHECK(fixture.asked() == R"(PUT /status {"state_id": 4})");
+  fixture.down(Channel::command, "no route to host");
+  fixture.wait(1.1);
+  CHECK(fixture.one<Outcome>().outcome == TaskOutcome::interrupted);
+  fixture.up(Channel::command);
+  CHECK(fixture.serve().starts_with(R"(PUT /status {"state_id": 4})"));
+}
