@@ -13,6 +13,7 @@ namespace trb::drivers {
 namespace {
 
 constexpr std::size_t kMaxComponents = 64;
+constexpr double kMostWhole = 9007199254740992;  // 2^53: beyond it a double is no exact whole number
 
 bool is_plain(char c) {
   return c >= ' ' && c <= '~' && c != '"';
@@ -184,7 +185,8 @@ Result<KrlValue> read_krl(std::string_view text, const std::vector<std::string>&
 
 std::int64_t krl_whole(std::string_view text) {
   const auto value = read_krl(text, {});
-  return value && !value->numbers.empty() ? static_cast<std::int64_t>(value->numbers.front()) : 0;
+  if (!value || value->numbers.empty()) return 0;
+  return static_cast<std::int64_t>(std::clamp(value->numbers.front(), -kMostWhole, kMostWhole));
 }
 
 bool krl_true(std::string_view text) {

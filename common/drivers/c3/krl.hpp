@@ -34,7 +34,7 @@ struct KrlValue {
 /// Errors: malformed, missing (a component).
 Result<KrlValue> read_krl(std::string_view text, const std::vector<std::string>& components);
 
-/// A number without its fraction; 0 for anything else.
+/// A number without its fraction, and between -2^53 and 2^53; 0 for anything else.
 std::int64_t krl_whole(std::string_view text);
 
 /// True for TRUE, or a number that is not 0.

@@ -8,6 +8,7 @@ namespace trb::drivers {
 namespace {
 
 constexpr std::size_t kMaxMessage = 16U << 20U;
+constexpr auto kMostSize = static_cast<std::int64_t>(kMaxMessage);
 
 std::optional<MessageType> type_of(const std::string& word) {
   for (const MessageType type : {MessageType::command, MessageType::request, MessageType::information}) {
@@ -27,9 +28,9 @@ void C3Messages::on_cleared(const DriverOut& out) {
   const std::vector<std::string> parts = flag_.on_cleared();
   data_ += krl_text(parts[4]);
   const std::int64_t size = krl_whole(parts[3]);
-  if (data_.size() > kMaxMessage) {
+  if (data_.size() > kMaxMessage || size > kMostSize) {
     data_.clear();
-    return out.refuse("message_too_long", "the robot said more than 16 MB");
+    return out.refuse("message_too_long", "the robot said more than 16 MB, or that it would");
   }
   if (static_cast<std::int64_t>(data_.size()) < size) return;
   Bytes data = std::exchange(data_, {});

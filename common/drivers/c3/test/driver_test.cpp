@@ -62,6 +62,9 @@ TEST_CASE("values: numbers, flags, texts, structures and their components") {
   CHECK(read_krl("{E6POS: X 1.5, Y 2, S 2}", {"Y", "X"})->numbers == std::vector<double>{2, 1.5});
   CHECK(read_krl("{E6POS: X 1.5}", {"Z"}).error().code == Errc::missing);
   CHECK(read_krl("{X}", {}).error().code == Errc::malformed);
+  CHECK(krl_whole("-2.9") == -2);
+  CHECK(krl_whole("1E30") == std::int64_t{1} << 53U);
+  CHECK(krl_whole("-1E30") == -(std::int64_t{1} << 53U));
   CHECK(read_krl("{A: X {B: Y 1}}", {}).error().code == Errc::malformed);
 }
 

@@ -12,9 +12,12 @@ struct MessagesFixture : PartsFixture {
   C3Messages messages{*read_c3_names({}, true), "kuka"};
 
   void chunk(const std::string& subtype, const std::string& target, int size, const std::string& data) {
+    chunk(subtype, target, std::to_string(size), data);
+  }
+  void chunk(const std::string& subtype, const std::string& target, const std::string& size, const std::string& data) {
     messages.on_raised(link, now, out);
-    for (const std::string& part : {std::string("\"information\""), '"' + subtype + '"', '"' + target + '"',
-                                    std::to_string(size), '"' + data + '"'}) {
+    for (const std::string& part :
+         {std::string("\"information\""), '"' + subtype + '"', '"' + target + '"', size, '"' + data + '"'}) {
       messages.on_part(answer(part).reply);
     }
     answer("");
@@ -46,6 +49,14 @@ TEST_CASE("too much data, no word, no id, or a word of the middleware's: refused
   CHECK(fixture.told<Said>().empty());
   CHECK(fixture.outbox.counts == std::vector<std::string>{"refused.bad_message", "refused.bad_message",
                                                           "refused.bad_message", "refused.typed_subtype"});
+}
+
+TEST_CASE("a size that no message has is refused at once, and the next message is whole") {
+  MessagesFixture fixture;
+  for (const char* size : {"1E30", "16777217"}) fixture.chunk("greeting", "ur3", std::string(size), "long");
+  CHECK(fixture.outbox.counts == std::vector<std::string>(2, "refused.message_too_long"));
+  fixture.chunk("greeting", "ur3", 4, "next");
+  CHECK(fixture.told<Said>().at(0).data == "next");
 }
 
 TEST_CASE("a new connection forgets the chunks of the old one") {
