@@ -126,7 +126,7 @@ class Case(unittest.TestCase):
         self.assertEqual(task["outcome"], "finished", task)
 
     def programs(self):
-        return [line for line in self.said() if re.fullmatch(r"program trb_\d+ started", line)]
+        return [line for line in self.said() if re.fullmatch(r"program trb_\d+_\d+ started", line)]
 
     def abort(self, run):
         self.fleet.ur("scenario", "abort", run, check=False)

@@ -39,6 +39,11 @@ double rtde_rate(const VendorCommands& words) {
   return found == words.numbers.end() ? kUsualRtde : found->second;
 }
 
+/// What the controller still reports of an earlier process's program must not be taken for one of this process.
+std::string first_name(std::uint64_t instance) {
+  return "trb_" + std::to_string(instance % 1'000'000) + "_";
+}
+
 std::string text_or_empty(const std::map<std::string, std::string>& words, const std::string& key) {
   const auto found = words.find(key);
   return found == words.end() ? std::string() : found->second;
@@ -46,13 +51,14 @@ std::string text_or_empty(const std::map<std::string, std::string>& words, const
 
 }  // namespace
 
-TcpTextDriver::TcpTextDriver(const VendorCommands& words, std::string own_id)
+TcpTextDriver::TcpTextDriver(const VendorCommands& words, std::string own_id, std::uint64_t instance)
     : CommandsDriver(std::move(own_id), words),
       stop_text_(text_or_empty(words.commands, "stop")),
       release_text_(text_or_empty(words.commands, "release")),
       urscript_(words.language == "urscript"),
       wraps_(words.wrap == "urscript-program"),
       has_monitor_(words.monitor.has_value()),
+      name_(first_name(instance)),
       rtde_(rtde_rate(words)) {
   for (const auto& [subtype, text] : words.commands) {
     commands_.emplace(subtype, TcpCommand{VendorTemplate(text), wraps_ && !is_interface_command(text), text});
@@ -91,7 +97,7 @@ Result<Progress> TcpTextDriver::hand_over(const Handover& message, Now now, cons
 }
 
 Status TcpTextDriver::submit_program(const Handover& message, std::string_view lines, const DriverOut& out) {
-  const std::string name = "trb_" + std::to_string(++programs_);
+  const std::string name = name_ + std::to_string(++programs_);
   std::string text = urscript_program(name, lines);
   if (!has_monitor_) {
     out.robot.write(Channel::command, std::move(text));

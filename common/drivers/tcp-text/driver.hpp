@@ -21,7 +21,8 @@ struct TcpCommand {
 
 class TcpTextDriver : public CommandsDriver<TcpCommand> {
  public:
-  TcpTextDriver(const VendorCommands& words, std::string own_id);
+  /// `instance`: this process's; its programs' names begin with it.
+  TcpTextDriver(const VendorCommands& words, std::string own_id, std::uint64_t instance);
 
   [[nodiscard]] bool online() const override { return command_up_ && (!has_monitor_ || heard_); }
   [[nodiscard]] bool tells_end(std::string_view subtype) const override;
@@ -76,6 +77,7 @@ class TcpTextDriver : public CommandsDriver<TcpCommand> {
   bool urscript_;
   bool wraps_;
   bool has_monitor_;
+  std::string name_;  ///< what the names of its programs begin with
 
   bool command_up_ = false;
   bool monitor_up_ = false;

@@ -19,7 +19,8 @@ DriverRow tcp_text_row() {
                                              "speed", "reach"}},
           .wire = Wire::stream,
           .make = [](const DriverSettings& settings) -> Result<std::unique_ptr<Driver>> {
-            return std::unique_ptr<Driver>(std::make_unique<TcpTextDriver>(settings.commands, settings.id));
+            return std::unique_ptr<Driver>(
+                std::make_unique<TcpTextDriver>(settings.commands, settings.id, settings.instance));
           }};
 }
 

@@ -164,12 +164,12 @@ TEST_CASE("two runs of one scheduler are one holder") {
 TEST_CASE("a program that runs on a controller keeps the lease of who began it") {
   UrFixture fixture;
   const auto move = fixture.command("move", "[0.1,0,0,0,0,0]");
-  fixture.monitor(ur_started("trb_1"));
+  fixture.monitor(ur_started("trb_77_1"));
   CHECK(fixture.answer(move) == "ack started");
   fixture.live(30, {.running = true});
   const auto other = fixture.send(MessageType::command, "move", "[0.2,0,0,0,0,0]", "drone");
   CHECK(fixture.answer(other) == "nack control_held");
-  fixture.monitor(ur_text("trb_1 done") + ur_stopped("trb_1"));
+  fixture.monitor(ur_text("trb_77_1 done") + ur_stopped("trb_77_1"));
   fixture.live(10);
   CHECK(fixture.answer(fixture.send(MessageType::command, "move", "[0.2,0,0,0,0,0]", "drone")).empty());
 }

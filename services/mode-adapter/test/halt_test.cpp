@@ -22,7 +22,7 @@ class ArmFixture : public UrFixture {
   }
   void begin(double timeout_s = 0) {
     execute(1, timeout_s);
-    monitor(ur_started("trb_1"));
+    monitor(ur_started("trb_77_1"));
     sent();
     live(0.5, {.running = true});
   }
@@ -102,7 +102,7 @@ TEST_CASE("an arm that came to its end before the halt reached it has done its t
   fixture.begin();
   fixture.cancel();
   fixture.wait(2);  // the link is slow
-  fixture.monitor(ur_text("trb_1 done") + ur_stopped("trb_1"));
+  fixture.monitor(ur_text("trb_77_1 done") + ur_stopped("trb_77_1"));
   fixture.live(0.5);
   CHECK(fixture.one<Outcome>().outcome == TaskOutcome::finished);
 }
@@ -111,7 +111,7 @@ TEST_CASE("an arm whose program the halt cuts short has failed, for the reason o
   ArmFixture fixture;
   fixture.begin();
   fixture.cancel();
-  fixture.monitor(ur_stopped("trb_1"));
+  fixture.monitor(ur_stopped("trb_77_1"));
   fixture.wait(0.25);
   CHECK(fixture.one<Outcome>().reason == "cancelled: the task is another robot's");
 }

@@ -358,11 +358,11 @@ TEST_CASE("speeds that have not left yet are replaced by newer ones") {
   CHECK(fixture.drive(0.2) == "ack driving");
   CHECK(fixture.drive(0.3) == "ack driving");
   CHECK(fixture.sent().empty());  // the controller has not begun the first one
-  fixture.monitor(ur_started("trb_1"));
+  fixture.monitor(ur_started("trb_77_1"));
   const std::string next = fixture.sent();
   CHECK(next.find("speedj([0.3, 0], 1, 0.5)") != std::string::npos);
   CHECK(next.find("0.2") == std::string::npos);
-  fixture.monitor(ur_stopped("trb_1") + ur_started("trb_2"));
+  fixture.monitor(ur_stopped("trb_77_1") + ur_started("trb_77_2"));
   CHECK(fixture.sent().empty());
   CHECK(fixture.counted("from_robot.failed") == 0);  // a program that is replaced has not failed
 }
@@ -374,7 +374,7 @@ TEST_CASE("an order to stand does not wait for speeds that have not left, and no
   fixture.sent();
   CHECK(fixture.drive(0, true) == "ack over");
   CHECK(fixture.sent().find("stopj(2)") != std::string::npos);
-  fixture.monitor(ur_started("trb_1") + ur_started("trb_2"));
+  fixture.monitor(ur_started("trb_77_1") + ur_started("trb_77_2"));
   CHECK(fixture.sent().empty());
 }
 

@@ -134,7 +134,8 @@ TEST_CASE("io: a controller is dialled until it is there, and again when it is l
     if (round == 0) {
       node.command("move", "[0,0,0,0,0,0]");
       Peer arm(std::move(command_side.fd));
-      CHECK(node.service.until([&] { return arm.heard().starts_with("def trb_1():\n  movej([0, 0, 0, 0, 0, 0])"); }));
+      CHECK(
+          node.service.until([&] { return arm.heard().starts_with("def trb_77_1():\n  movej([0, 0, 0, 0, 0, 0])"); }));
       command_side.fd = std::move(arm.fd);
     }
     controller.fd.reset();

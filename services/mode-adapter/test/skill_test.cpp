@@ -250,15 +250,15 @@ TEST_CASE("an arm's program that came to its end has finished, one that was cut 
   for (const bool text_first : {true, false}) {
     UrFixture fixture;
     fixture.deliver(MessageType::command, order("reach", kHomeJoints), "ur3");
-    fixture.monitor(ur_started("trb_1"));
-    fixture.monitor(text_first ? ur_text("trb_1 done") : ur_stopped("trb_1"));
+    fixture.monitor(ur_started("trb_77_1"));
+    fixture.monitor(text_first ? ur_text("trb_77_1 done") : ur_stopped("trb_77_1"));
     CHECK(fixture.told<Outcome>().empty());
-    fixture.monitor(text_first ? ur_stopped("trb_1") : ur_text("trb_1 done"));
+    fixture.monitor(text_first ? ur_stopped("trb_77_1") : ur_text("trb_77_1 done"));
     CHECK(fixture.one<Outcome>().outcome == TaskOutcome::finished);
   }
   UrFixture cut;
   cut.deliver(MessageType::command, order("reach", kHomeJoints), "ur3");
-  cut.monitor(ur_started("trb_1") + ur_stopped("trb_0") + ur_stopped("trb_1"));
+  cut.monitor(ur_started("trb_77_1") + ur_stopped("trb_77_0") + ur_stopped("trb_77_1"));
   cut.wait(0.2);
   const auto outcome = cut.one<Outcome>();
   CHECK(outcome.outcome == TaskOutcome::failed);
@@ -272,18 +272,18 @@ TEST_CASE("an arm that refuses a skill's program, or raises an exception in it, 
   CHECK(refused.one<Outcome>().reason == "line 1, column 1: runtime_error_robot_not_running:");
   UrFixture raised;
   raised.deliver(MessageType::command, order("reach", kHomeJoints), "ur3");
-  raised.monitor(ur_started("trb_1") + ur_exception(2, 3, "runtime_error_no_inverse:") + ur_stopped("trb_1"));
+  raised.monitor(ur_started("trb_77_1") + ur_exception(2, 3, "runtime_error_no_inverse:") + ur_stopped("trb_77_1"));
   CHECK(raised.one<Outcome>().reason == "line 2, column 3: runtime_error_no_inverse:");
 }
 
 TEST_CASE("a cancelled arm is told the vendor's stop, no fence is set") {
   UrFixture fixture;
   fixture.deliver(MessageType::command, order("reach", kHomeJoints), "ur3");
-  fixture.monitor(ur_started("trb_1"));
+  fixture.monitor(ur_started("trb_77_1"));
   fixture.sent();
   fixture.deliver(MessageType::command, CancelExecution{attempt(), "no"}, "ur3");
   CHECK(fixture.sent() == "stop program\n");
-  fixture.monitor(ur_stopped("trb_1"));
+  fixture.monitor(ur_stopped("trb_77_1"));
   fixture.wait(0.5);
   CHECK(fixture.one<Outcome>().outcome == TaskOutcome::failed);
   CHECK(fixture.fence_writes.empty());
@@ -294,7 +294,7 @@ TEST_CASE("an arm at its target: a state from before the command does not count"
   settings.description.skills[0].end = {EndKind::position, "", 0, 0.01, "joints", 0};
   UrFixture fixture(settings);
   fixture.deliver(MessageType::command, order("reach", kHomeJoints), "ur3");
-  fixture.monitor(ur_started("trb_1") + ur_state({.running = true}));
+  fixture.monitor(ur_started("trb_77_1") + ur_state({.running = true}));
   CHECK(fixture.told<Outcome>().empty());
   fixture.live(0.2, {.running = true, .joint = 0.4});
   CHECK(fixture.told<Outcome>().empty());

@@ -187,7 +187,7 @@ TEST_CASE("a storm of stops is bounded, in lines and in answers") {
 TEST_CASE("stop on an arm: the vendor's words, confirmed by a state that is younger than the stop") {
   UrFixture fixture;
   fixture.command("move", "[0,0,0,0,0,0]");
-  fixture.monitor(ur_started("trb_1"));
+  fixture.monitor(ur_started("trb_77_1"));
   fixture.sent();
   fixture.live(0.3, {.running = true});
   const auto stop = fixture.deliver(MessageType::command, Stop{""});

@@ -44,7 +44,7 @@ void check_rtde(BytesView input) {
 void check_mode(BytesView input) {
   UrFixture fixture;
   fixture.deliver(MessageType::command, order("reach", R"({"joints": [0,0,0,0,0,0]})"), "ur3");
-  fixture.monitor(ur_started("trb_1"));
+  fixture.monitor(ur_started("trb_77_1"));
   fixture.monitor(Bytes(input));
   for (const Send& send : fixture.out.sends) {
     if (const auto* fault = get_if<RobotFault>(&send.body)) {
@@ -60,8 +60,8 @@ void check_mode(BytesView input) {
 std::vector<Bytes> seeds() {
   return {ur_state(),
           ur_state({.running = true, .protective = true}) + ur_state({.emergency = true, .mode = 3}),
-          ur_started("trb_1") + ur_text("trb_1 done") + ur_stopped("trb_1"),
-          ur_exception(2, 9, "compile_error_name_not_found:moovej:") + ur_stopped("trb_1"),
+          ur_started("trb_77_1") + ur_text("trb_77_1 done") + ur_stopped("trb_77_1"),
+          ur_exception(2, 9, "compile_error_name_not_found:moovej:") + ur_stopped("trb_77_1"),
           ur_message(6, big_endian(153, 4) + big_endian(0, 4) + big_endian(3, 4) + Bytes(8, '\0') + "deviates"),
           ur_message(3, "version"),
           Bytes("\0\4V\1", 4) + Bytes("\0\x15O\1VECTOR6D,VECTOR6D", 21) + Bytes("\0\4S\1", 4) + Bytes("\0\x64U\1", 4) +

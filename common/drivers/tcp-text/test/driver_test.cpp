@@ -19,11 +19,12 @@ Settings unwrapped() {
 TEST_CASE("a command becomes a program with a name, and is answered when the robot says that it has started") {
   UrFixture fixture;
   const auto id = fixture.command("move", kJoints);
-  CHECK(fixture.sent() == "def trb_1():\n  movej([0, -1.5708, 0, -1.5708, 0, 0])\n  textmsg(\"trb_1 done\")\nend\n");
+  CHECK(fixture.sent() ==
+        "def trb_77_1():\n  movej([0, -1.5708, 0, -1.5708, 0, 0])\n  textmsg(\"trb_77_1 done\")\nend\n");
   CHECK(fixture.answer(id).empty());
-  fixture.monitor(ur_started("trb_1"));
+  fixture.monitor(ur_started("trb_77_1"));
   CHECK(fixture.answer(id) == "ack started");
-  fixture.monitor(ur_text("trb_1 done") + ur_stopped("trb_1"));
+  fixture.monitor(ur_text("trb_77_1 done") + ur_stopped("trb_77_1"));
   CHECK(fixture.counted("to_robot.move") == 1);
   CHECK(fixture.counted("from_robot.done") == 1);
 }
@@ -32,12 +33,12 @@ TEST_CASE("the next program is sent once the robot has taken or refused the last
   UrFixture fixture;
   const auto wrong = fixture.command("move", "[1, 2]");
   const auto right = fixture.command("move", kJoints);
-  CHECK(fixture.sent().find("trb_2") == std::string::npos);
+  CHECK(fixture.sent().find("trb_77_2") == std::string::npos);
   fixture.monitor(ur_exception(2, 9, "compile_error_wrong_number_of_joints:2:"));
   CHECK(fixture.nack_of(wrong).code == "robot_error");
   CHECK(fixture.nack_of(wrong).what == "line 2, column 9: compile_error_wrong_number_of_joints:2:");
-  CHECK(fixture.sent().starts_with("def trb_2():"));
-  fixture.monitor(ur_started("trb_2"));
+  CHECK(fixture.sent().starts_with("def trb_77_2():"));
+  fixture.monitor(ur_started("trb_77_2"));
   CHECK(fixture.answer(right) == "ack started");
 }
 
@@ -67,6 +68,20 @@ TEST_CASE("no text becomes a statement: a quote in it is refused before anything
   CHECK(fixture.sent().find("textmsg(\"hello; world\")") != std::string::npos);
 }
 
+TEST_CASE("what the controller still reports of an earlier process's program is not taken for this one's") {
+  Settings settings = ur3();
+  settings.instance = 5'000'041;
+  UrFixture fixture(settings);
+  fixture.deliver(MessageType::command,
+                  Execute{attempt(), 1, settings.instance, "reach", R"({"joints": [0,0,0,0,0,0]})", 0}, "ur3");
+  CHECK(fixture.sent().starts_with("def trb_41_1():"));
+  fixture.monitor(ur_started("trb_41_1"));
+  fixture.monitor(ur_text("trb_77_1 done") + ur_stopped("trb_77_1"));
+  CHECK(fixture.told<Outcome>().empty());
+  fixture.monitor(ur_text("trb_41_1 done") + ur_stopped("trb_41_1"));
+  CHECK(fixture.one<Outcome>().outcome == TaskOutcome::finished);
+}
+
 TEST_CASE("a robot that neither starts nor refuses a program does not hold up the next one for ever") {
   UrFixture fixture;
   fixture.remaining_ms = 1000;
@@ -76,7 +91,7 @@ TEST_CASE("a robot that neither starts nor refuses a program does not hold up th
   fixture.sent();
   fixture.live(1);
   CHECK(fixture.answer(silent) == "nack timeout");
-  CHECK(fixture.sent().starts_with("def trb_2():"));
+  CHECK(fixture.sent().starts_with("def trb_77_2():"));
 }
 
 TEST_CASE("the queue of programs is bounded") {
@@ -162,9 +177,9 @@ TEST_CASE("an operator's program does not take the arm away from a skill") {
   CHECK(fixture.answer(fixture.command("move", kJoints)) == "nack control_held");
   fixture.flags = kFlagTakeControl;
   CHECK(fixture.answer(fixture.command("move", kJoints)) == "nack busy");
-  fixture.monitor(ur_started("trb_1"));
+  fixture.monitor(ur_started("trb_77_1"));
   CHECK(fixture.answer(fixture.command("move", kJoints)) == "nack busy");
-  fixture.monitor(ur_text("trb_1 done") + ur_stopped("trb_1"));
+  fixture.monitor(ur_text("trb_77_1 done") + ur_stopped("trb_77_1"));
   CHECK(fixture.one<Outcome>().outcome == TaskOutcome::finished);
   CHECK(fixture.answer(fixture.command("move", kJoints)).empty());
 }

@@ -26,7 +26,7 @@ struct Moving : UrFixture {
   Moving() : UrFixture(with_power()) {
     deliver(MessageType::command, order("reach", R"({"joints": [0,0,0,0,0,0]})"), "ur3");
     sent();
-    monitor(ur_started("trb_1"));
+    monitor(ur_started("trb_77_1"));
     state({.running = true});
   }
   Outcome end() { return one<Outcome>(); }
@@ -36,7 +36,7 @@ struct Moving : UrFixture {
 
 TEST_CASE("a protective stop in the middle of a move fails the skill with the reason, in the controller's words") {
   Moving arm;
-  arm.monitor(ur_error(153, 3, "position deviates from path") + ur_stopped("trb_1"));
+  arm.monitor(ur_error(153, 3, "position deviates from path") + ur_stopped("trb_77_1"));
   arm.state({.protective = true});
   const Outcome outcome = arm.end();
   CHECK(outcome.outcome == TaskOutcome::failed);
@@ -97,7 +97,7 @@ TEST_CASE("an emergency stop is fatal; an old complaint is not taken for its cau
 
 TEST_CASE("a program that had come to its end when the arm stopped has ended well") {
   Moving arm;
-  arm.monitor(ur_text("trb_1 done"));
+  arm.monitor(ur_text("trb_77_1 done"));
   arm.state({.protective = true});
   CHECK(arm.end().outcome == TaskOutcome::finished);
 }
@@ -153,7 +153,7 @@ TEST_CASE("a runtime exception in a running program ends it with line and column
   CHECK(arm.end().reason.find("line 4, column 7: runtime_error_divide_by_zero") != std::string::npos);
   const auto fault = get<RobotFault>(arm.told<RobotFault>().at(0).body);
   CHECK(fault.severity == Severity::warning);
-  CHECK(fault.text == "trb_1: line 4, column 7: runtime_error_divide_by_zero");
+  CHECK(fault.text == "trb_77_1: line 4, column 7: runtime_error_divide_by_zero");
 }
 
 TEST_CASE("a warning of the controller's is a fault of its severity; whatever its text, it stays text") {
