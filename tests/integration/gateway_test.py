@@ -2,8 +2,10 @@
 
 Addresses 127.0.242.x, 127.0.243.x.
 """
+import concurrent.futures
 import contextlib
 import gzip
+import http.client
 import os
 import signal
 import sqlite3
@@ -251,6 +253,59 @@ class Gateway(GatewayCase):
             stopped = self.operator.ask("POST", "/api/v1/stop", Idempotency_Key=key)
             self.assertEqual(stopped.status, 200, stopped.bytes)
             self.assertEqual([one["state"] for one in stopped.json["robots"]], ["confirmed"])
+
+    # ---- a gateway that ends while a robot has not answered yet
+
+    def under_way(self, word, **more):
+        """An order that its robot hears and cannot answer, once it is on record; what lets the robot answer, and a function
+        that waits for the order's answer: None if the connection was cut."""
+        adapter = self.fleet.pid(ROBOT, "mode-adapter")
+        os.kill(adapter, signal.SIGSTOP)
+        self.addCleanup(os.kill, adapter, signal.SIGCONT)
+        before = len(self.orders(word))
+
+        def ask():
+            with contextlib.suppress(OSError, http.client.HTTPException):
+                return self.operator.ask("POST", f"/api/v1/robots/{ROBOT}/{word}", **more)
+        pool = concurrent.futures.ThreadPoolExecutor(1)
+        self.addCleanup(pool.shutdown)
+        answer = pool.submit(ask)
+        self.fleet.wait("that it begins is on record", lambda: len(self.orders(word)) > before, 2)
+        return (lambda: os.kill(adapter, signal.SIGCONT)), lambda: answer.result(20)
+
+    def orders(self, word):
+        """What is on record of them, the newest first."""
+        return [one["outcome"] for one in self.admin.ask("GET", "/api/v1/audit?limit=1000&who=olga").json["records"]
+                if one["action"] == f"POST /api/v1/robots/{{robot}}/{word}" or
+                (one["action"] == "unanswered" and one["about"] == f"/api/v1/robots/{{robot}}/{word} {ROBOT}")]
+
+    def test_what_is_under_way_when_the_gateway_is_told_to_end_is_answered_and_on_record(self):
+        for word in ("stop", "release"):
+            go_on, answer = self.under_way(word)
+            pid = self.fleet.pid(CLOUD, "cloud-gateway")
+            os.kill(pid, signal.SIGTERM)
+            self.fleet.wait("it is not there for others any more", lambda: not self.is_ready(), 2)
+            go_on()
+            told = answer()
+            self.assertIsNotNone(told, "the connection was cut")
+            self.assertEqual((told.status, told.json["robots"][0]["state"]), (200, "confirmed"), told.bytes)
+            self.fleet.wait("another gateway", lambda: self.fleet.pid(CLOUD, "cloud-gateway") not in (None, pid) and
+                            self.is_ready(), 20)
+            self.assertEqual(self.orders(word)[:2], ["done", "begins"])
+            self.fleet.wait("the robot is shown online", self.is_online, 20)
+
+    def test_what_is_under_way_when_the_gateway_is_killed_is_on_record(self):
+        for word, again in (("stop", 200), ("release", 503)):
+            more = {"Idempotency_Key": f"killed-{word}"}
+            go_on, answer = self.under_way(word, **more)
+            self.kill_gateway()
+            go_on()
+            self.assertIsNone(answer())
+            self.assertEqual(self.orders(word)[:2], ["not confirmed", "begins"])
+            self.fleet.wait("the robot is shown online", self.is_online, 20)
+            repeated = self.operator.ask("POST", f"/api/v1/robots/{ROBOT}/{word}", **more)
+            self.assertEqual(repeated.status, again, "of a stop alone nothing has to be known")
+        self.assertEqual(self.operator.ask("POST", f"/api/v1/robots/{ROBOT}/release").status, 200)
 
     # ---- the live stream
 

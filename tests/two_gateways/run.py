@@ -323,6 +323,23 @@ class TwoGateways(unittest.TestCase):
         self.assertEqual(self.signed_in(self.at(SECOND)).ask("GET", "/api/v1/me").status, 200)
         self.assert_log_verifies()
 
+    def test_a_record_that_waits_for_the_server_keeps_no_stop_from_robots(self):
+        olga = self.signed_in(self.at(CLOUD))
+        self.assertEqual(olga.ask("GET", "/api/v1/me").status, 200)
+        self.addCleanup(self.fleet.trb, "release", ROBOT, node=CLOUD)
+        tap = support.Tap(self.fleet, ROBOT)
+        self.addCleanup(tap.child.stop)
+        with concurrent.futures.ThreadPoolExecutor(2) as pool:
+            # Others read on; who writes waits for two seconds, and gives up.
+            lock = pool.submit(self.database.sql, "BEGIN; LOCK TABLE talkrobots.versions IN EXCLUSIVE MODE; SELECT pg_sleep(5)")
+            self.fleet.wait("the table is locked", lambda: self.database.sql(
+                "SELECT count(*) FROM pg_locks WHERE mode = 'ExclusiveLock' AND relation = 'talkrobots.versions'::regclass"
+            ).strip() != "0", 5)
+            stopped = pool.submit(olga.ask, "POST", f"/api/v1/robots/{ROBOT}/stop", Idempotency_Key="stop-behind-a-lock")
+            self.within(1, "the robot's node hears the stop", lambda: tap.bodies("stop"))
+            self.assertEqual(stopped.result(20).status, 200)
+            lock.result(20)
+
     def test_the_server_is_killed_and_who_drove_meanwhile_is_on_record(self):
         olga = self.signed_in(self.at(CLOUD))
         self.fleet.wait("the robot can be driven", lambda: olga.ask("GET", f"/api/v1/robots/{DRIVEN}").json["content"]["drives"], 20)

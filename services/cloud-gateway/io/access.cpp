@@ -1,5 +1,6 @@
 #include "services/cloud-gateway/io/access.hpp"
 
+#include <algorithm>
 #include <type_traits>
 #include <utility>
 
@@ -15,6 +16,7 @@ constexpr Duration kTimeStep = std::chrono::minutes(1);
 /// What the gateway does by itself, in the audit log.
 constexpr const char* kSelf = "gateway";
 constexpr const char* kUnshelve = "unshelve";
+constexpr const char* kUnanswered = "unanswered";
 
 /// Records of stops while the database is gone.
 constexpr std::size_t kMostOwed = 1000;
@@ -141,6 +143,16 @@ bool Access::keep(const AuditHead& head, Bytes record) {
   return true;
 }
 
+void Access::settle(StoredRequest request, UtcTime now) {
+  note({.time = now.ns,
+        .who = request.key.user,
+        .from = {},
+        .action = kUnanswered,
+        .about = request.effect,
+        .outcome = "not confirmed"});
+  keep(std::move(request));
+}
+
 StoreBatch Access::take_batch() {
   StoreBatch batch;
   batch.users = users.take_changes();
@@ -219,15 +231,23 @@ void Access::add_to_theirs(StoreBatch& batch, const StoreKinds& moved) {
   // A session that was ended there is not begun anew by its use here.
   if (moved.contains(StoreKind::sessions))
     std::erase_if(batch.sessions, [&](const auto& one) { return is_use(one) && !sessions.has(one.key); });
-  if (moved.contains(StoreKind::requests)) {
-    std::erase_if(batch.requests, [&](const StoredRequest& one) {
-      const StoredRequest* known = requests.find(one.key);
-      return known != nullptr && known->answer;
-    });
-  }
+  if (moved.contains(StoreKind::requests)) drop_answered(batch);
   if (moved.contains(StoreKind::acknowledged))
     std::erase_if(batch.acknowledged, [&](const auto& one) { return one.row && alarms.has(*one.row); });
   if (moved.contains(StoreKind::shelves)) drop_ended(batch);
+}
+
+/// The first answer stays; who was second with "not confirmed" records nothing.
+void Access::drop_answered(StoreBatch& batch) {
+  std::erase_if(batch.requests, [&](const StoredRequest& one) {
+    const StoredRequest* known = requests.find(one.key);
+    if (known == nullptr || !known->answer) return false;
+    const auto row = std::find_if(batch.audit.begin(), batch.audit.end(), [&](const AuditRow& of) {
+      return of.record.action == kUnanswered && of.record.who == one.key.user && of.record.about == one.effect;
+    });
+    if (row != batch.audit.end()) batch.audit.erase(row);
+    return true;
+  });
 }
 
 /// A shelf whose time is over ends at each gateway; the first of them records it.

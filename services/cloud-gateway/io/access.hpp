@@ -53,6 +53,8 @@ class Access {
   bool keep(const AuditHead& head, Bytes record);
   /// A request with an Idempotency-Key, before it acts and once it is answered.
   void keep(StoredRequest request) { kept_.push_back(std::move(request)); }
+  /// Nobody knows whether it was done: its answer says so, and so does a record.
+  void settle(StoredRequest request, UtcTime now);
   /// A key that is free again.
   void drop(RequestKey key) { dropped_.push_back(std::move(key)); }
   /// In one transaction. Errors: those of GatewayDb::save. Then what memory holds is not on disk: the process must end,
@@ -74,6 +76,7 @@ class Access {
   [[nodiscard]] Status check_decided(const StoreBatch& batch, const StoreKinds& moved) const;
   void add_to_theirs(StoreBatch& batch, const StoreKinds& moved);
   void drop_ended(StoreBatch& batch);
+  void drop_answered(StoreBatch& batch);
 
   GatewayDb& db_;
   AuditOrigin origin_;

@@ -164,6 +164,34 @@ TEST_CASE("one key at both at the same time is begun once, and the other gateway
   });
 }
 
+TEST_CASE("a request whose gateway has died is settled by both others at once, and is on record once") {
+  on_postgres([] {
+    const TwoGateways both;
+    const RequestKey key{"ann", "key-1"};
+    {
+      const OneGateway dies{both.folder, "cloud3"};
+      auto begun = dies.access->requests.begin(key, "digest", "release of pioneer1", Now{{1}, kNow});
+      REQUIRE(begun.ok());
+      dies.access->keep(std::get<Idempotency::Act>(*begun).store);
+      REQUIRE(dies.access->commit());
+    }
+    for (const OneGateway* one : {&both.a, &both.b}) one->refresh();
+    for (const OneGateway* one : {&both.a, &both.b}) {
+      REQUIRE(one->access->requests.unsure().size() == 1);
+      one->access->settle(*one->access->requests.finish(key, {503, "{}"}), kNow);
+      one->note("bob");
+    }
+    REQUIRE(both.a.access->commit());
+    REQUIRE(both.b.access->commit());
+    const auto rows = *both.a.db->audit_from(1, 10);
+    REQUIRE(rows.size() == 3);
+    CHECK(rows[0].record.about == "release of pioneer1");
+    CHECK(rows[0].record.outcome == "not confirmed");
+    CHECK((rows[1].record.who == "bob" && rows[2].record.who == "bob"));
+    CHECK(loaded(*both.a.db).requests[0].answer->status == 503);
+  });
+}
+
 TEST_CASE("of two changes of one scenario the second is refused, and other people's work goes on beside it") {
   on_postgres([] {
     const TwoGateways both;

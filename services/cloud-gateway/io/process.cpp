@@ -89,7 +89,7 @@ Result<int> Process::run(const HttpServerSettings& settings, const std::vector<s
   drive(**person);
   simulations.stop();
   (*server)->stop();
-  loop_.run_for(kLastReplies);
+  answer_last(**person, api);
   write_history(trb::now());
   return unwritten_ ? 1 : service_.exit_status();
 }
@@ -149,6 +149,21 @@ void Process::drive(op::BusSession& person) {
   }
 }
 
+/// The fleet has still to say what became of requests under way: what it does is answered, and on record.
+void Process::answer_last(op::BusSession& person, const Api& api) {
+  const MonotonicTime until = trb::now().mono + kLastReplies;
+  {
+    LoopBridge asked(loop_, driven_by(person.loop()));
+    const auto work = boost::asio::make_work_guard(loop_);
+    for (MonotonicTime now = trb::now().mono; api.has_open_calls() && now < until; now = trb::now().mono) {
+      if (!asked.serve(now)) break;
+      const MonotonicTime due = std::min(until, asked.next_deadline().value_or(until));
+      loop_.run_one_for(std::max(Duration::zero(), due - trb::now().mono));
+    }
+  }
+  loop_.run_for(std::max(Duration::zero(), until - trb::now().mono));
+}
+
 void Process::pump(Gateway& gateway) {
   follow_topics(gateway.now());
   for (const ClientId client : clients_.pump(gateway.now())) {
@@ -191,7 +206,7 @@ void Process::keep_house(Gateway& gateway, Now now) {
   view_.show_alarms(now);
   check_rights(gateway);
   static_cast<void>(gateway.commit());
-  if (db_.is_shared()) static_cast<void>(settle_unsure(access_, gateway.steady() - kAbandoned));
+  if (db_.is_shared()) static_cast<void>(settle_unsure(access_, now.utc, gateway.steady() - kAbandoned));
 }
 
 /// Once a day, from 30 days before its end on.

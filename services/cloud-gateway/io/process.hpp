@@ -33,6 +33,7 @@ class Process {
   Result<std::unique_ptr<op::Tap>> open_tap(op::BusSession& person);
   bool on_passed(const op::TapRecord& record);
   void drive(op::BusSession& person);
+  void answer_last(op::BusSession& person, const Api& api);
   void pump(Gateway& gateway);
   void follow_topics(Now now);
   void record(Now now);

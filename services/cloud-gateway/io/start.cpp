@@ -61,7 +61,7 @@ Result<std::unique_ptr<Access>> open_access(const NodeConfig& config, const Clou
                                             const NodeCertificate& keys, GatewayDb& db) {
   auto access = Access::open(db, cloud.origins(), {keys.authority.id(), config.id});
   if (!access || db.is_shared()) return access;
-  if (Status settled = settle_unsure(**access); !settled) return settled.error();
+  if (Status settled = settle_unsure(**access, now().utc); !settled) return settled.error();
   return access;
 }
 

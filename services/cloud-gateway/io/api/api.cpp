@@ -23,21 +23,11 @@ bool is_json(const HttpRequest& request) {
 
 /// What somebody did, or was refused; nothing: it changes nothing, or nobody is known.
 std::optional<AuditRecord> audit_of(const RequestDecision& decision, const std::string& who, const std::string& source,
-                                    int status, UtcTime now) {
+                                    int status, const std::string& about, UtcTime now) {
   if (decision.route == nullptr || decision.route->effect != Effect::changes || who.empty()) return std::nullopt;
-  AuditRecord out;
-  out.time = now.ns;
-  out.who = who;
-  out.from = source;
-  out.action = std::string(name_of(decision.route->method)) + " " + std::string(decision.route->path);
-  for (const auto& [name, value] : decision.parameters) out.about += (out.about.empty() ? "" : " ") + value;
+  AuditRecord out = record_of(decision, who, source, about, now);
   out.outcome = status < 400 ? "done" : "refused: " + std::to_string(status);
   return out;
-}
-
-/// What a request is about besides its path's parameters.
-void add_about(AuditRecord& record, const std::string& about) {
-  if (!about.empty()) record.about += (record.about.empty() ? "" : " ") + about;
 }
 
 /// Pages and health, for which nobody has to be known.
@@ -120,9 +110,9 @@ std::optional<HttpReply> Api::before_body(const HttpRequest& request, std::uint6
 void Api::on_request(HttpRequest request, Reply reply) {
   auto decision = decide(request);
   if (!decision) return reply(counted(no_database_reply()));
-  const auto call = std::make_shared<Call>(
-      std::move(request), std::move(*decision),
-      [this, reply = std::move(reply)](const Call& of, HttpReply with) { end(of, std::move(with), reply); });
+  const auto call = std::make_shared<Call>(std::move(request), std::move(*decision),
+                                           [this, reply = std::move(reply), open = open_calls_](
+                                               const Call& of, HttpReply with) { end(of, std::move(with), reply); });
   if (call->decision.verdict != RequestVerdict::allowed) return call->reply(refuse(call->decision));
   if (!call->request.body.empty() && !is_json(call->request)) {
     return call->reply(problem_reply(415, "media_type", "the body's Content-Type is not application/json",
@@ -144,11 +134,8 @@ void Api::end(const Call& call, HttpReply reply, const Reply& send) {
 
 HttpReply Api::on_record(const RequestDecision& decision, const std::string& who, const std::string& source,
                          HttpReply reply, const std::string& about) {
-  auto record = audit_of(decision, who, source, reply.status, gateway_.now().utc);
-  if (record) {
-    add_about(*record, about);
-    gateway_.access.note(*record);
-  }
+  auto record = audit_of(decision, who, source, reply.status, about, gateway_.now().utc);
+  if (record) gateway_.access.note(*record);
   if (Status written = gateway_.commit(); !written) {
     // A stop that was done, but is not on record: the record follows as soon as it can, and the answer says so.
     const bool is_done = record && reply.status < 400 && is_stop(*decision.route);

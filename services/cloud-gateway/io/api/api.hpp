@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <map>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -60,6 +61,8 @@ class Api final : public HttpHandler {
   void on_request(HttpRequest request, Reply reply) override;
   std::variant<std::shared_ptr<WebSocketIn>, HttpReply> on_upgrade(const HttpRequest& request) override;
   HttpReply refusal(int status, const std::string& code, const std::string& detail, const std::string& hint) override;
+  /// Requests whose answer somebody still has to give.
+  [[nodiscard]] bool has_open_calls() const { return open_calls_.use_count() > 1; }
 
  private:
   HttpReply refuse(const RequestDecision& decision) const;
@@ -73,6 +76,7 @@ class Api final : public HttpHandler {
 
   Gateway& gateway_;
   HandlerTable table_;
+  std::shared_ptr<const int> open_calls_ = std::make_shared<const int>(0);  ///< each of them holds it
 };
 
 }  // namespace trb::gateway

@@ -122,6 +122,18 @@ void Call::reply(HttpReply reply) {
   if (ends_) std::exchange(ends_, nullptr)(*this, std::move(reply));
 }
 
+AuditRecord record_of(const RequestDecision& decision, std::string who, std::string source, const std::string& about,
+                      UtcTime now) {
+  AuditRecord out;
+  out.time = now.ns;
+  out.who = std::move(who);
+  out.from = std::move(source);
+  out.action = std::string(name_of(decision.route->method)) + " " + std::string(decision.route->path);
+  for (const auto& [name, value] : decision.parameters) out.about += (out.about.empty() ? "" : " ") + value;
+  if (!about.empty()) out.about += (out.about.empty() ? "" : " ") + about;
+  return out;
+}
+
 Result<Value> body_of(const Call& call) {
   auto out = parse_json(call.request.body);
   if (out && !out->is_object()) return fail(Errc::bad_value, "the body is no object", R"(write {"name": ...})");

@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 
+#include "common/audit/audit_chain.hpp"
 #include "proto/value.hpp"
 #include "services/cloud-gateway/core/live/idempotency.hpp"
 #include "services/cloud-gateway/core/live/problem.hpp"
@@ -51,11 +52,16 @@ class Call {
   /// Once; later calls do nothing.
   void reply(HttpReply reply);
   void fail(const Error& error);
+  [[nodiscard]] bool is_answered() const { return !ends_; }
 
  private:
   Ends ends_;
 };
 using CallPtr = std::shared_ptr<Call>;
+
+/// For the audit log: who asks for what, from where; its outcome is still open. `about`: besides the path's parameters.
+AuditRecord record_of(const RequestDecision& decision, std::string who, std::string source, const std::string& about,
+                      UtcTime now);
 
 /// The request's body as a JSON object. Errors: malformed, too_large, bad_value (no object).
 Result<Value> body_of(const Call& call);

@@ -25,18 +25,23 @@ void reply_busy(Call& call, Duration retry_after) {
   call.reply(std::move(out));
 }
 
-/// The intent is on disk before anything is done.
-void act_on_record(Gateway& gateway, Call& call, StoredRequest store, const std::function<void()>& act) {
-  const RequestKey key = store.key;
-  gateway.access.keep(std::move(store));
-  // Of an intent that another gateway was quicker with the answer is that one's.
-  if (Status written = gateway.commit(); !written) {
-    gateway.access.requests.release(key);
-    // A stop does not wait to be on record: done twice, it is a stop.
-    return is_stop(*call.decision.route) ? act() : call.fail(written.error());
-  }
-  call.once = key;
+/// With what was noted. Of an intent that another gateway was quicker with the answer is that one's.
+Status store_intent(Gateway& gateway, Call& call, const std::optional<StoredRequest>& intent) {
+  if (intent) gateway.access.keep(*intent);
+  Status written = gateway.commit();
+  call.once = intent && written ? std::optional(intent->key) : std::nullopt;
+  if (intent && !written) gateway.access.requests.release(intent->key);
+  return written;
+}
+
+/// Robots first: a database may take seconds.
+void stop_once(Gateway& gateway, Call& call, const std::optional<StoredRequest>& intent,
+               const std::function<void()>& act) {
+  if (intent) call.once = intent->key;
   act();
+  if (call.is_answered()) return;
+  note_begin(gateway, call);
+  static_cast<void>(store_intent(gateway, call, intent));
 }
 
 /// Nobody knows of another one whether robots have heard it; and done twice, it is a stop.
@@ -53,15 +58,28 @@ StoredAnswer answer_of(const HttpReply& reply) {
 
 }  // namespace
 
-void do_once(Gateway& gateway, const CallPtr& call, std::string effect, const std::function<void()>& act) {
-  if (!call->request.idempotency_key) return act();
-  const RequestKey key{call->who().name, *call->request.idempotency_key};
-  auto begun = gateway.access.requests.begin(key, digest_of(call->request), std::move(effect), gateway.now());
-  if (is_stop_to_do(*call, begun)) return act();
-  if (!begun) return call->fail(begun.error());
-  if (auto* stored = std::get_if<StoredAnswer>(&*begun)) return reply_again(*call, *stored);
-  if (auto* wait = std::get_if<Idempotency::Wait>(&*begun)) return reply_busy(*call, wait->retry_after);
-  act_on_record(gateway, *call, std::move(std::get<Idempotency::Act>(*begun).store), act);
+void do_once(Gateway& gateway, const CallPtr& call, std::string effect, const std::function<void()>& act, Acts acts) {
+  std::optional<StoredRequest> intent;
+  if (call->request.idempotency_key) {
+    const RequestKey key{call->who().name, *call->request.idempotency_key};
+    auto begun = gateway.access.requests.begin(key, digest_of(call->request), std::move(effect), gateway.now());
+    if (is_stop_to_do(*call, begun)) return stop_once(gateway, *call, std::nullopt, act);
+    if (!begun) return call->fail(begun.error());
+    if (auto* stored = std::get_if<StoredAnswer>(&*begun)) return reply_again(*call, *stored);
+    if (auto* wait = std::get_if<Idempotency::Wait>(&*begun)) return reply_busy(*call, wait->retry_after);
+    intent = std::move(std::get<Idempotency::Act>(*begun).store);
+  }
+  if (is_stop(*call->decision.route)) return stop_once(gateway, *call, intent, act);
+  if (acts == Acts::here && !intent) return act();
+  if (acts == Acts::in_fleet) note_begin(gateway, *call);
+  if (Status written = store_intent(gateway, *call, intent); !written) return call->fail(written.error());
+  act();
+}
+
+void note_begin(Gateway& gateway, const Call& call) {
+  AuditRecord record = record_of(call.decision, call.who().name, call.request.source, call.about, gateway.now().utc);
+  record.outcome = "begins";
+  gateway.access.note(std::move(record));
 }
 
 void keep_answer(Gateway& gateway, const Call& call, const HttpReply& reply) {
@@ -74,12 +92,12 @@ void keep_answer(Gateway& gateway, const Call& call, const HttpReply& reply) {
     gateway.access.keep(std::move(*stored));
 }
 
-Status settle_unsure(Access& access, std::optional<UtcTime> before) {
+Status settle_unsure(Access& access, UtcTime now, std::optional<UtcTime> before) {
   for (const StoredRequest& one : access.requests.unsure(before)) {
     const HttpReply reply = problem_reply(503, "not_confirmed", "the gateway ended before it was known: " + one.effect,
                                           "look whether it was done, then use a new Idempotency-Key");
     log_event(Level::warning, "not_confirmed", one.key.user + ": " + one.effect);
-    if (auto stored = access.requests.finish(one.key, answer_of(reply))) access.keep(std::move(*stored));
+    if (auto stored = access.requests.finish(one.key, answer_of(reply))) access.settle(std::move(*stored), now);
   }
   return access.commit();
 }

@@ -9,10 +9,18 @@
 
 namespace trb::gateway {
 
+/// What the fleet is told nobody takes back: that it begins is on record before.
+enum class Acts : std::uint8_t { in_fleet, here };
+
 /// Acts, unless a request with this key was there before: then it gets that one's answer. Without a key it acts.
-/// A stop gets the answer of one that was done alone: no key, and no full table of keys, keeps it from robots.
+/// A stop gets the answer of one that was done alone: no key, and no full table of keys, keeps it from robots; nor does
+/// a record, which follows once they are told.
 /// `effect`: what to look for if the process ends before the answer is on disk.
-void do_once(Gateway& gateway, const CallPtr& call, std::string effect, const std::function<void()>& act);
+void do_once(Gateway& gateway, const CallPtr& call, std::string effect, const std::function<void()>& act,
+             Acts acts = Acts::in_fleet);
+
+/// Goes to disk with the next commit; the request's end makes a record of its own.
+void note_begin(Gateway& gateway, const Call& call);
 
 /// The answer of a call that was done once goes to disk with the audit record. The key of one that was not done is free
 /// again.
@@ -22,7 +30,7 @@ void keep_answer(Gateway& gateway, const Call& call, const HttpReply& reply);
 constexpr Duration kAbandoned = std::chrono::minutes(2);
 
 /// At the start, and of a shared database now and then: requests of which nobody knows whether they were done get an
-/// answer that says so. `before`: those alone that began before it.
-Status settle_unsure(Access& access, std::optional<UtcTime> before = std::nullopt);
+/// answer that says so, and a record. `before`: those alone that began before it.
+Status settle_unsure(Access& access, UtcTime now, std::optional<UtcTime> before = std::nullopt);
 
 }  // namespace trb::gateway

@@ -13,6 +13,7 @@
 #include "common/supervisor/signal_service.hpp"
 #include "services/cloud-gateway/io/api/api.hpp"
 #include "services/cloud-gateway/io/api/conditional.hpp"
+#include "services/cloud-gateway/io/api/once.hpp"
 #include "services/cloud-gateway/io/json_text.hpp"
 
 namespace trb::gateway {
@@ -133,18 +134,6 @@ Status write_settings(const std::string& path, const std::string& text) {
   return write_file(path, text, ::stat(path.c_str(), &now) == 0 ? now.st_mode & kBits : kOwn);
 }
 
-/// On disk before anything is changed; the request's end makes a record of its own.
-Status note_begin(Gateway& gateway, const Call& call) {
-  const std::string action = std::string(name_of(call.decision.route->method)) + " ";
-  gateway.access.note({.time = gateway.now().utc.ns,
-                       .who = call.who().name,
-                       .from = call.request.source,
-                       .action = action + std::string(call.decision.route->path),
-                       .about = {},
-                       .outcome = "begins"});
-  return gateway.commit();
-}
-
 /// 503: the file is new, the service is not.
 HttpReply not_in_force(const Error& why) {
   return problem_reply(
@@ -194,7 +183,9 @@ void change_settings(Gateway& gateway, const CallPtr& call, const PartRoute& rou
   const std::string path = file_of(gateway);
   const auto text = text_after(path, call, route.part);
   if (!text) return;
-  if (Status noted = note_begin(gateway, *call); !noted) return call->fail(noted.error());
+  // On disk before anything is changed.
+  note_begin(gateway, *call);
+  if (Status noted = gateway.commit(); !noted) return call->fail(noted.error());
   if (Status written = write_settings(path, *text); !written) return call->fail(written.error());
   put_in_force(gateway, call, route.shown, changing);
 }

@@ -61,9 +61,10 @@ void store(Gateway& gateway, const CallPtr& call) {
   auto draft = read_draft(call->request.body);
   if (!draft) return call->fail(draft.error());
   call->about = in_quotes(draft->name);
-  do_once(gateway, call, "scenario " + call->about, [&gateway, call, draft = std::move(*draft)]() mutable {
+  const auto add = [&gateway, call, draft = std::move(*draft)]() mutable {
     reply_scenario(call, gateway.access.scenarios.add(std::move(draft), call->who().name, gateway.now().utc), 201);
-  });
+  };
+  do_once(gateway, call, "scenario " + call->about, add, Acts::here);
 }
 
 /// As `trb scenario check FILE` reads it, without a fleet.

@@ -85,7 +85,9 @@ void start_simulation(Gateway& gateway, const CallPtr& call) {
   SimulationJob job = has_scenario ? scenario_job(*body, nodes, faults) : counted_job(*body);
   if (!faults.empty()) return call->reply(faults_reply(faults));
   call->about = simulation_in_words(job);
-  do_once(gateway, call, "simulation: " + call->about, [&gateway, call, job] { start(gateway, call, job); });
+  const std::string effect = "simulation: " + call->about;
+  do_once(
+      gateway, call, effect, [&gateway, call, job] { start(gateway, call, job); }, Acts::here);
 }
 
 /// One that is over is forgotten (204), any other one cancelled.
