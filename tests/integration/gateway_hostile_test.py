@@ -5,6 +5,7 @@ Addresses 127.0.216.x, 127.0.217.x; strangers come from 127.0.218.x.
 import concurrent.futures
 import os
 import resource
+import signal
 import socket
 import ssl
 import threading
@@ -256,6 +257,25 @@ class Hostile(GatewayCase):
             sending.result(20)
         self.assertLess(slowest, 2)
         print(f"slowest of 20 requests beside the flood: {slowest * 1000:.0f} ms")
+
+    def test_a_thousand_refusals_are_a_few_records(self):
+        reads = self.admin.ask("POST", "/api/v1/tokens", {"name": "looks", "role": "operator", "days": 1, "read_only": True})
+        self.assertEqual(reads.status, 201, reads.bytes)
+        stranger, token = self.client(), self.client(reads.json["secret"])
+        before = self.admin.ask("GET", "/api/v1/audit/head").json["number"]
+        statuses = [stranger.sign_in("nobody-there", f"wrong wrong {i}").status for i in range(1000)]
+        self.assertEqual(set(statuses), {401, 429})
+        for _ in range(200):
+            self.assertEqual(token.ask("POST", "/api/v1/stop").status, 403)
+        self.assertLess(self.admin.ask("GET", "/api/v1/audit/head").json["number"] - before, 20)
+
+        def numbers():
+            return [one["outcome"] for one in self.admin.ask("GET", f"/api/v1/audit?limit=100&who=gateway").json["records"]
+                    if one["action"] == "refusals" and one["number"] > before]
+        pid = self.fleet.pid(CLOUD, "cloud-gateway")
+        os.kill(pid, signal.SIGTERM)
+        self.fleet.wait("another gateway", lambda: self.fleet.pid(CLOUD, "cloud-gateway") not in (None, pid) and self.is_ready(), 20)
+        self.assertGreater(sum(int(one.split()[0]) for one in numbers()), 1150)
 
     # ---- gzip
 

@@ -267,6 +267,7 @@ void Access::tick(Now now, UtcTime steady) {
           .action = kUnshelve,
           .about = one.source,
           .outcome = "its time is over"});
+  for (AuditRecord& record : refusals.take_ended(now)) note(std::move(record));
   for (RequestKey& key : requests.take_expired(now)) drop(std::move(key));
   if (timed_ && now.mono - *timed_ < kTimeStep) return;
   timed_ = now.mono;

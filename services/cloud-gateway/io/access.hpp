@@ -6,6 +6,7 @@
 #include <string>
 
 #include "services/cloud-gateway/core/access/audit_heads.hpp"
+#include "services/cloud-gateway/core/access/refusal_log.hpp"
 #include "services/cloud-gateway/core/access/request_check.hpp"
 #include "services/cloud-gateway/core/access/sign_in.hpp"
 #include "services/cloud-gateway/core/alarms/alarm_desk.hpp"
@@ -62,7 +63,7 @@ class Access {
   Status commit();
   /// Before each decision: takes over what others have written. The kinds that have changed.
   Result<StoreKinds> refresh();
-  /// Ends what has expired: sessions and shelves by steady time, idempotency keys.
+  /// Ends what has expired: sessions and shelves by steady time, idempotency keys. Notes how many refusals there were.
   void tick(Now now, UtcTime steady);
 
  private:
@@ -90,6 +91,7 @@ class Access {
   RequestCheck check;
   AuditChain chain;  ///< of what is stored: a record joins it once it is written
   AuditHeads heads;
+  RefusalLog refusals;
   Idempotency requests;
   ScenarioShelf scenarios;
   AlarmDesk alarms;

@@ -90,6 +90,8 @@ Result<int> Process::run(const HttpServerSettings& settings, const std::vector<s
   simulations.stop();
   (*server)->stop();
   answer_last(**person, api);
+  for (AuditRecord& record : access_.refusals.take_all(trb::now())) access_.note(std::move(record));
+  static_cast<void>(gateway.commit());
   write_history(trb::now());
   return unwritten_ ? 1 : service_.exit_status();
 }

@@ -30,6 +30,12 @@ std::optional<AuditRecord> audit_of(const RequestDecision& decision, const std::
   return out;
 }
 
+/// What strangers can have refused as often as they like: a sign-in, and what they may not do.
+bool is_anybodys(const RequestDecision& decision, int status) {
+  if (status < 400) return false;
+  return decision.verdict != RequestVerdict::allowed || decision.route->path == "/api/v1/session";
+}
+
 /// Pages and health, for which nobody has to be known.
 bool needs_nobody(const RequestDecision& decision) {
   return decision.route != nullptr && decision.route->least == Least::anyone && decision.route->effect == Effect::reads;
@@ -135,6 +141,8 @@ void Api::end(const Call& call, HttpReply reply, const Reply& send) {
 HttpReply Api::on_record(const RequestDecision& decision, const std::string& who, const std::string& source,
                          HttpReply reply, const std::string& about) {
   auto record = audit_of(decision, who, source, reply.status, about, gateway_.now().utc);
+  if (record && is_anybodys(decision, reply.status) && !gateway_.access.refusals.is_recorded(*record, gateway_.now()))
+    record.reset();
   if (record) gateway_.access.note(*record);
   if (Status written = gateway_.commit(); !written) {
     // A stop that was done, but is not on record: the record follows as soon as it can, and the answer says so.
