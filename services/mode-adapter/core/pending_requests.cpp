@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "common/base/gives_way.hpp"
+
 namespace trb::adapter {
 namespace {
 
@@ -49,6 +51,16 @@ std::optional<Inbound> PendingRequests::take_any_of(const Driver* mode) {
     if (request.mode == mode) return take(token);
   }
   return std::nullopt;
+}
+
+std::optional<std::pair<Token, PendingRequest>> PendingRequests::take_for(const std::string& source) {
+  const std::string other =
+      gives_way(waiting_, source, [](const auto& waiting) { return waiting.second.message.source; });
+  if (other == source) return std::nullopt;
+  const auto newest = std::find_if(waiting_.rbegin(), waiting_.rend(),
+                                   [&](const auto& waiting) { return waiting.second.message.source == other; });
+  const Token token = newest->first;
+  return std::pair(token, erase(waiting_.find(token)));
 }
 
 std::optional<MonotonicTime> PendingRequests::next_deadline() const {

@@ -28,6 +28,8 @@ class PendingRequests {
   std::optional<Inbound> take_answered(std::string_view subtype, std::string_view source);
   std::optional<std::pair<Token, PendingRequest>> take_expired(Now now);
   std::optional<Inbound> take_any_of(const Driver* mode);
+  /// Makes room for one more of that source: the newest request of who has the most. None: that is this source itself.
+  std::optional<std::pair<Token, PendingRequest>> take_for(const std::string& source);
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const;
 
  private:

@@ -17,6 +17,10 @@ bool same_word(std::string_view one, std::string_view other) {
   return std::ranges::equal(one, other, {}, lower, lower);
 }
 
+Error too_many() {
+  return fail(Errc::queue_full, "too many requests wait for the robot's answer", "ask less often");
+}
+
 }  // namespace
 
 void UserMessages::on_message(const Inbound& message, const Opaque& body, Now now, Outbox& out) {
@@ -66,10 +70,17 @@ void UserMessages::on_request(const Inbound& message, const Opaque& body, Now no
   Driver& mode = robot_.mode_for(MessageType::request, body.subtype);
   if (robot_.is_native(mode) && !begin_stream(message, body, mode, now, out)) return;
   if (mode.answers_from_values()) return answer_from_monitor(message, body, mode, now, out);
-  if (requests_.size() >= kMaxRequests) {
-    return out.nack(message, fail(Errc::queue_full, "too many requests wait for the robot's answer", "ask less often"));
-  }
+  if (requests_.size() >= kMaxRequests && !make_room(message, now, out)) return out.nack(message, too_many());
   wait_or_answer(requests_, message, body, mode, now, out);
+}
+
+/// Who asks too much keeps nobody else from asking. False: it is this sender.
+bool UserMessages::make_room(const Inbound& message, Now now, Outbox& out) {
+  const auto other = requests_.take_for(message.source);
+  if (!other) return false;
+  out.nack(other->second.message, too_many());
+  other->second.mode->forget(other->first, now, robot_.to(*other->second.mode, out));
+  return true;
 }
 
 /// A request with a stream is answered like any other; later values are information. False: refused.

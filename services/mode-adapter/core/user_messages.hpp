@@ -37,6 +37,7 @@ class UserMessages {
   [[nodiscard]] bool means_command(std::string_view subtype) const;
   void on_command(const Inbound& message, const Opaque& body, Now now, Outbox& out);
   void on_request(const Inbound& message, const Opaque& body, Now now, Outbox& out);
+  bool make_room(const Inbound& message, Now now, Outbox& out);
   bool begin_stream(const Inbound& message, const Opaque& body, Driver& mode, Now now, Outbox& out);
   void answer_from_monitor(const Inbound& message, const Opaque& body, Driver& mode, Now now, Outbox& out);
   void inform(std::string_view subtype, std::string_view source, BytesView data, Now now, Outbox& out);

@@ -64,3 +64,17 @@ TEST_CASE("the requests of a driver whose robot has left are taken one by one") 
   CHECK(is.pending.take_any_of(&is.driver));
   CHECK_FALSE(is.pending.take_any_of(&is.driver));
 }
+
+TEST_CASE(
+    "who has the most requests gives way to who asks, by its newest; who would have as many itself does not get in") {
+  Waiting is;
+  for (Token token = 1; token <= 5; ++token) is.add(token, request("position", "a"), 0);
+  const auto taken = is.pending.take_for("b");
+  REQUIRE(taken);
+  CHECK(taken->first == 5);
+  CHECK(taken->second.message.source == "a");
+  CHECK(is.pending.size() == 4);
+  CHECK_FALSE(is.pending.take_for("a"));
+  for (Token token = 6; token <= 8; ++token) is.add(token, request("position", "b"), 0);
+  CHECK_FALSE(is.pending.take_for("b"));
+}

@@ -14,9 +14,10 @@ class UserMessagesFixture {
     if (connected) robot.field().on_up(Channel::field, now, robot.to(robot.field(), out));
   }
   /// The token by which the robot's driver knows it.
-  Token send(MessageType type, const std::string& subtype, std::uint64_t id, std::uint32_t remaining_ms = 1000) {
-    messages.on_message({type, "operator", "pioneer", id, 0, 0, remaining_ms, Opaque{subtype, "1"}},
-                        Opaque{subtype, "1"}, now, out);
+  Token send(MessageType type, const std::string& subtype, std::uint64_t id, std::uint32_t remaining_ms = 1000,
+             const std::string& source = "operator") {
+    messages.on_message({type, source, "pioneer", id, 0, 0, remaining_ms, Opaque{subtype, "1"}}, Opaque{subtype, "1"},
+                        now, out);
     return ++last_;
   }
   /// The answer to that message since the last call: "ack STATE", "nack CODE" or the data.
@@ -78,6 +79,21 @@ TEST_CASE("a request is answered with the next that the robot says of it to its 
   REQUIRE(fixture.out.sends.size() == 1);
   CHECK(fixture.out.sends[0].type == MessageType::information);
   CHECK(fixture.out.sends[0].reply_to == 0);
+}
+
+TEST_CASE("a node that asks without end keeps nobody else from asking") {
+  UserMessagesFixture fixture;
+  for (std::uint64_t id = 100; id < 164; ++id) {
+    fixture.send(MessageType::request, "position", id, 5000, "thief");
+    CHECK(fixture.answer(id).empty());
+  }
+  fixture.send(MessageType::request, "position", 164, 5000, "thief");
+  CHECK(fixture.answer(164) == "nack queue_full");
+  fixture.send(MessageType::request, "position", 7, 5000);
+  CHECK(fixture.answer(7).empty());
+  CHECK(fixture.answer(163) == "nack queue_full");
+  fixture.messages.on_said({MessageType::information, "position", "operator", "[1,2]"}, fixture.out);
+  CHECK(fixture.answer(7) == "[1,2]");
 }
 
 TEST_CASE("who waits in vain is told so: at the deadline, or when the robot leaves") {
