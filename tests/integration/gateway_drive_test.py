@@ -11,6 +11,7 @@ from gateway_case import CLOUD, GOOD, ROBOT, GatewayCase
 
 PERIOD_S = 0.1
 PART = "base"
+MOST_BEGUN = 3
 
 
 class Hand:
@@ -41,10 +42,13 @@ class Hand:
         return self.live.until(lambda heard: "drive" in heard and found(heard["drive"]))["drive"]
 
     def begin(self, speeds=(0,), **more):
-        """The gateway's first answer to it."""
-        self.held, self.sequence, self.began = None, 0, time.time_ns()
-        self.say(list(speeds), **more)
-        answer = self.hear(lambda heard: heard["sequence"] == 1)
+        """The gateway's first answer to it. A stalled machine ends a drive, as it must: it is begun anew, at most three times."""
+        for _ in range(MOST_BEGUN):
+            self.held, self.sequence, self.began = None, 0, time.time_ns()
+            self.say(list(speeds), **more)
+            answer = self.hear(lambda heard: heard["sequence"] == 1)
+            if answer.get("error", {}).get("status") != 504:
+                break
         self.held = list(speeds) if answer["state"] == "driving" else None
         return answer
 
