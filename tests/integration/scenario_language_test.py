@@ -107,9 +107,11 @@ class ScenarioLanguage(unittest.TestCase):
         self.fleet.wait("the cloud knows the run", lambda: self.view(run).get("run") == run, 10)
         view = self.wait_view(run, "PAUSED", lambda view: view["state"] == "PAUSED")
         self.assertEqual(view["waits_for"], "a robot for task 'move', to be chosen by 'cloud'; see: trb alert list")
-        alert, = self.fleet.json("alert", "list", node="cloud")["alerts"]
-        self.assertEqual({one["robot"]: one["why"] for one in alert["unfit"]},
-                         {robot: "is stopped until it is released" for robot in ROBOTS})
+        def unfit():
+            return [{one["robot"]: one["why"] for one in alert["unfit"]}
+                    for alert in self.fleet.json("alert", "list", node="cloud")["alerts"]]
+        self.fleet.wait("one alert that says why neither can", lambda: unfit() == [
+            {robot: "is stopped until it is released" for robot in ROBOTS}], 10)
         for service in ("scheduler", "resilience"):
             os.kill(self.fleet.pid("cloud", service), signal.SIGKILL)
         self.fleet.trb("release", "pioneer2", node="cloud")
