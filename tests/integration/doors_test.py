@@ -13,6 +13,7 @@ import zmq
 import support
 import wire
 from pressure import MOST_UNPROVEN, PORT, TARGET, Flood, Pressure, sources
+from router_client import WAIT
 
 HOME = "127.0.40.99"  # the address in the Hello of strangers_test.Client
 
@@ -140,7 +141,7 @@ class Doors(Pressure):
             client = self.client(f"{HOME}:0;{self.address}:{PORT}", server_key=self.server_key,
                                  keys=(self.belt.public, self.belt.secret))
             client.hello(self.belt.certificate, "belt")
-            self.assertEqual(client.receive(1.5).subtype, "hello")
+            self.assertEqual(client.receive(WAIT).subtype, "hello")
             came = select.poll()  # of descriptors beyond select()'s
             came.register(shut_out, select.POLLOUT)
             self.assertEqual(came.poll(0), [], "anybody came in")
