@@ -156,8 +156,8 @@ class Messages(support.FleetTest):
     def test_a_holder_that_died_keeps_nothing(self):
         """The lease outlives its holder by ten seconds at most; no takeover is needed."""
         wave = ("send", "turtlebot", "command", "wave", "hello")
+        taken = time.monotonic()  # no later: the lease begins before its answer has come
         self.assertEqual(self.ask(*wave, "--take", node="pioneer1")[0], 0)
-        taken = time.monotonic()
         self.wait_control("turtlebot", "pioneer1")
         self.kill_node("pioneer1")
         error = self.refusal(*wave, node="ur3")
