@@ -253,10 +253,9 @@ class FleetTest(unittest.TestCase):
         """kill -9 of a whole node, as if its power failed. The supervisor is stopped first: no restart."""
         up = self.fleet.nodes.pop(node)
         os.kill(up.child.pid, signal.SIGSTOP)
-        services = ("scheduler", "mode-adapter", "router")
-        pids = [pid for pid in (self.fleet.pid_of_child(up.child.pid, s) for s in services) if pid is not None]
+        pids = descendants(up.child.pid)
         for pid in pids:
-            os.kill(pid, signal.SIGKILL)
+            send_signal(pid, signal.SIGKILL)
         up.stop(signal.SIGKILL)
         # Only then are its ports free for an immediate restart.
         wait_until(f"the processes of {node} end", lambda: not any(map(is_alive, pids)))
@@ -321,6 +320,20 @@ def send_signal(pid, number):
         os.kill(pid, number)
     except ProcessLookupError:
         pass
+
+
+def descendants(ancestor):
+    """All processes that it has started, and those that these have."""
+    of = {}
+    for path in pathlib.Path("/proc").glob("[0-9]*/stat"):
+        try:
+            of.setdefault(int(path.read_text().rsplit(")", 1)[1].split()[1]), []).append(int(path.parent.name))
+        except OSError:
+            continue
+    out = list(of.get(ancestor, []))
+    for pid in out:
+        out += of.get(pid, [])
+    return out
 
 
 def is_alive(pid):
