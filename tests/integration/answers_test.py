@@ -1,5 +1,5 @@
 """One member's keys are stolen, and used: it answers in another's place, and sends a profile that fills a message.
-The thief is this file's own client (sealer.py, wire.py and libzmq). Addresses 127.0.170.x and 127.0.171.x.
+The thief is this file's own client (sealer.py, wire.py and libzmq). Addresses 127.0.128.x and 127.0.129.x.
 """
 import json
 import os
@@ -15,7 +15,7 @@ from router_client import make_context
 from sealer import Sealer, Signer
 from trb_fleet import CLOUD
 
-BLOCK = 170
+BLOCK = 128
 THIEF = "pioneer1"
 ROBOTS = {name: trb_fleet.ROBOTS[name] for name in ("ur3", THIEF)}
 MOST = 1_048_426  # bytes of the profile: the frame around it is just accepted
@@ -44,7 +44,7 @@ class StolenKeys(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         make_context(cls)
-        cls.fleet = support.make_fleet(cls, block=BLOCK, udp_port=50170, robots=ROBOTS)
+        cls.fleet = support.make_fleet(cls, block=BLOCK, udp_port=50128, robots=ROBOTS)
         cls.fleet.start_robot("ur3")
         for node in ("ur3", CLOUD):
             cls.fleet.start_node(node)

@@ -1,7 +1,7 @@
 """deploy/handbook: its commands run as they stand there, in the order of its pages, in one folder and one shell, against real
 processes and virtual robots; its links lead somewhere; its tables of codes have all codes of the source, and no other.
 
-Addresses 127.0.252.x in place of the handbook's 127.0.42.x.
+Addresses 127.0.200.x in place of the handbook's 127.0.42.x.
 """
 import os
 import re
@@ -15,7 +15,7 @@ import support
 import trb_fleet
 
 BOOK = support.REPO / "deploy" / "handbook"
-BLOCK = 252
+BLOCK = 200
 MOST_NOT_RUN = 12
 LINK = re.compile(r"\[[^\]]*\]\(([^)#\s]+)(?:#([^)\s]+))?\)|\]\(#([^)\s]+)\)")
 

@@ -187,7 +187,7 @@ def main():
     print(f"seed {arguments.seed}", flush=True)
     case = Case()
     try:
-        run(sensor_node.SensorNode(case, block=233, udp_port=50933), arguments.rounds, arguments.seed)
+        run(sensor_node.SensorNode(case, block=124, udp_port=50924), arguments.rounds, arguments.seed)
     finally:
         case.end()
     return 0

@@ -21,7 +21,7 @@ class Hotplug(unittest.TestCase):
         missing = sensor_node.skip_reason()
         if missing:
             raise unittest.SkipTest(missing)
-        cls.node = sensor_node.SensorNode(cls, block=232, udp_port=50932)
+        cls.node = sensor_node.SensorNode(cls, block=122, udp_port=50922)
         cls.hall = cls.node.hall
         cls.node.start()
 

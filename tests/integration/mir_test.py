@@ -137,7 +137,7 @@ class Alone(unittest.TestCase):
     """A killed and restarted robot is found again, at its old port."""
 
     def test_it_is_offline_and_comes_back(self):
-        fleet = support.make_fleet(self, lambda root, programs: MirFleet(root, programs, block=180))
+        fleet = support.make_fleet(self, lambda root, programs: MirFleet(root, programs, block=118))
         fleet.start()
         fleet.wait("the robot is ONLINE", lambda: fleet.profile()["robot"] == "ONLINE", 15)
         fleet.virtual.pop("mir").stop()

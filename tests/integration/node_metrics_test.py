@@ -1,7 +1,7 @@
 """What a node tells Prometheus; with scripts/test-monitoring also what a real one makes of it, of the example rules and of the
 dashboard.
 
-Addresses 127.0.252.x.
+Addresses 127.0.104.x, 127.0.105.x.
 """
 import http.client
 import json
@@ -43,7 +43,7 @@ def get(port, path, **headers):
 class Metrics(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.fleet = support.make_fleet(cls, Fleet, block=252, udp_port=50254)
+        cls.fleet = support.make_fleet(cls, Fleet, block=104, udp_port=50104)
         cls.fleet.bring_up(*NODES)
         cls.fleet.wait("they are linked", lambda: cls.value("ant", 'trb_node_peers{state="ONLINE"}') == 1, 30)
 
@@ -93,7 +93,7 @@ class Metrics(unittest.TestCase):
 class Prometheus(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.fleet = support.make_fleet(cls, Fleet, block=252, udp_port=50256)
+        cls.fleet = support.make_fleet(cls, Fleet, block=104, udp_port=50105)
         cls.fleet.bring_up(*NODES)
         cls.folder = support.temporary_folder(cls)
         cls.port = trb_fleet.free_port()

@@ -1,7 +1,7 @@
 """Robots of five makers join a fleet as a new user would have them do it: `trb node new`, `trb fleet invite`, `trb node join`, `trb up`,
 `trb robot try`, with the clock running.
 
-Addresses 127.0.242.x, 127.0.243.x.
+Addresses 127.0.210.x, 127.0.211.x.
 """
 import json
 import os
@@ -15,8 +15,8 @@ import unittest
 import support
 import trb_fleet
 
-BLOCK = 242
-UDP_PORT = 50242
+BLOCK = 210
+UDP_PORT = 50210
 # name: framework, description, arguments of the virtual robot; and what `trb node new` calls such a robot.
 ROBOTS = {
     "arm": ("ur", "ur3", []),
@@ -153,7 +153,7 @@ class Folder(unittest.TestCase):
                               stdin=subprocess.DEVNULL, **more)
 
     def good(self, name="arm", *more):
-        return [self.folder / name, "--robot", name, "--like", "ur", "--address", "127.0.243.9", "--network", "127.0.242.9", *more]
+        return [self.folder / name, "--robot", name, "--like", "ur", "--address", "127.0.211.9", "--network", "127.0.210.9", *more]
 
     def test_keys_are_private_and_a_folder_with_files_is_left_alone(self):
         self.assertEqual(self.new(f"{self.folder}/arm/", *self.good()[1:]).returncode, 0)
@@ -190,14 +190,14 @@ class Folder(unittest.TestCase):
     def test_a_person_at_a_terminal_is_asked(self):
         """For the address with the place where that maker's controller shows it."""
         master, slave = pty.openpty()
-        command = [support.PROGRAMS / "trb", "node", "new", self.folder / "arm", "--network", "127.0.242.9"]
+        command = [support.PROGRAMS / "trb", "node", "new", self.folder / "arm", "--network", "127.0.210.9"]
         child = subprocess.Popen(command, stdin=slave, stdout=slave, stderr=slave, preexec_fn=trb_fleet.end_with_parent)
         os.close(slave)
         self.addCleanup(os.close, master)
         self.addCleanup(child.wait)
         self.addCleanup(child.kill)
         self.shown = ""
-        for question, answer in (("name in the fleet", "arm"), ("what robot it is like", "kuka"), ("smartHMI", "127.0.243.9")):
+        for question, answer in (("name in the fleet", "arm"), ("what robot it is like", "kuka"), ("smartHMI", "127.0.211.9")):
             self.read_until(master, question)
             os.write(master, (answer + "\n").encode())
         self.read_until(master, "trb fleet invite")

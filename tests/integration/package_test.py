@@ -1,6 +1,6 @@
 """What is installed: nodes and a virtual robot run from there, and the example of common/service/README.md is built
 against the package outside the tree, started by `trb up`, hears a robot's fault and answers for it, by a bus of sockets
-and by one over TCP with CURVE. Addresses 127.0.197.x and 127.0.198.x.
+and by one over TCP with CURVE. Addresses 127.0.108.x and 127.0.109.x.
 """
 import json
 import os
@@ -50,7 +50,7 @@ class Package(unittest.TestCase):
         cls.package = cls.root / "somewhere" / "else"
         cls.install()
         OwnServiceFleet.program = cls.build_example()
-        cls.fleet = support.make_fleet(cls, OwnServiceFleet, programs=cls.package / "bin", block=197, udp_port=50197,
+        cls.fleet = support.make_fleet(cls, OwnServiceFleet, programs=cls.package / "bin", block=108, udp_port=50108,
                                        robots={ROBOT: trb_fleet.ROBOTS[ROBOT]})
         cls.fleet.start()  # waits until every service of node.json is up
         cls.fleet.wait_formed()

@@ -1,4 +1,4 @@
-"""The scenarios of ur_test.py once more, with the joints read by RTDE. Addresses 127.0.206.x and 127.0.207.x."""
+"""The scenarios of ur_test.py once more, with the joints read by RTDE. Addresses 127.0.132.x and 127.0.133.x."""
 import json
 import re
 
@@ -10,7 +10,7 @@ class RtdeFleet(ur_test.UrFleet):
     """Its commands.json has "rtde_port"."""
 
     def __init__(self, root, programs):
-        super().__init__(root, programs, block=206)
+        super().__init__(root, programs, block=132)
 
     def make_node(self, node):
         super().make_node(node)
