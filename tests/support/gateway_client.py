@@ -4,9 +4,11 @@ import gzip
 import http.client
 import json
 import os
+import select
 import socket
 import ssl
 import struct
+import threading
 
 
 class Answer:
@@ -94,9 +96,10 @@ class Client:
 
 
 class Live:
-    """The live stream: RFC 6455, as much of it as this needs."""
+    """The live stream: RFC 6455, as much of it as this needs. One thread may hear while another one says something."""
 
     def __init__(self, client, more):
+        self.lock = threading.Lock()  # OpenSSL takes one thread at a time
         self.contract = client.contract
         raw = socket.create_connection(("localhost", client.port), timeout=20)
         self.socket = client.tls.wrap_socket(raw, server_hostname="localhost")
@@ -107,7 +110,7 @@ class Live:
         text = "GET /api/v1/live HTTP/1.1\r\n" + "".join(f"{name}: {value}\r\n" for name, value in headers.items())
         self.socket.sendall((text + "\r\n").encode())
         while b"\r\n\r\n" not in self.buffer:
-            self.buffer += self.socket.recv(65536)
+            self.receive()
         head, self.buffer = self.buffer.split(b"\r\n\r\n", 1)
         self.status = int(head.split(b" ")[1])
 
@@ -115,14 +118,36 @@ class Live:
         data = word if isinstance(word, bytes) else json.dumps(word).encode()
         mask = os.urandom(4)
         size = bytes([0x80 | len(data)]) if len(data) < 126 else b"\xfe" + struct.pack(">H", len(data))
-        self.socket.sendall(b"\x81" + size + mask + bytes(byte ^ mask[i % 4] for i, byte in enumerate(data)))
+        self.send(b"\x81" + size + mask + bytes(byte ^ mask[i % 4] for i, byte in enumerate(data)))
+
+    def send(self, data):
+        with self.lock:
+            self.socket.sendall(data)
+
+    def receive(self):
+        """Some more bytes. It is waited for them without the lock: something may be said meanwhile."""
+        while True:
+            with self.lock:
+                timeout = self.socket.gettimeout()
+                self.socket.settimeout(0)
+                try:
+                    got = self.socket.recv(1 << 20)
+                    break
+                except ssl.SSLWantReadError:
+                    pass
+                finally:
+                    self.socket.settimeout(timeout)
+            ready = select.poll()
+            ready.register(self.socket, select.POLLIN)
+            if not ready.poll(None if timeout is None else timeout * 1000):
+                raise TimeoutError("the gateway says nothing")
+        if not got:
+            raise EOFError("the gateway has closed the connection")
+        self.buffer += got
 
     def take(self, count):
         while len(self.buffer) < count:
-            got = self.socket.recv(1 << 20)
-            if not got:
-                raise EOFError("the gateway has closed the connection")
-            self.buffer += got
+            self.receive()
         out, self.buffer = self.buffer[:count], self.buffer[count:]
         return out
 
@@ -143,7 +168,7 @@ class Live:
             if kind == 8:
                 return {"closed": struct.unpack(">H", data[:2])[0]}
             if kind == 9:
-                self.socket.sendall(b"\x8a" + bytes([0x80 | len(data)]) + b"\0\0\0\0" + data)
+                self.send(b"\x8a" + bytes([0x80 | len(data)]) + b"\0\0\0\0" + data)
             elif kind in (0, 1):
                 return self.checked(json.loads(data))
 
