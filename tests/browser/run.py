@@ -36,6 +36,7 @@ REPORTED = "pioneer1"
 DEGREES = 15
 SPEED = 4
 ORDER_S = 60
+SOON_S = 3  # a robot that is driven is seen to move within this
 MOVES_M = 0.002
 STILL_S = 0.4  # a robot that has not moved for so long stands
 STORIES_S = 600
@@ -95,17 +96,21 @@ class Orders:
         return math.dist(self.where(robot)[1], before) > MOVES_M
 
     def await_moving(self, robot):
-        self.fleet.wait(f"{robot} moves", lambda: self.moves(robot), ORDER_S)
+        """False: it does not, for its drive has ended meanwhile."""
+        try:
+            return self.fleet.wait(f"{robot} moves", lambda: self.moves(robot), SOON_S) >= 0
+        except TimeoutError:
+            return False
 
     def last_move(self, robot):
-        """When it moved last, in ms of the clock: once it has stood for a while."""
-        moved, place = self.where(robot)
-        end = moved + ORDER_S
+        """When it was last seen to move, in ms of the clock: once it has stood for a while. 0: it stood from the first look."""
+        start, place = self.where(robot)
+        moved, end = 0, start + ORDER_S
         while True:
             now, there = self.where(robot)
             if math.dist(there, place) > MOVES_M:
                 moved, place = now, there
-            if now - moved > STILL_S:
+            if now - (moved or start) > STILL_S:
                 return moved * 1000
             if now > end:
                 raise TimeoutError(f"{robot} still moves after {ORDER_S} s")
