@@ -73,13 +73,26 @@ export class Person {
   }
 
   async go(hash) {
-    await this.page.evaluate((to) => (location.hash = to), hash);
+    await this.page.evaluate((to) => new Promise((done) => { // until the page has heard of it: the view before has a heading, too
+      const before = location.hash;
+      addEventListener('hashchange', () => requestAnimationFrame(done), { once: true });
+      location.hash = to;
+      if (location.hash === before) done();
+    }), hash);
     await this.page.waitForSelector('main h1');
     await this.settled();
   }
 
-  /** Until nothing more is loaded, and two pictures have been drawn. */
+  /** Until nothing more is loaded, by the page's own word too, and two pictures have been drawn. */
   async settled() {
+    await this.page.waitForFunction(isLoaded).catch((error) => {
+      throw new Error(`${new URL(this.page.url()).hash} is still being loaded`, { cause: error });
+    });
+    await this.drawn();
+  }
+
+  /** Until two pictures have been drawn, whatever is still being loaded. */
+  async drawn() {
     await this.page.waitForLoadState('networkidle').catch(() => undefined);
     await this.page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
   }
@@ -98,9 +111,29 @@ export class Person {
     await this.page.waitForSelector('dialog[open] nav');
   }
 
+  /** What there is of which the page has a list that leads to each. */
+  async kinds() {
+    return this.page.evaluate(async () => {
+      const there = async (path, key) => (await (await fetch(`/api/v1/${path}`)).json())[key].length > 0;
+      const lists = { robots: there('robots', 'items'), runs: there('archive', 'runs'), alerts: there('alerts', 'items'), scenarios: there('scenarios', 'items') };
+      const all = await Promise.all(Object.entries(lists).map(async ([kind, is]) => ((await is) ? [kind] : [])));
+      return all.flat();
+    });
+  }
+
   /** Addresses below a view, as what is shown leads to them. */
   async details() {
     const links = await this.page.$$eval('main a[href^="#/"]', (all) => all.map((link) => link.getAttribute('href')));
     return links.filter((link) => link.split('/').length > 2);
   }
+}
+
+/** Nothing says that it is being loaded, but for a sensor's value or picture, which may never come. Runs in the page. */
+function isLoaded() {
+  const texts = document.createTreeWalker(document.querySelector('main') ?? document.createElement('p'), NodeFilter.SHOW_TEXT);
+  while (texts.nextNode()) {
+    const { data, parentElement } = texts.currentNode;
+    if (/^(Loading|Chargement) …$/.test(data.trim()) && !parentElement.closest('.value, figure')) return false;
+  }
+  return true;
 }

@@ -38,14 +38,14 @@ async function visit(browser, settings, people, prepare) {
   const views = [];
   await inEachView(person, async (hash) => {
     if (hash === '#/messages') await awaitMessage(page);
-    await openAll(page);
+    await openAll(person);
     if ((await page.innerText('body')).includes('<img src=x')) views.push(hash);
     await innocent(person, hash);
   }, { most: 3 });
   for (const path of ['robots', 'runs', 'alerts', 'sensors/cloud', 'scenarios', TEXT]) {
     await page.evaluate((to) => (location.hash = to), `#/${path}/${encodeURIComponent(TEXT)}`);
     person.expected.push(/status of 4\d\d/);
-    await person.settled();
+    await person.drawn(); // of what nobody has it may say for ever that it is being loaded
     await innocent(person, path);
   }
   await trapWorks(page);
@@ -60,10 +60,11 @@ async function awaitMessage(page) {
 }
 
 /** What is folded, and what a press shows. */
-async function openAll(page) {
+async function openAll(person) {
+  const { page } = person;
   await page.$$eval('main details', (all) => all.forEach((one) => (one.open = true)));
   for (const one of await page.$$('main tbody button[aria-pressed=false]:enabled, main .graph button')) await one.evaluate((button) => button.click());
-  await page.waitForTimeout(200);
+  await person.settled();
 }
 
 async function innocent(person, where) {

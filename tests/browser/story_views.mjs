@@ -5,6 +5,8 @@ import { Person } from './person.mjs';
 import { order } from './starter.mjs';
 
 const WITHIN_MS = 3000;
+/** From the keys to the order: what half of the views take. */
+const ASKED_MS = 1000;
 
 /** An admin, who is shown every view there is. */
 async function admin(browser, settings, people) {
@@ -17,10 +19,10 @@ async function admin(browser, settings, people) {
 /** Calls `what` in each listed view, and in one (or `most`) of each kind that these lead to. */
 export async function inEachView(person, what, { most = 1 } = {}) {
   const todo = [...(await person.listed())];
+  const kinds = await person.kinds();
   const counts = new Map();
   for (const hash of todo) {
     await person.go(hash);
-    await person.page.waitForTimeout(300); // rows come by the live stream
     for (const link of await person.details()) {
       const kind = link.split('/')[1];
       const count = counts.get(kind) ?? 0;
@@ -30,6 +32,7 @@ export async function inEachView(person, what, { most = 1 } = {}) {
     }
     await what(hash, hash.split('/').length > 2 ? `${hash.split('/')[1]}-one` : hash.split('/')[1]);
   }
+  for (const kind of kinds) if (!todo.some((hash) => hash.startsWith(`#/${kind}/`))) person.faults.push(`none of ${kind} was visited, only ${todo.join(' ')}`);
   return todo;
 }
 
@@ -59,20 +62,23 @@ export async function keyboardAlone(browser, settings, people) {
 
 export async function stopsAll(browser, settings, people) {
   const person = await admin(browser, settings, people);
-  let slowest = 0;
+  const took = [];
   await inEachView(person, async (hash) => {
     const start = Date.now();
-    const asked = person.page.waitForRequest((one) => one.method() === 'POST' && one.url().endsWith('/api/v1/stop'), { timeout: 1000 });
+    const asked = person.page.waitForRequest((one) => one.method() === 'POST' && one.url().endsWith('/api/v1/stop'), { timeout: 15000 });
     await person.page.keyboard.press('Shift+Escape');
     await asked.catch(() => person.faults.push(`Shift+Esc does nothing in ${hash}`));
-    slowest = Math.max(slowest, Date.now() - start);
+    took.push(Date.now() - start);
   });
   await person.page.waitForSelector('text=/Stopped: (\\d+) of \\1 have confirmed/');
   await person.go('#/hall');
   await person.page.waitForSelector('li:has-text("stopped")');
   await order('release');
   await person.page.waitForSelector('.counts li:has-text("stopped")', { state: 'detached' });
-  return `asked after at most ${slowest} ms`;
+  took.sort((a, b) => a - b);
+  const median = took[Math.floor(took.length / 2)];
+  if (median > ASKED_MS) person.faults.push(`it is asked for only after ${median} ms (median)`);
+  return `asked after ${median} ms (median), at most ${took.at(-1)} ms`;
 }
 
 export async function connectionLost(browser, settings, people) {
