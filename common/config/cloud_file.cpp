@@ -48,6 +48,16 @@ void take_names(std::vector<std::string> names, const FileFaults& faults, CloudS
   out.names = std::move(names);
 }
 
+void take_proxies(std::vector<std::string> proxies, const FileFaults& faults, CloudSettings& out) {
+  for (std::size_t i = 0; i < proxies.size(); ++i) {
+    const std::string& one = proxies[i];
+    if (is_numeric_endpoint((one.find(':') == std::string::npos ? one : "[" + one + "]") + ":1")) continue;
+    faults.add("proxies[" + std::to_string(i) + "]", "'" + one + "' is no numeric address",
+               R"(write the address from which the proxy connects: "10.0.0.7")");
+  }
+  out.proxies = std::move(proxies);
+}
+
 constexpr std::string_view kUrl = "postgresql://";
 constexpr const char* kDatabaseHint =
     "write postgresql://USER@HOST:PORT/NAME, or postgresql://USER@/NAME?host=/FOLDER for a socket on this machine; "
@@ -156,6 +166,7 @@ CloudSettings read_cloud(const Value& json, const std::string& file, ConfigFault
   ObjectReader reader(json, "", sink);
   if (const auto listen = reader.text("listen", Need::optional)) take_listen(*listen, sink, out);
   take_names(reader.texts("names", Need::optional, kMaxNames), sink, out);
+  take_proxies(reader.texts("proxies", Need::optional, kMaxNames), sink, out);
   if (const Value* history = reader.value("history", Need::optional)) take_history(*history, sink, out);
   if (const auto database = reader.text("database", Need::optional)) take_database(*database, sink, out);
   reader.refuse_unknown_keys();

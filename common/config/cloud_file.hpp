@@ -30,6 +30,8 @@ struct CloudSettings {
   /// Host names by which people reach it, of the certificate and the page's address; with a port, if that of a proxy
   /// is another one.
   std::vector<std::string> names;
+  /// Numeric addresses of proxies: many people's connections come from one.
+  std::vector<std::string> proxies;
 
   std::uint32_t history_days = 30;  ///< what is older goes
   std::uint32_t history_mb = 256;   ///< what is more goes, the oldest first
@@ -40,7 +42,8 @@ struct CloudSettings {
   [[nodiscard]] std::vector<std::string> origins() const;
 };
 
-/// "listen": "HOST:PORT", "names": ["hall.example", "hall.example:443"], "history": {"days": 30, "megabytes": 256},
+/// "listen": "HOST:PORT", "names": ["hall.example", "hall.example:443"], "proxies": ["10.0.0.7"],
+/// "history": {"days": 30, "megabytes": 256},
 /// "database": "postgresql://USER@HOST:PORT/NAME" or "postgresql://USER@/NAME?host=/FOLDER/OF/ITS/SOCKET".
 CloudSettings read_cloud(const Value& json, const std::string& file, ConfigFaults& faults);
 /// NODE_DIR/cloud.json; the file is optional.

@@ -50,6 +50,17 @@ TEST_CASE("cloud.json: what is wrong is named with the cure") {
   CHECK(cloud_of(R"({"history": 30})").faults.size() == 1);
 }
 
+TEST_CASE("cloud.json: proxies are numeric addresses") {
+  const ReadCloud read = cloud_of(R"({"proxies": ["10.0.0.7", "fd00::7"]})");
+  CHECK(read.faults.empty());
+  CHECK(read.settings.proxies == std::vector<std::string>{"10.0.0.7", "fd00::7"});
+  for (const char* wrong : {"proxy.example", "10.0.0.7:443", "[fd00::7]", "10.0.0", "fd00::7]:2", ""}) {
+    const ReadCloud refused = cloud_of(R"({"proxies": ["10.0.0.7", ")" + std::string(wrong) + R"("]})");
+    REQUIRE(refused.faults.size() == 1);
+    CHECK(refused.faults[0].key == "proxies[1]");
+  }
+}
+
 TEST_CASE("cloud.json: how much history is kept") {
   CHECK(cloud_of("{}").settings.history_days == 30);
   const ReadCloud read = cloud_of(R"({"history": {"days": 7, "megabytes": 64}})");

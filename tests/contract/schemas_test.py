@@ -159,6 +159,8 @@ BAD = [
     ("cloud", "cloud/every-interface.json", ["listen"], 8443),
     ("cloud", "cloud/every-interface.json", ["names"], "hall.example"),
     ("cloud", "cloud/every-interface.json", ["names", 0], "Hall Example"),
+    ("cloud", "cloud/every-interface.json", ["proxies"], ["proxy.example"]),
+    ("cloud", "cloud/every-interface.json", ["proxies"], "10.0.0.7"),
     ("cloud", "cloud/every-interface.json", ["port"], 8443),
     ("metrics", "metrics/this-machine.json", ["listen"], "0.0.0.0:9464"),
     ("metrics", "metrics/this-machine.json", ["listen"], 9464),

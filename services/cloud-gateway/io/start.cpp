@@ -32,6 +32,7 @@ HttpServerSettings server_settings(const TlsFiles& files, const CloudSettings& c
   HttpServerSettings out;
   out.address = cloud.address;
   out.port = cloud.port;
+  out.proxies = cloud.proxies;
   out.certificate_file = files.certificate;
   out.key_file = files.key;
   return out;

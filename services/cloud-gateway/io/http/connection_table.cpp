@@ -26,9 +26,16 @@ std::string source_of(std::string_view address) {
   return text_of(AF_INET6, &v6) + "/64";
 }
 
+ConnectionTable::ConnectionTable(std::size_t most, std::size_t most_of_source, std::size_t most_of_proxy,
+                                 const std::vector<std::string>& proxies)
+    : most_(most), most_of_source_(most_of_source), most_of_proxy_(most_of_proxy) {
+  for (const std::string& one : proxies) proxies_.insert(source_of(one));
+}
+
 ConnectionTable::Room ConnectionTable::room_for(const std::string& source) const {
   const auto of_source = of_source_.find(source);
-  if (of_source != of_source_.end() && of_source->second >= most_of_source_) return Room::source_full;
+  const std::size_t most = proxies_.contains(source) ? most_of_proxy_ : most_of_source_;
+  if (of_source != of_source_.end() && of_source->second >= most) return Room::source_full;
   return size_ < most_ ? Room::free : Room::full;
 }
 

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <map>
+#include <set>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace trb::gateway {
 
@@ -14,10 +16,12 @@ std::string source_of(std::string_view address);
 
 class ConnectionTable {
  public:
-  ConnectionTable(std::size_t most, std::size_t most_of_source) : most_(most), most_of_source_(most_of_source) {}
+  /// `proxies`: addresses whose connections are those of many people.
+  ConnectionTable(std::size_t most, std::size_t most_of_source, std::size_t most_of_proxy = 0,
+                  const std::vector<std::string>& proxies = {});
 
   enum class Room { free, full, source_full };
-  /// Is there room for one more? `source_full` comes first: to close another connection would not help.
+  /// Is there room for one more? `source_full` comes first: to close a connection of another source would not help.
   [[nodiscard]] Room room_for(const std::string& source) const;
   void add(const std::string& source);
   void remove(const std::string& source);
@@ -26,6 +30,8 @@ class ConnectionTable {
  private:
   std::size_t most_;
   std::size_t most_of_source_;
+  std::size_t most_of_proxy_;
+  std::set<std::string> proxies_;  ///< as sources
   std::size_t size_ = 0;
   std::map<std::string, std::size_t> of_source_;
 };

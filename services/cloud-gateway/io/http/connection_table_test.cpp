@@ -33,3 +33,17 @@ TEST_CASE("there is room for so many of one source, and for so many in all") {
   table.remove("nobody");
   CHECK(table.size() == 2);
 }
+
+TEST_CASE("a proxy has a bound of its own, for it brings many people") {
+  using Room = ConnectionTable::Room;
+  ConnectionTable table(9, 1, 3, {"::ffff:192.0.2.7", "2001:db8::1"});
+  table.add("192.0.2.8");
+  CHECK(table.room_for("192.0.2.8") == Room::source_full);
+  for (const char* proxy : {"192.0.2.7", "2001:db8::/64"}) {
+    table.add(proxy);
+    table.add(proxy);
+    CHECK(table.room_for(proxy) == Room::free);
+    table.add(proxy);
+    CHECK(table.room_for(proxy) == Room::source_full);
+  }
+}

@@ -57,7 +57,7 @@ class Server final : public HttpServer, private ConnectionOwner {
         handler_(handler),
         tls_(TlsContext::tls_server),
         listener_(std::make_shared<Listener>(loop)),
-        table_(settings_.max_connections, settings_.max_of_source) {}
+        table_(settings_.max_connections, settings_.max_of_source, settings_.max_of_proxy, settings_.proxies) {}
   ~Server() override;
   Status begin();
 
@@ -85,7 +85,7 @@ class Server final : public HttpServer, private ConnectionOwner {
   void on_accepted(Problem problem, tcp::socket socket);
   void admit(tcp::socket socket);
   [[nodiscard]] bool make_room(const std::string& source);
-  Rows::iterator longest_idle();
+  Rows::iterator longest_idle(const std::string* source);
   void drop(Rows::iterator row);
   [[nodiscard]] std::vector<std::shared_ptr<Connection>> all() const;
 
@@ -173,16 +173,18 @@ void Server::admit(tcp::socket socket) {
 
 bool Server::make_room(const std::string& source) {
   const auto room = table_.room_for(source);
-  if (room != ConnectionTable::Room::full) return room == ConnectionTable::Room::free;
-  const auto oldest = longest_idle();
+  if (room == ConnectionTable::Room::free) return true;
+  const auto oldest = longest_idle(room == ConnectionTable::Room::source_full ? &source : nullptr);
   if (oldest == rows_.end()) return false;
   drop(oldest);
   return true;
 }
 
-Server::Rows::iterator Server::longest_idle() {
+/// Of all, or of one source.
+Server::Rows::iterator Server::longest_idle(const std::string* source) {
   auto out = rows_.end();
   for (auto at = rows_.begin(); at != rows_.end(); ++at) {
+    if (source != nullptr && at->second.source != *source) continue;
     const auto since = at->second.connection->idle_since();
     if (since && (out == rows_.end() || *since < *out->second.connection->idle_since())) out = at;
   }

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "common/base/result.hpp"
 #include "common/base/time.hpp"
@@ -46,13 +47,15 @@ struct HttpServerSettings {
   std::string certificate_file;       ///< PEM, the chain
   std::string key_file;               ///< PEM
   std::size_t max_connections = 1024;
-  std::size_t max_of_source = 64;  ///< connections of one address (for IPv6: one /64)
+  std::size_t max_of_source = 64;    ///< connections of one address (for IPv6: one /64)
+  std::vector<std::string> proxies;  ///< numeric addresses that many people come by
+  std::size_t max_of_proxy = 512;    ///< connections of one of them
   HttpTimes times{};
 };
 
 /// Bounds: kMaxRequestHead, kMaxRequestBody, HttpTimes. Over max_connections the one that has waited longest for a
 /// request, or for the end of its handshake (no request under way, not a WebSocket), is closed; if there is none, the
-/// new one. Over max_of_source the new one is closed.
+/// new one. Over max_of_source, or max_of_proxy, the same among those of that address.
 class HttpServer {
  public:
   /// Listens from now on. `loop` and `handler` must outlive it. Errors: io_error (address, port), bad_value

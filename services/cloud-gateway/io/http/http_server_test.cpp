@@ -78,19 +78,47 @@ TEST_CASE("server: who sends nothing, or headers without an end, is let go") {
   }
 }
 
-TEST_CASE("server: one address has so many connections and no more; the others are served") {
+TEST_CASE("server: one address has so many connections and no more; those under way are served") {
   HttpServerSettings settings;
   settings.max_of_source = 2;
   ServerFixture fixture(settings);
   TlsClient one = fixture.client();
   TlsClient two = fixture.client();
-  one.say(kGet);
-  two.say(kGet);
-  CHECK(two.hear("/a ").starts_with("HTTP/1.1 200"));
+  one.say(get("/later"));
+  two.say(get("/later"));
+  REQUIRE(fixture.until([&] { return fixture.handler.kept.size() == 2; }));
   TlsClient three = fixture.client();
   three.hear("never");
   CHECK(three.ended);
-  CHECK(one.hear("/a ").starts_with("HTTP/1.1 200"));
+  for (const Reply& reply : fixture.handler.kept) reply({});
+  CHECK(one.hear("\r\n\r\n").starts_with("HTTP/1.1 200"));
+  CHECK(two.hear("\r\n\r\n").starts_with("HTTP/1.1 200"));
+}
+
+TEST_CASE("server: given a full address, then its connection that was idle for longest makes room for its next one") {
+  HttpServerSettings settings;
+  settings.max_of_source = 2;
+  ServerFixture fixture(settings);
+  IdleAndBusy clients(fixture);
+  auto& [idle, busy] = clients;
+  TlsClient stop = fixture.client();
+  stop.say(kGet);
+  CHECK(stop.hear("/a ").starts_with("HTTP/1.1 200"));
+  CHECK(idle.is_dropped());
+  CHECK(fixture.server->connections() == 2);
+  fixture.handler.kept.at(0)({});
+  CHECK(busy.hear("\r\n\r\n").starts_with("HTTP/1.1 200"));
+}
+
+TEST_CASE("server: the address of a proxy has more connections") {
+  HttpServerSettings settings;
+  settings.max_of_source = 1;
+  settings.max_of_proxy = 2;
+  settings.proxies = {"127.0.0.1"};
+  ServerFixture fixture(settings);
+  IdleAndBusy clients(fixture);
+  clients.idle.say(kGet);
+  CHECK(clients.idle.hear("/a ").starts_with("HTTP/1.1 200"));
 }
 
 TEST_CASE("server: when it stops, idle connections end and nobody else comes in") {
