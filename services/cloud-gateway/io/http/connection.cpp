@@ -118,6 +118,8 @@ void HttpConnection::start() {
 Duration HttpConnection::time_of(Phase phase) const {
   const HttpTimes& times = owner_->times();
   switch (phase) {
+    case Phase::handshake:
+      return times.handshake;
     case Phase::waiting:
       return turn_ == 0 ? times.head : times.idle;
     case Phase::body:

@@ -67,6 +67,18 @@ TEST_CASE("server: what is no HTTP, two lengths, too long headers and a body ove
   }
 }
 
+TEST_CASE("server: who begins no handshake is let go") {
+  ServerFixture fixture(with_time(&HttpTimes::handshake, std::chrono::milliseconds(50)));
+  boost::asio::ip::tcp::socket stranger(fixture.loop);
+  stranger.connect({boost::asio::ip::address_v4::loopback(), fixture.server->port()});
+  boost::system::error_code ended;
+  char byte = 0;
+  stranger.async_receive(boost::asio::buffer(&byte, 1),
+                         [&](boost::system::error_code problem, std::size_t) { ended = problem; });
+  CHECK(fixture.until([&] { return ended == boost::asio::error::eof; }));
+  CHECK(fixture.until_alone());
+}
+
 TEST_CASE("server: who sends nothing, or headers without an end, is let go") {
   for (const char* begun : {"", "GET / HT"}) {
     ServerFixture fixture(impatient());
