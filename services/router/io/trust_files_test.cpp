@@ -1,6 +1,8 @@
 // The files of trust in a node's folder.
 #include "services/router/io/trust_files.hpp"
 
+#include <sys/stat.h>
+
 #include "common/base/files.hpp"
 #include "proto/body.hpp"
 #include "services/router/test/test_shell.hpp"
@@ -8,6 +10,16 @@
 
 using namespace trb;
 using namespace trb::router;
+
+namespace {
+
+ino_t inode_of(const char* path) {
+  struct stat of {};
+  REQUIRE(::stat(path, &of) == 0);
+  return of.st_ino;
+}
+
+}  // namespace
 
 TEST_CASE("boot, time and peers are written as the next start reads them") {
   ShellParts parts;
@@ -24,9 +36,12 @@ TEST_CASE("a trust update is written whole, and again only if it is another one"
   const TrustUpdate update{list_of(parts.ant.authority, 1, {"bee"}), {}};
   parts.files.store(StoreUpdate{update, 0, ""});
   CHECK(*read_file("state/news") == encode(update));
-  const auto written = std::filesystem::last_write_time("state/news");
+  // A file is written beside the old one, and takes its place.
+  const ino_t written = inode_of("state/news");
   parts.files.store(StoreUpdate{update, 0, ""});
-  CHECK(std::filesystem::last_write_time("state/news") == written);
+  CHECK(inode_of("state/news") == written);
+  parts.files.store(StoreUpdate{{list_of(parts.ant.authority, 2, {"bee"}), {}}, 0, ""});
+  CHECK(inode_of("state/news") != written);
 }
 
 TEST_CASE("a beacon key that this node cannot open leaves the old one in use") {
