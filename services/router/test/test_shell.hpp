@@ -68,10 +68,10 @@ struct ShellParts {
     }
     return found;
   }
-  /// Runs the loop until the condition holds; false after five seconds.
+  /// Runs the loop until the condition holds; false after a minute.
   template <class Condition>
   bool turn_until(Condition condition) {
-    const MonotonicTime end = read_clocks().mono + std::chrono::seconds(5);
+    const MonotonicTime end = read_clocks().mono + std::chrono::seconds(60);
     if (!looks_) shell.loop().add_timer([] { return std::optional(read_clocks().mono + kLook); }, [](Now) {});
     looks_ = true;
     while (read_clocks().mono < end) {
