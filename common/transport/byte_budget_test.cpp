@@ -13,6 +13,7 @@ using namespace trb;
 
 namespace {
 
+constexpr Duration kPatience = std::chrono::seconds(60);
 constexpr std::size_t kKilo = 1024;
 constexpr std::size_t kMega = 1024 * kKilo;
 /// Pictures that a client which does not read has room for: its queue, the kernel's, and the four of the budget. A slow
@@ -24,7 +25,7 @@ std::shared_ptr<ByteBudget> budget(std::size_t most, std::shared_ptr<ByteBudget>
 }
 
 bool becomes(const ByteBudget& one, std::size_t used) {
-  const auto until = read_clocks().mono + std::chrono::seconds(5);
+  const auto until = read_clocks().mono + kPatience;
   while (one.used() != used && read_clocks().mono < until) std::this_thread::yield();
   return one.used() == used;
 }
@@ -46,7 +47,7 @@ struct Pair {
   Bytes hello() {
     Frame id;
     Frame word;
-    const auto until = read_clocks().mono + std::chrono::seconds(5);
+    const auto until = read_clocks().mono + kPatience;
     while (client.send(to_frame("hello")) != SendResult::sent && read_clocks().mono < until) std::this_thread::yield();
     while (!server.receive(id) && read_clocks().mono < until) std::this_thread::yield();
     REQUIRE(server.receive(word));
@@ -135,7 +136,7 @@ TEST_CASE("who does not read gets as many bytes as its budget has, small words s
   CHECK(pair.send(id, within, frame) == SendResult::sent);
   Frame heard;
   std::size_t pictures = 0;
-  const auto until = read_clocks().mono + std::chrono::seconds(10);
+  const auto until = read_clocks().mono + kPatience;
   while (view_of(heard) != "stop" && read_clocks().mono < until) {
     if (pair.client.receive(heard)) pictures += heard.size() == kMega ? 1 : 0;
   }
