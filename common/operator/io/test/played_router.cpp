@@ -42,7 +42,7 @@ void PlayedRouter::send(const Body& body, std::uint64_t reply_to) {
 }
 
 Message PlayedRouter::expect(BusSession& bus, std::string_view subtype) {
-  const MonotonicTime end = read_clocks().mono + std::chrono::seconds(5);
+  const MonotonicTime end = read_clocks().mono + std::chrono::seconds(60);
   while (read_clocks().mono < end) {
     turn(bus);
     if (auto message = receive(); message && message->subtype == subtype) return *message;

@@ -28,7 +28,7 @@ class PlayedRouter {
   static void turn(BusSession& bus);
   template <class Condition>
   static bool turn_until(BusSession& bus, const Condition& condition) {
-    const MonotonicTime end = read_clocks().mono + std::chrono::seconds(5);
+    const MonotonicTime end = read_clocks().mono + std::chrono::seconds(60);
     bool met = condition();
     for (; !met && read_clocks().mono < end; met = condition()) turn(bus);
     return met;
