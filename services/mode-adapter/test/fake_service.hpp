@@ -34,10 +34,10 @@ class FakeService : public LooplessService {
     for (Log& log : out.logs) logs.push_back(std::move(log.event));
   }
 
-  /// Runs turns until it is true, for 5 s at most.
+  /// Runs turns until it is true, for a minute at most.
   template <class Condition>
   bool until(Condition condition) {
-    const MonotonicTime end = trb::now().mono + seconds(5);
+    const MonotonicTime end = trb::now().mono + seconds(60);
     while (!condition()) {
       if (end < trb::now().mono) return false;
       turn();

@@ -1,11 +1,10 @@
 // What keeps a robot out of use: it stands until its end is reported, over restarts and full disks.
 #include "services/mode-adapter/io/out_of_use_file.hpp"
 
-#include <unistd.h>
-
 #include <filesystem>
 
 #include "common/base/files.hpp"
+#include "common/base/test/temporary_folder.hpp"
 #include "services/mode-adapter/test/fixture.hpp"
 
 using namespace trb;
@@ -251,9 +250,9 @@ TEST_CASE("the skills and the numbers of the description are told") {
 }
 
 TEST_CASE("the file: what was kept is read again, and one that is broken keeps the robot out of use") {
-  const std::string folder = std::filesystem::temp_directory_path() / ("trb-kept-" + std::to_string(::getpid()));
-  std::filesystem::create_directories(folder + "/state");
-  const OutOfUseFile file(folder);
+  const TemporaryFolder folder;
+  std::filesystem::create_directories(folder.path + "/state");
+  const OutOfUseFile file(folder.path);
   CHECK(file.read().empty());
   const std::vector<Kept> lines = {
       {"rule heat", {"mobile", Severity::fatal, "\"hot\"\n", 1'795'000'000'000'000'123, false, ""}},
@@ -265,10 +264,10 @@ TEST_CASE("the file: what was kept is read again, and one that is broken keeps t
   CHECK(read[0].what == lines[0].what);
   CHECK(read[1].what == lines[1].what);
   for (const char* broken : {"", "{}", "{\"out_of_use\":[{}]}", "{\"out_of_use\":[{\"cause\":\"\"}]}"}) {
-    REQUIRE(write_file(folder + "/state/out_of_use.json", broken));
+    REQUIRE(write_file(folder.path + "/state/out_of_use.json", broken));
     REQUIRE(file.read().size() == 1);
     CHECK(file.read()[0].what.capability.empty());
   }
-  std::filesystem::remove_all(folder);
-  CHECK_FALSE(OutOfUseFile(folder).save(lines));
+  std::filesystem::remove_all(folder.path);
+  CHECK_FALSE(OutOfUseFile(folder.path).save(lines));
 }

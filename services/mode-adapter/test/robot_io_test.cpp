@@ -5,6 +5,7 @@
 
 #include <filesystem>
 
+#include "common/base/test/temporary_folder.hpp"
 #include "services/mode-adapter/io/fence_file.hpp"
 #include "services/mode-adapter/test/fake_service.hpp"
 #include "services/mode-adapter/test/fixture.hpp"
@@ -13,6 +14,9 @@ using namespace trb;
 using namespace trb::adapter;
 
 namespace {
+
+/// A robot's own: no connection of anybody else has a port there.
+constexpr const char* kRobot = "127.0.27.1";
 
 struct Node {
   explicit Node(Settings settings, RobotIoSettings links = {kLoopback, 0, kLoopback, {}, {}})
@@ -117,14 +121,18 @@ TEST_CASE("io: a robot that does not read is let go, one message of a megabyte i
 }
 
 TEST_CASE("io: a controller is dialled until it is there, and again when it is lost") {
-  Descriptor commands = std::move(*tcp_listen(kLoopback, 0));
-  Descriptor monitor = std::move(*tcp_listen(kLoopback, 0));
+  Descriptor commands = std::move(*tcp_listen(kRobot, 0));
+  Descriptor monitor = std::move(*tcp_listen(kRobot, 0));
   const auto monitor_port = local_port(monitor.get());
   monitor.reset();  // refused at first
-  Node node(ur3(), {kLoopback, 0, kLoopback, local_port(commands.get()), monitor_port});
+  Node node(ur3(), {kLoopback, 0, kRobot, local_port(commands.get()), monitor_port});
   Accepted command_side;
   REQUIRE(node.service.until([&] { return bool((command_side = tcp_accept(commands.get())).fd); }));
-  monitor = std::move(*tcp_listen(kLoopback, monitor_port));
+  REQUIRE(node.service.until([&] {
+    auto again = tcp_listen(kRobot, monitor_port);
+    if (again) monitor = std::move(*again);
+    return again.ok();  // else somebody who listens on every address has the port
+  }));
   for (int round = 0; round < 2; ++round) {
     Accepted monitor_side;
     REQUIRE(node.service.until([&] { return bool((monitor_side = tcp_accept(monitor.get())).fd); }));
@@ -152,15 +160,14 @@ TEST_CASE("io: an address that is in use, or none, is said when opening") {
 }
 
 TEST_CASE("io: the fence is a file, and lifting it twice is fine") {
-  const std::string folder = std::filesystem::temp_directory_path() / ("trb_fence_" + std::to_string(::getpid()));
-  std::filesystem::create_directories(folder + "/state");
-  const FenceFile fence(folder);
+  const TemporaryFolder folder;
+  std::filesystem::create_directories(folder.path + "/state");
+  const FenceFile fence(folder.path);
   CHECK_FALSE(fence.set());
   CHECK(fence.save(true));
-  CHECK(FenceFile(folder).set());
+  CHECK(FenceFile(folder.path).set());
   CHECK(fence.save(false));
   CHECK(fence.save(false));
   CHECK_FALSE(fence.set());
-  CHECK_FALSE(FenceFile(folder + "/nowhere").save(true));
-  std::filesystem::remove_all(folder);
+  CHECK_FALSE(FenceFile(folder.path + "/nowhere").save(true));
 }

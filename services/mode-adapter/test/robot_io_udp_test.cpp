@@ -12,19 +12,23 @@ using namespace trb::adapter;
 
 namespace {
 
-/// A drone's socket, bound to a free port of the loopback.
+/// A drone's own address: the node's sockets have no port there.
+constexpr const char* kDrone = "127.0.27.2";
+
+/// A drone's socket, bound to a port of its address.
 struct DroneSocket {
-  DroneSocket() : fd(::socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0)) { bind_to(0); }
-  explicit DroneSocket(std::uint16_t at) : fd(::socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0)) {
-    bind_to(at);
-  }
-  void bind_to(std::uint16_t at) {
+  struct Unbound {};
+  explicit DroneSocket(Unbound) : fd(::socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0)) {}
+  DroneSocket() : DroneSocket(Unbound{}) { REQUIRE(bind_to(0)); }
+  /// 0: any free one. False: it is taken.
+  bool bind_to(std::uint16_t at) {
     sockaddr_in where{};
     where.sin_family = AF_INET;
     where.sin_port = htons(at);
-    inet_pton(AF_INET, kLoopback, &where.sin_addr);
-    REQUIRE(::bind(fd.get(), reinterpret_cast<sockaddr*>(&where), sizeof where) == 0);
+    inet_pton(AF_INET, kDrone, &where.sin_addr);
+    const bool is_bound = ::bind(fd.get(), reinterpret_cast<sockaddr*>(&where), sizeof where) == 0;
     port = local_port(fd.get());
+    return is_bound;
   }
   /// True if a datagram has come; `last` holds it then.
   bool heard() {
@@ -49,7 +53,7 @@ struct DroneNode {
   DroneNode(std::uint16_t commands, std::uint16_t monitor)
       : core(
             drone(), [](bool) { return Status(Done{}); }, [](const std::vector<Kept>&) { return Status(Done{}); }),
-        io(*RobotIo::open({kLoopback, 0, kLoopback, commands, monitor, true}, service, core)) {
+        io(*RobotIo::open({kLoopback, 0, kDrone, commands, monitor, true}, service, core)) {
     service.after_sends([this] { io->carry_out(core.take_robot_output()); });
     service.timer([this] { return core.next_deadline(); },
                   [this](Now) { service.step([this](Now at, Outbox& out) { core.tick(at, out); }); });
@@ -89,7 +93,8 @@ TEST_CASE("io: a host that has nobody on the port is told as down, and the drone
   DroneSocket commands;
   DroneNode node(commands.port, free_port);
   REQUIRE(node.service.until([&] { return node.service.logged("robot_lost") > 0; }));
-  DroneSocket monitor(free_port);
+  DroneSocket monitor(DroneSocket::Unbound{});
+  REQUIRE(node.service.until([&] { return monitor.bind_to(free_port); }));
   REQUIRE(node.service.until([&] { return monitor.heard(); }));
   monitor.say(navdata(1, kOnGround));
   REQUIRE(node.service.until([&] { return online(node); }));
