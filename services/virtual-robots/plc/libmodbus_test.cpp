@@ -43,7 +43,7 @@ class Plc {
     ::close(stdout_);
   }
 
-  /** Waits for a line that begins with this, 10 s at most. */
+  /** Waits for a line that begins with this, a minute at most. */
   std::string line_with(const std::string& begin) {
     for (;;) {
       const std::size_t end = text_.find('\n');
@@ -54,7 +54,7 @@ class Plc {
         continue;
       }
       pollfd entry{stdout_, POLLIN, 0};
-      REQUIRE_MESSAGE(::poll(&entry, 1, 10'000) == 1, begin);
+      REQUIRE_MESSAGE(::poll(&entry, 1, 60'000) == 1, begin);
       std::array<char, 4096> buffer{};
       const ssize_t size = ::read(stdout_, buffer.data(), buffer.size());
       REQUIRE_MESSAGE(size > 0, begin);
@@ -72,6 +72,7 @@ class Plc {
 
 struct Client {
   explicit Client(int port) : modbus(modbus_new_tcp(kAddress, port), modbus_free) {
+    REQUIRE(modbus_set_response_timeout(modbus.get(), 60, 0) == 0);  // its own is half a second
     REQUIRE(modbus_connect(modbus.get()) == 0);
   }
   ~Client() { modbus_close(modbus.get()); }
