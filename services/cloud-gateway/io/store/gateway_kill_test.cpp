@@ -1,4 +1,5 @@
 // kill -9 in the middle of a save: nothing that was acknowledged is lost, nothing is there half.
+#include <poll.h>
 #include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -6,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <chrono>
 
 #include "common/audit/audit_verify.hpp"
 #include "services/cloud-gateway/io/store/test/store_folder.hpp"
@@ -52,6 +54,21 @@ std::uint64_t next_number(int from) {
   return got == sizeof number ? number : 0;
 }
 
+/// PostgreSQL's process of a connection goes on for a moment after its client is killed, and may commit.
+void wait_for_backends() {
+  if (postgres_turn() == nullptr) return;
+  const auto others = [] {
+    return postgres_turn()->value(
+        "SELECT count(*)::text FROM pg_stat_activity WHERE backend_type = 'client backend' AND pid <> "
+        "pg_backend_pid()");
+  };
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+  while (others() != "0") {
+    REQUIRE(std::chrono::steady_clock::now() < end);
+    ::poll(nullptr, 0, 5);  // its end is nothing that could be waited for
+  }
+}
+
 /// Kills the child after so many saves; returns the last number that it has acknowledged.
 std::uint64_t save_and_kill(const StoreFolder& folder, int saves) {
   std::array<int, 2> ends{};
@@ -68,6 +85,7 @@ std::uint64_t save_and_kill(const StoreFolder& folder, int saves) {
   int status = 0;
   REQUIRE(::waitpid(child, &status, 0) == child);
   CHECK(WIFSIGNALED(status));
+  wait_for_backends();
   return last;
 }
 
