@@ -184,16 +184,21 @@ TEST_CASE("two gateways see the same fleet: one of them writes it, and the other
     const StoreFolder folder;
     const auto one = opened_history(folder, {}, "cloud");
     const auto two = opened_history(folder, {}, "cloud2");
+    // A writer's lease of 3 s ends when the test says so.
+    const auto add = [](HistoryStore& store, const std::vector<HistoryEntry>& entries) {
+      REQUIRE(store.add(entries, kNow));
+      REQUIRE(postgres_turn()->said("UPDATE history_writers SET until = now() + interval '1 h'") == "");
+    };
     const HistoryEntry reading{kNow, "ur3", "dht22", HistoryKind::reading, "degC", "21.5", "good"};
-    REQUIRE(one->add({value_of(0)}, kNow));
-    REQUIRE(two->add({value_of(0), reading}, kNow));  // only there somebody watches the sensor
-    REQUIRE(one->add({value_of(1), reading}, kNow));
-    REQUIRE(two->add({value_of(1)}, kNow));
+    add(*one, {value_of(0)});
+    add(*two, {value_of(0), reading});  // only there somebody watches the sensor
+    add(*one, {value_of(1), reading});
+    add(*two, {value_of(1)});
     CHECK(seconds_of(found(*two, {.node = "ur3"})) == Seconds{1, 0});
     CHECK(found(*one, {.node = "ur3", .sensor = "dht22"}).entries.size() == 1);
     REQUIRE(postgres_turn()->said("UPDATE history_writers SET until = now() - interval '1 ms'") == "");
-    REQUIRE(two->add({value_of(2)}, kNow));
-    REQUIRE(one->add({value_of(2)}, kNow));
+    add(*two, {value_of(2)});
+    add(*one, {value_of(2)});
     CHECK(seconds_of(found(*one, {.node = "ur3"})) == Seconds{2, 1, 0});
   });
 }
