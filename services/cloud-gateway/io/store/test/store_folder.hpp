@@ -25,9 +25,15 @@ inline PostgresHost*& postgres_turn() {
 inline void with_store(bool is_postgres, void (*body)()) {
   PostgresHost* server = is_postgres ? PostgresHost::shared() : nullptr;
   if (is_postgres && server == nullptr) return;
-  postgres_turn() = server;
+  // Also when a REQUIRE fails, which throws: else the next test with SQLite would meet PostgreSQL.
+  struct Turn {
+    explicit Turn(PostgresHost* of) { postgres_turn() = of; }
+    Turn(const Turn&) = delete;
+    Turn& operator=(const Turn&) = delete;
+    ~Turn() { postgres_turn() = nullptr; }
+  };
+  const Turn turn(server);
   body();
-  postgres_turn() = nullptr;
 }
 
 struct StoreFolder : TemporaryFolder {
