@@ -32,7 +32,7 @@ class FakeService final : public LooplessService {
   }
   void step(const Effect&) override {}
 
-  [[nodiscard]] bool run_until(const std::function<bool()>& holds, double timeout_s = 5);
+  [[nodiscard]] bool run_until(const std::function<bool()>& holds, double timeout_s = 60);
 
  private:
   void turn();
@@ -94,7 +94,7 @@ std::vector<SensorRule> shipped();
 /// The devices' side as it runs in the sensor-bus.
 struct Running {
   explicit Running(std::vector<SensorRule> rules = shipped());
-  [[nodiscard]] bool until(const std::function<bool()>& holds, double timeout_s = 5) {
+  [[nodiscard]] bool until(const std::function<bool()>& holds, double timeout_s = 60) {
     return service.run_until(holds, timeout_s);
   }
   [[nodiscard]] bool tells(const std::string& key, double value);

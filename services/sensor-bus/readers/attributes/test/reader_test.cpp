@@ -83,6 +83,7 @@ TEST_CASE("a reader that hangs is told as failed, holds up nothing, and is left 
   REQUIRE(::mkfifo(file.c_str(), 0600) == 0);
   const Descriptor fifo(::open(file.c_str(), O_RDWR));  // it opens at once, and does not answer
   REQUIRE(fifo);
+  two.running.devices->read_now(two.one + "#temp1_input");
   CHECK(two.running.fails(two.one + "#temp1_input", "hangs: no answer for 3 s"));
   two.machine.set(two.good, "temp1_input", "4000\n");
   CHECK(two.running.tells(two.good + "#temp1_input", 4));

@@ -25,10 +25,13 @@ TEST_CASE(
   say_line(pty, running, "\nx\ny\nz\n");
   CHECK(running.fails(tty + "#temperature", "no line is as the rule says"));
   running.devices->read_now(tty + "#temperature");
-  say_line(pty, running, "T=-3;H=41\n");
-  CHECK(running.tells(tty + "#temperature", -3));
+  // The question and a line cross: a line that is read before the question is not told, so it goes on talking.
+  CHECK(running.until([&] {
+    say_line(pty, running, "T=-3;H=41\n");
+    return running.heard.samples[tty + "#temperature"].number == doctest::Approx(-3);
+  }));
   machine.unplug(tty);
-  CHECK(running.until([&] { return running.heard.plugged.empty() && running.devices->counts().threads == 0; }, 1));
+  CHECK(running.until([&] { return running.heard.plugged.empty() && running.devices->counts().threads == 0; }));
 }
 
 TEST_CASE("a GPS tells where it is; garbage is its error, and not for ever") {
