@@ -7,6 +7,7 @@ import json
 import os
 import signal
 import socket
+import time
 
 import support
 import sensor_side
@@ -93,6 +94,29 @@ class Stream(GatewayCase):
         client.ask("DELETE", "/api/v1/session")
         self.assertEqual(live.until(lambda heard: "closed" in heard)["closed"], 4401)
         self.wait_stream(False)
+
+    def test_whose_rights_end_sees_nothing_more_within_a_second(self):
+        for name in ("ina", "ron"):
+            self.admin.ask("POST", "/api/v1/users", {"name": name, "role": "operator", "password": GOOD})
+        token = self.admin.ask("POST", "/api/v1/tokens", {"name": "wall", "role": "viewer", "days": 1}).json["secret"]
+        streams = []
+        for name in ("ina", "ron", "vic"):
+            client = self.client()
+            client.sign_in(name, GOOD)
+            streams.append((client, self.open_live(client)))
+        screen = self.client()
+        screen.token = token
+        streams.append((screen, self.open_live(screen)))
+        for (client, live), end in zip(streams, (
+                lambda _: self.admin.ask("PATCH", "/api/v1/users/ina", {"disabled": True}),
+                lambda _: self.admin.ask("PATCH", "/api/v1/users/ron", {"role": "viewer"}),
+                lambda client: client.ask("DELETE", "/api/v1/session"),
+                lambda _: self.admin.ask("DELETE", "/api/v1/tokens/wall"))):
+            live.until(lambda heard: "count" in heard)
+            began = time.monotonic()
+            self.assertLess(end(client).status, 300)
+            self.assertEqual(live.until(lambda heard: "closed" in heard)["closed"], 4401)
+            self.assertLess(time.monotonic() - began, 1)
 
     def test_a_sensor_that_nobody_has_gives_an_empty_topic_and_no_stream(self):
         live = self.open_live()

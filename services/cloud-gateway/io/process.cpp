@@ -15,10 +15,12 @@
 namespace trb::gateway {
 namespace {
 
-/// Expired sessions and keys, commits of what reads have changed, rights of open streams.
+/// Expired sessions and keys, commits of what reads have changed.
 constexpr Duration kHouse = std::chrono::seconds(5);
 /// A session that is ended at another gateway ends here within a second, also if nobody sends a request.
 constexpr Duration kLook = std::chrono::milliseconds(400);
+/// Who signs out, is disabled or has another role sees nothing more after so long; 1,000 streams cost a few ms.
+constexpr Duration kCheckRights = std::chrono::milliseconds(400);
 /// A page's numbers are exact up to 2^53: it sends the instance back to resume.
 constexpr std::uint64_t kExactInJson = (1ULL << 53U) - 1;
 /// Looking at the bus costs as much as a short handler.
@@ -110,6 +112,12 @@ void Process::add_timers(Gateway& gateway, SignIns& sign_ins) {
                  [this](Now now) { record(now); });
   service_.timer([this] { return std::optional(house_kept_ + kHouse); },
                  [this, &gateway](Now now) { keep_house(gateway, now); });
+  service_.timer(
+      [this, &gateway] { return gateway.sockets.empty() ? std::nullopt : std::optional(checked_ + kCheckRights); },
+      [this, &gateway](Now now) {
+        checked_ = now.mono;
+        check_rights(gateway);
+      });
   if (!db_.is_shared()) return;
   service_.timer([this] { return std::optional(looked_ + kLook); },
                  [this, &gateway](Now now) {
@@ -206,7 +214,6 @@ void Process::keep_house(Gateway& gateway, Now now) {
   if (!refresh(gateway)) return;
   access_.tick(now, gateway.steady());
   view_.show_alarms(now);
-  check_rights(gateway);
   static_cast<void>(gateway.commit());
   if (db_.is_shared()) static_cast<void>(settle_unsure(access_, now.utc, gateway.steady() - kAbandoned));
 }

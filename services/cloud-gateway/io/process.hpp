@@ -61,6 +61,7 @@ class Process {
   GatewayCore core_;
   MonotonicTime house_kept_;
   MonotonicTime looked_;                 ///< when it looked last at what other gateways have written
+  MonotonicTime checked_;                ///< when it looked last who may go on to see the fleet
   std::optional<MonotonicTime> warned_;  ///< of the certificate's end
   bool unwritten_ = false;
 };
