@@ -71,11 +71,19 @@ async function found(page, task) {
 }
 
 /** Nothing may scroll between the press and the first move. */
+// Who misses a list that still moves tries again.
 async function dropOnGraph(page, skill) {
+  const dropped = () => document.querySelectorAll('.graph button.task').length === 2;
   await page.evaluate(() => document.querySelector('main').scrollTo(0, 0));
-  await skill.hover();  // where the filter has left it: a list that still moves is missed
-  await drag(page, skill, page.locator('.graph-scroll'));
-  await page.waitForFunction(() => document.querySelectorAll('.graph button.task').length === 2);
+  for (let tries = 1; ; ++tries) {
+    await skill.hover();  // where the filter has left it
+    await drag(page, skill, page.locator('.graph-scroll'));
+    try {
+      return await page.waitForFunction(dropped, null, {timeout: 5000});
+    } catch (late) {
+      if (tries === 3) throw late;
+    }
+  }
 }
 
 async function drag(page, one, to) {
