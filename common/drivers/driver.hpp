@@ -29,6 +29,7 @@ struct Handover {
   std::string_view source;
   BytesView data;
   std::string_view skill;  ///< its name, if the end of this command is waited for
+  double patience_s = 0;   ///< its sender waits no longer; 0: there is no such bound
 };
 
 /// How far a message has come when hand_over() returns.

@@ -11,7 +11,7 @@ enum class BridgeAction : std::uint8_t {
   publish = 0,  ///< send `data` under `name` once; `done` when there was a receiver for it
   ask,          ///< wait for the next message under `name`: one `value`
   watch,        ///< from now on a `value` for each message under `name`, at most ten a second
-  unwatch,      ///< ends the watch with that token
+  unwatch,      ///< ends all that has that token: a watch, an ask, and a publication that has not left yet
 };
 constexpr auto enum_names(BridgeAction) {
   return std::array<std::string_view, 4>{"publish", "ask", "watch", "unwatch"};

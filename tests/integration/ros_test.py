@@ -124,6 +124,15 @@ class Ros(unittest.TestCase):
         self.fleet.trb("release", "ridgeback", node="ridgeback")
         self.move(0.75)
 
+    def test_what_its_sender_was_refused_is_not_published_to_a_robot_that_starts_then(self):
+        self.move(0.5)
+        self.fleet.stop_ros_robot()
+        refused = self.fleet.send("command", "move", "[9,0,0,0,0,0]", "--timeout", "1")
+        self.assertNotEqual(refused.returncode, 0, refused.stdout)
+        self.fleet.start_ros_robot()
+        self.move(0.5)  # it would have gone before this one
+        self.assertFalse([line for line in self.fleet.robot.lines if "9.0" in line])
+
     def pids(self):
         return {name: self.fleet.pid("ridgeback", name) for name in ("router", "mode-adapter", "ros-bridge", "scheduler")}
 

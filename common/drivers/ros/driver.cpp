@@ -13,6 +13,8 @@ constexpr Duration kSilent = std::chrono::seconds(4);
 constexpr Duration kHaltHeard = std::chrono::milliseconds(500);
 constexpr std::ptrdiff_t kMaxPending = 64;
 constexpr std::string_view kPosition = "position";
+/// A publication waits so long for a subscriber, or shorter, if its sender does.
+constexpr double kPatience_s = 5;
 
 /// None if one of them was not measured (null): the others would stand in its place.
 std::vector<double> numbers_of(const std::string& json) {
@@ -68,6 +70,7 @@ Result<std::vector<BridgeCommand>> RosDriver::fill(std::string_view subtype, Byt
     command.name = publication.topic;
     command.type = publication.type;
     command.data = std::move(*json);
+    command.timeout_s = kPatience_s;
     out.push_back(std::move(command));
   }
   return out;
@@ -111,16 +114,39 @@ Result<Progress> RosDriver::hand_over(const Handover& message, Now, const Driver
   }
   auto commands = fill(message.subtype, message.data);
   if (!commands) return commands.error();
+  if (message.patience_s > 0) {
+    for (BridgeCommand& command : *commands) command.timeout_s = std::min(message.patience_s, kPatience_s);
+  }
   out.out.count("to_robot." + subtype);
   send(std::move(*commands), {Purpose::command, message.token, subtype, std::string(message.source), 0}, out);
   return Progress::queued;
 }
 
-void RosDriver::forget(Token token, Now, const DriverOut&) {
+/// It may wait at the bridge for its type or a subscriber: nobody would expect that it is published later.
+void RosDriver::drop_at_bridge(std::uint64_t key, const DriverOut& out) const {
+  BridgeCommand command;
+  command.instance = instance_;
+  command.token = key;
+  command.action = BridgeAction::unwatch;
+  out.out.command(own_id_, std::move(command));
+}
+
+void RosDriver::drop_all(Purpose purpose, const DriverOut& out) {
   std::erase_if(pending_, [&](const auto& entry) {
+    if (entry.second.purpose != purpose) return false;
+    drop_at_bridge(entry.first, out);
+    return true;
+  });
+}
+
+void RosDriver::forget(Token token, Now, const DriverOut& out) {
+  const auto at = std::ranges::find_if(pending_, [&](const auto& entry) {
     const Pending& pending = entry.second;
     return pending.token == token && (pending.purpose == Purpose::command || pending.purpose == Purpose::request);
   });
+  if (at == pending_.end()) return;
+  drop_at_bridge(at->first, out);
+  pending_.erase(at);
 }
 
 void RosDriver::halt(Token token, Now now, const DriverOut& out) {
@@ -133,16 +159,13 @@ void RosDriver::halt(Token token, Now now, const DriverOut& out) {
 }
 
 Result<Token> RosDriver::stop(Now, const DriverOut& out) {
-  for (auto at = pending_.begin(); at != pending_.end();) {
-    const Pending pending = at->second;
-    if (pending.purpose != Purpose::command) {
-      ++at;
-      continue;
-    }
-    at = pending_.erase(at);
+  for (const auto& [key, pending] : pending_) {
+    if (pending.purpose != Purpose::command) continue;
     out.emit(Refused{pending.token, fail(Errc::fenced, "the robot was stopped before it took this message",
                                          "trb release " + own_id_)});
   }
+  drop_all(Purpose::command, out);
+  drop_all(Purpose::release, out);
   if (!up_) return fail(Errc::robot_offline, "ROS is not there");
   auto commands = fill("stop", {});
   if (!commands) return fail(Errc::unknown_subtype, "commands.json has no \"stop\" for this robot");
@@ -155,6 +178,7 @@ Result<Token> RosDriver::stop(Now, const DriverOut& out) {
 Result<Token> RosDriver::release(Now, const DriverOut& out) {
   if (!up_) return fail(Errc::robot_offline, "ROS is not there");
   told_to_stop_ = false;
+  drop_all(Purpose::stop, out);
   const Token ticket = ++last_ticket_;
   auto commands = fill("release", {});
   if (!commands || commands->empty()) {
@@ -245,14 +269,10 @@ void RosDriver::watch(std::string_view subtype, const DriverOut& out) {
 void RosDriver::unwatch(std::string_view subtype, const DriverOut& out) {
   const auto at = questions_.find(subtype);
   if (!up_ || at == questions_.end() || at->second.always || at->second.watch == 0) return;
-  BridgeCommand command;
-  command.instance = instance_;
-  command.token = std::exchange(at->second.watch, 0);
-  command.action = BridgeAction::unwatch;
-  command.name = at->second.words.topic;
-  pending_.erase(command.token);
+  const std::uint64_t key = std::exchange(at->second.watch, 0);
+  pending_.erase(key);
   values_.erase(at->first);
-  out.out.command(own_id_, std::move(command));
+  drop_at_bridge(key, out);
 }
 
 void RosDriver::go_down(const std::string& reason, const DriverOut& out) {
@@ -269,7 +289,10 @@ void RosDriver::go_down(const std::string& reason, const DriverOut& out) {
 }
 
 void RosDriver::tick(Now now, const DriverOut& out) {
-  if (up_ && now.mono - heard_ >= kSilent) go_down("the ROS bridge has said nothing for 4 s", out);
+  if (!up_ || now.mono - heard_ < kSilent) return;
+  // One that was only slow still has all that is forgotten here.
+  for (const auto& [key, pending] : pending_) drop_at_bridge(key, out);
+  go_down("the ROS bridge has said nothing for 4 s", out);
 }
 
 std::optional<MonotonicTime> RosDriver::next_deadline() const {

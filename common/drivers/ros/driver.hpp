@@ -62,6 +62,8 @@ class RosDriver : public CommandsDriver<std::vector<RosMessage>> {
   Result<std::vector<BridgeCommand>> fill(std::string_view subtype, BytesView data) const;
   std::uint64_t send(std::vector<BridgeCommand> commands, Pending pending, const DriverOut& out);
   std::uint64_t ask(const Question& question, BridgeAction action, Pending pending, const DriverOut& out);
+  void drop_at_bridge(std::uint64_t key, const DriverOut& out) const;
+  void drop_all(Purpose purpose, const DriverOut& out);
   void on_value(const Pending& pending, const BridgeEvent& event, Now now, const DriverOut& out);
   void on_done(std::uint64_t key, Pending& pending, Now now, const DriverOut& out);
   void on_failed(std::uint64_t key, const Pending& pending, const BridgeEvent& event, const DriverOut& out);

@@ -21,6 +21,10 @@ class PendingRequests {
  public:
   static constexpr std::uint32_t kLongestMs = 10'000;
 
+  /// How long its sender waits.
+  [[nodiscard]] static double wait_s(const Inbound& message) {
+    return std::min(message.remaining_ms, kLongestMs) / 1000.0;
+  }
   [[nodiscard]] std::size_t size() const { return waiting_.size(); }
   void add(Token token, const Inbound& message, Driver& mode, Now now);
   std::optional<Inbound> take(Token token);

@@ -98,8 +98,9 @@ bool UserMessages::begin_stream(const Inbound& message, const Opaque& body, Driv
 std::optional<Token> UserMessages::wait_or_answer(PendingRequests& pending, const Inbound& message, const Opaque& body,
                                                   Driver& mode, Now now, Outbox& out) {
   const Token token = robot_.next_token();
-  const auto progress =
-      mode.hand_over({token, message.type, body.subtype, message.source, body.data, {}}, now, robot_.to(mode, out));
+  const auto progress = mode.hand_over(
+      {token, message.type, body.subtype, message.source, body.data, {}, PendingRequests::wait_s(message)}, now,
+      robot_.to(mode, out));
   if (!progress) {
     out.count("refused." + std::string(errc_name(progress.error().code)));
     out.nack(message, explain(progress.error(), body.subtype));

@@ -69,10 +69,9 @@ void BridgeCore::on(const Inbound& message, Now now, Outbox& out) {
 void BridgeCore::on_command(const BridgeCommand& command, Now now, Outbox& out) {
   if (command.instance != adapter_) {
     adapter_ = command.instance;
-    looked_up_.clear();
-    published_.clear();
-    for (auto& [name, topic] : topics_) topic.listeners.clear();
+    forget_adapter();
   }
+  if (command.action == BridgeAction::unwatch) return unwatch(command.token, now);
   if (!up_) return fail_event(command.token, fail(Errc::robot_offline, detail_), out);
   if (!is_topic(command.name)) {
     return fail_event(command.token,
@@ -80,7 +79,6 @@ void BridgeCore::on_command(const BridgeCommand& command, Now now, Outbox& out) 
                       out);
   }
   if (command.action == BridgeAction::publish) return begin_publish(command, now, out);
-  if (command.action == BridgeAction::unwatch) return unwatch(command, now);
   listen(command, now, out);
 }
 
@@ -142,12 +140,24 @@ void BridgeCore::listen(const BridgeCommand& command, Now now, Outbox& out) {
                              now.mono + patience(command.timeout_s), now.mono});
 }
 
-void BridgeCore::unwatch(const BridgeCommand& command, Now now) {
-  const auto at = topics_.find(command.name);
-  if (at == topics_.end()) return;
-  auto& listeners = at->second.listeners;
-  std::erase_if(listeners, [&](const Listener& listener) { return listener.watch && listener.token == command.token; });
-  if (listeners.empty()) at->second.idle_since = now.mono;
+void BridgeCore::unwatch(std::uint64_t token, Now now) {
+  for (auto& [topic, waiting] : looked_up_) std::erase_if(waiting, [&](const auto& one) { return one.token == token; });
+  std::erase_if(published_, [&](const auto& entry) {
+    if (entry.second.token != token) return false;
+    send_word(Word::drop, {std::to_string(entry.first)});
+    return true;
+  });
+  for (auto& [name, topic] : topics_) {
+    const auto ended = std::erase_if(topic.listeners, [&](const auto& one) { return one.token == token; });
+    if (ended > 0 && topic.listeners.empty()) topic.idle_since = now.mono;
+  }
+}
+
+void BridgeCore::forget_adapter() {
+  looked_up_.clear();
+  for (const auto& [key, publication] : published_) send_word(Word::drop, {std::to_string(key)});
+  published_.clear();
+  for (auto& [name, topic] : topics_) topic.listeners.clear();
 }
 
 // ---- what the worker says

@@ -72,7 +72,9 @@ class BridgeCore : public Core {
   void begin_publish(const BridgeCommand& command, Now now, Outbox& out);
   void publish(Publication publication, const std::string& type, Now now, Outbox& out);
   void listen(const BridgeCommand& command, Now now, Outbox& out);
-  void unwatch(const BridgeCommand& command, Now now);
+  void unwatch(std::uint64_t token, Now now);
+  /// Of an adapter that is gone: nobody waits for it, and nobody could still stop it.
+  void forget_adapter();
   void on_word(const WorkerMessage& message, Now now, Outbox& out);
   void on_alive(bool up, const std::string& detail, Now now, Outbox& out);
   void on_type(const std::string& topic, const std::string& type, Now now, Outbox& out);

@@ -145,6 +145,43 @@ TEST_CASE("an ask is answered by the topic's next message, a watch by each, ten 
   CHECK(fixture.told() == "3 bad_value: the message has no z\n");
 }
 
+TEST_CASE("what is dropped is not published once its type is known, nor once somebody subscribes") {
+  Fixture fixture;
+  fixture.up();
+  fixture.command(1, BridgeAction::publish, "/cmd_vel", "{}");
+  fixture.command(2, BridgeAction::publish, "/cmd_vel", "{}");
+  fixture.command(1, BridgeAction::unwatch, "");
+  fixture.said();
+  fixture.worker(Word::type, {"/cmd_vel", "geometry_msgs/Twist"});
+  const auto publish = fixture.said();
+  REQUIRE(publish.size() == 1);
+  CHECK(publish[0].word == Word::publish);
+  fixture.command(2, BridgeAction::unwatch, "");
+  const auto said = fixture.said();
+  REQUIRE(said.size() == 1);
+  CHECK(said[0].word == Word::drop);
+  CHECK(said[0].parts == std::vector<Bytes>{publish[0].parts[0]});
+  fixture.worker(Word::published, {publish[0].parts[0]});  // it had left already
+  fixture.command(3, BridgeAction::ask, "/odom");
+  fixture.command(3, BridgeAction::unwatch, "");
+  fixture.command(4, BridgeAction::unwatch, "");
+  fixture.worker(Word::message, odometry(1, 2));
+  CHECK(fixture.told().empty());
+}
+
+TEST_CASE("what an adapter that is gone wanted published is dropped at the worker") {
+  Fixture fixture;
+  fixture.up();
+  fixture.command(1, BridgeAction::publish, "/cmd_vel", "{}");
+  fixture.worker(Word::type, {"/cmd_vel", "geometry_msgs/Twist"});
+  const auto publish = fixture.said();
+  fixture.command(1, BridgeAction::ask, "/scan", "", {}, "ridgeback", kAdapter + 1);
+  const auto said = fixture.said();
+  REQUIRE(said.size() == 2);
+  CHECK(said[0].word == Word::drop);
+  CHECK(said[0].parts[0] == publish.back().parts[0]);
+}
+
 TEST_CASE("nobody waits for ever") {
   Fixture fixture;
   fixture.up();

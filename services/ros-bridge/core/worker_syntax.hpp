@@ -23,6 +23,8 @@ enum class Word : std::uint8_t {
   published,  ///< token
   failed,     ///< token, Errc's name, what, hint
   message,    ///< topic, type, md5, definition, wire
+  // to the worker
+  drop,  ///< token: what was not published yet is not published any more, and not answered
 };
 
 struct WorkerMessage {

@@ -95,6 +95,9 @@ class Worker {
     if (message.word == Word::publish) return take_publication(parts);
     if (message.word == Word::subscribe) return subscribe(parts[0]);
     if (message.word == Word::unsubscribe) subscriptions_.erase(parts[0]);
+    if (message.word == Word::drop) {
+      std::erase_if(waiting_, [&](const Waiting& waiting) { return waiting.token == parts[0]; });
+    }
   }
 
   /// False: another master has come up in its place; what is registered with the old one is lost.
