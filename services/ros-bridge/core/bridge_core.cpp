@@ -173,14 +173,14 @@ void BridgeCore::on_worker_bytes(BytesView bytes, Now now, Outbox& out) {
   if (!worker_) return;
   std::vector<WorkerMessage> messages;
   const Status read = reader_.add(bytes, messages);
-  for (const WorkerMessage& message : messages) on_word(message, now, out);
+  for (WorkerMessage& message : messages) on_word(message, now, out);
   if (read) return;
   out.log(LogLevel::error, "worker_garbled", read.error().text());
   output_.kill = true;
   on_worker_ended("the ROS worker could not be understood", now, out);
 }
 
-void BridgeCore::on_word(const WorkerMessage& message, Now now, Outbox& out) {
+void BridgeCore::on_word(WorkerMessage& message, Now now, Outbox& out) {
   alive_ = now.mono;
   const auto& parts = message.parts;
   const auto token = [&parts] { return parse_number<std::uint64_t>(parts[0]).value_or(0); };
@@ -256,16 +256,24 @@ Result<Value> BridgeCore::read_message(const WorkerMessage& message) {
   return to_json(*known->second, message.parts[4]);
 }
 
-void BridgeCore::on_message(const WorkerMessage& message, Now now, Outbox& out) {
+void BridgeCore::on_message(WorkerMessage& message, Now now, Outbox& out) {
   const auto at = topics_.find(message.parts[0]);
   if (at == topics_.end()) return;
-  auto& listeners = at->second.listeners;
-  const bool wanted = std::ranges::any_of(listeners, [&](const Listener& l) { return !l.watch || now.mono >= l.next; });
-  if (!wanted) return;
+  Topic& topic = at->second;
+  for (Listener& listener : topic.listeners) listener.owed = true;
+  topic.newest.reset();
+  if (tell_message(topic, message, now, out)) topic.newest = std::move(message);
+}
+
+bool BridgeCore::tell_message(Topic& topic, const WorkerMessage& message, Now now, Outbox& out) {
+  auto& listeners = topic.listeners;
+  const auto is_due = [&](const Listener& one) { return one.owed && (!one.watch || now.mono >= one.next); };
+  if (!std::ranges::any_of(listeners, is_due)) return std::ranges::any_of(listeners, &Listener::owed);
   out.count("from_ros." + message.parts[0]);
   const auto value = read_message(message);
   std::erase_if(listeners, [&](Listener& listener) {
-    if (listener.watch && now.mono < listener.next) return false;
+    if (!is_due(listener)) return false;
+    listener.owed = false;
     listener.next = now.mono + kWatchPeriod;
     auto data = selected_json(value, listener.paths, message.parts[0]);
     if (!data) {
@@ -275,7 +283,15 @@ void BridgeCore::on_message(const WorkerMessage& message, Now now, Outbox& out) 
     event(listener.token, BridgeResult::value, std::move(*data), std::nullopt, out);
     return !listener.watch;
   });
-  if (listeners.empty()) at->second.idle_since = now.mono;
+  if (listeners.empty()) topic.idle_since = now.mono;
+  return std::ranges::any_of(listeners, &Listener::owed);
+}
+
+/// A topic that tells only changes may say nothing more for hours: its last message must not be lost.
+void BridgeCore::tell_owed(Now now, Outbox& out) {
+  for (auto& [name, topic] : topics_) {
+    if (topic.newest && !tell_message(topic, *topic.newest, now, out)) topic.newest.reset();
+  }
 }
 
 void BridgeCore::on_worker_ended(const std::string& reason, Now now, Outbox& out) {
@@ -300,6 +316,7 @@ void BridgeCore::tick(Now now, Outbox& out) {
     output_.kill = true;
     on_worker_ended("the ROS master at " + settings_.master + " does not answer", now, out);
   }
+  tell_owed(now, out);
   expire(now, out);
   if (welcomed_ && now.mono >= next_state_) send_state(now, out);
 }
@@ -347,6 +364,7 @@ std::optional<MonotonicTime> BridgeCore::next_deadline() const {
   for (const auto& [name, topic] : topics_) {
     for (const Listener& listener : topic.listeners) {
       if (!listener.watch) next = earlier(next, listener.deadline);
+      if (listener.owed) next = earlier(next, listener.next);
     }
   }
   return next;

@@ -58,9 +58,11 @@ class BridgeCore : public Core {
     bool watch = false;
     MonotonicTime deadline;  ///< of an ask
     MonotonicTime next;      ///< a watch tells nothing before
+    bool owed = false;       ///< a watch: the topic's newest message was not told, for it came too soon
   };
   struct Topic {
     std::vector<Listener> listeners;
+    std::optional<WorkerMessage> newest{};  ///< kept as long as it is owed to one of them
     std::optional<MonotonicTime> idle_since;
   };
   struct KnownType {
@@ -75,10 +77,13 @@ class BridgeCore : public Core {
   void unwatch(std::uint64_t token, Now now);
   /// Of an adapter that is gone: nobody waits for it, and nobody could still stop it.
   void forget_adapter();
-  void on_word(const WorkerMessage& message, Now now, Outbox& out);
+  void on_word(WorkerMessage& message, Now now, Outbox& out);
   void on_alive(bool up, const std::string& detail, Now now, Outbox& out);
   void on_type(const std::string& topic, const std::string& type, Now now, Outbox& out);
-  void on_message(const WorkerMessage& message, Now now, Outbox& out);
+  void on_message(WorkerMessage& message, Now now, Outbox& out);
+  /// Tells it to those listeners whose time has come. True: it is still owed to others.
+  bool tell_message(Topic& topic, const WorkerMessage& message, Now now, Outbox& out);
+  void tell_owed(Now now, Outbox& out);
   Result<Value> read_message(const WorkerMessage& message);
   Result<RosTypePtr> type_of(const std::string& name);
   void end_publish(std::uint64_t token, const std::optional<Error>& error, Outbox& out);

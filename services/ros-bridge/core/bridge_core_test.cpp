@@ -138,11 +138,42 @@ TEST_CASE("an ask is answered by the topic's next message, a watch by each, ten 
   fixture.worker(Word::message, odometry(3, 2));
   CHECK(fixture.told().empty());
   fixture.wait(std::chrono::milliseconds(100));
+  CHECK(fixture.told() == "2 3.0\n");
+  fixture.wait(std::chrono::milliseconds(100));
   fixture.worker(Word::message, odometry(4, 2));
   CHECK(fixture.told() == "2 4.0\n");
   fixture.command(3, BridgeAction::ask, "/odom", "", {"y", "z"});
   fixture.worker(Word::message, odometry(4, 2));
   CHECK(fixture.told() == "3 bad_value: the message has no z\n");
+}
+
+TEST_CASE("of messages that come too fast a watch is told the newest, also if no other follows") {
+  Fixture fixture;
+  fixture.up();
+  fixture.command(1, BridgeAction::watch, "/odom", "", {"x"});
+  fixture.worker(Word::message, odometry(1, 0));
+  CHECK(fixture.told() == "1 1.0\n");
+  fixture.wait(std::chrono::milliseconds(30));
+  fixture.worker(Word::message, odometry(2, 0));
+  fixture.wait(std::chrono::milliseconds(30));
+  fixture.command(2, BridgeAction::watch, "/odom", "", {"x"});
+  fixture.command(3, BridgeAction::ask, "/odom", "", {"x"});
+  CHECK(fixture.told().empty());
+  fixture.worker(Word::message, odometry(3, 0));
+  CHECK(fixture.told() == "2 3.0\n3 3.0\n");
+  fixture.wait(std::chrono::milliseconds(39));
+  CHECK(fixture.told().empty());
+  fixture.wait(std::chrono::milliseconds(1));
+  CHECK(fixture.told() == "1 3.0\n");
+  fixture.wait(std::chrono::milliseconds(900));
+  CHECK(fixture.told().empty());  // once
+  fixture.worker(Word::message, odometry(4, 0));
+  fixture.worker(Word::message, odometry(5, 0));
+  fixture.command(1, BridgeAction::unwatch, "/odom");
+  fixture.command(2, BridgeAction::unwatch, "");
+  fixture.told();
+  fixture.wait(std::chrono::milliseconds(900));
+  CHECK(fixture.told().empty());
 }
 
 TEST_CASE("what is dropped is not published once its type is known, nor once somebody subscribes") {

@@ -12,6 +12,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "services/ros-bridge/core/worker_syntax.hpp"
 
@@ -41,6 +42,7 @@ class Worker {
       if (!node_) continue;
       roscpp::getGlobalCallbackQueue()->callAvailable();
       publish_due();
+      tell_newest();
     }
   }
 
@@ -57,11 +59,12 @@ class Worker {
     topic_tools::ShapeShifter message;
     roscpp::Publisher publisher;
   };
+  using Heard = roscpp::MessageEvent<topic_tools::ShapeShifter const>;
   struct Subscription {
     roscpp::Subscriber subscriber;
     Clock::time_point next;
+    Heard::ConstMessagePtr newest{};  ///< it came too soon after the last one that was told
   };
-  using Heard = roscpp::MessageEvent<topic_tools::ShapeShifter const>;
 
   static void send_word(Word word, std::vector<Bytes> parts) {
     const Bytes bytes = to_bytes({word, std::move(parts)});
@@ -219,9 +222,20 @@ class Worker {
 
   void on_heard(const std::string& topic, const Heard& heard) {
     const auto at = subscriptions_.find(topic);
-    if (at == subscriptions_.end() || Clock::now() < at->second.next) return;
-    at->second.next = Clock::now() + kBetweenMessages;
-    const auto& message = heard.getConstMessage();
+    if (at == subscriptions_.end()) return;
+    at->second.newest = heard.getConstMessage();
+    tell_if_due(topic, at->second);
+  }
+
+  /// The last message of a topic that then falls silent is not lost.
+  void tell_newest() {
+    for (auto& [topic, subscription] : subscriptions_) tell_if_due(topic, subscription);
+  }
+
+  static void tell_if_due(const std::string& topic, Subscription& subscription) {
+    if (!subscription.newest || Clock::now() < subscription.next) return;
+    subscription.next = Clock::now() + kBetweenMessages;
+    const auto message = std::exchange(subscription.newest, nullptr);
     Bytes wire(message->size(), '\0');
     roscpp::serialization::OStream stream(reinterpret_cast<std::uint8_t*>(wire.data()), message->size());
     message->write(stream);
