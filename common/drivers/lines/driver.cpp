@@ -83,8 +83,7 @@ void LinesDriver::on_halted(Token token, const DriverOut& out) {
 }
 
 Duration LinesDriver::silence_bound() const {
-  const bool acknowledges = settings_.acknowledge && settings_.framing != Framing::delay;
-  return acknowledges ? seconds(settings_.ack_timeout_s) : kTcpSilence;
+  return acknowledges() ? seconds(settings_.ack_timeout_s) : kTcpSilence;
 }
 
 Result<Token> LinesDriver::stop(Now now, const DriverOut& out) {

@@ -17,6 +17,7 @@ class LinesDriver : public Driver {
   [[nodiscard]] bool knows(MessageType, std::string_view) const override { return true; }
   [[nodiscard]] bool tells_end(std::string_view) const override { return true; }
   [[nodiscard]] const RobotValue* value(std::string_view) const override { return nullptr; }
+  [[nodiscard]] bool values_lag() const override { return !acknowledges(); }
 
   Result<Progress> hand_over(const Handover& message, Now now, const DriverOut& out) override;
   void forget(Token token, Now now, const DriverOut& out) override;
@@ -44,6 +45,7 @@ class LinesDriver : public Driver {
     Token ticket = 0;
   };
 
+  [[nodiscard]] bool acknowledges() const { return settings_.acknowledge && settings_.framing != Framing::delay; }
   void on_halted(Token token, const DriverOut& out);
   void read_fields(Now now, const DriverOut& out);
   void take_field(std::string_view field, Now now, const DriverOut& out);

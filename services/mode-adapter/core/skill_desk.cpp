@@ -18,6 +18,9 @@ constexpr std::string_view kJoints = "joints";
 /// A monitor's state that is read this long after the command's start certainly belongs to it.
 constexpr Duration kStatePeriod = std::chrono::milliseconds(100);
 
+/// Within it a robot that has a command shows another state, if it takes any time for it.
+constexpr double kSettle_s = 2;
+
 /// What was on its way when the link broke may still be heard after the halt was written, and delay the silence.
 constexpr Duration kOnItsWay = std::chrono::seconds(1);
 
@@ -156,7 +159,10 @@ void SkillDesk::query(const Inbound& message, const ExecutionQuery& query, Outbo
 }
 
 void SkillDesk::on_under_way(Now now) {
-  if (running_ && !running_->under_way_at) running_->under_way_at = now.mono;
+  if (!running_ || running_->under_way_at) return;
+  running_->under_way_at = now.mono;
+  const RobotValue* known = state_lags() ? running_->mode->value(running_->skill->end.state) : nullptr;
+  if (known != nullptr && !known->numbers.empty()) running_->state = known->numbers.front();
 }
 
 void SkillDesk::on_ended(const Ended& ended, Now now, Outbox& out) {
@@ -195,14 +201,42 @@ void SkillDesk::on_values(const Driver* mode, Now now, Outbox& out) {
   std::string_view name = wanted.state;
   if (name.empty()) name = mode->value(kPosition) != nullptr ? kPosition : kJoints;
   const RobotValue* value = mode->value(name);
-  if (value == nullptr || value->heard - *running_->under_way_at < kStatePeriod) return;
+  if (value == nullptr) return;
+  if (state_lags()) {
+    if (value->heard >= *running_->under_way_at) on_lagging_state(value->numbers, now, out);
+    return;
+  }
+  if (value->heard - *running_->under_way_at < kStatePeriod) return;
   look_at(name, value->numbers, now, out);
 }
 
 void SkillDesk::on_information(const Driver* mode, std::string_view subtype, BytesView data, Now now, Outbox& out) {
   if (!running_ || running_->mode != mode || !ends_by_value()) return;
   const auto numbers = read_numbers(data);
-  if (numbers) look_at(subtype, *numbers, now, out);
+  if (!numbers) return;
+  if (!state_lags()) return look_at(subtype, *numbers, now, out);
+  if (subtype == running_->skill->end.state) on_lagging_state(*numbers, now, out);
+}
+
+bool SkillDesk::state_lags() const {
+  return running_->skill->end.kind == EndKind::state && running_->mode->values_lag();
+}
+
+void SkillDesk::on_lagging_state(const std::vector<double>& numbers, Now now, Outbox& out) {
+  if (numbers.empty()) return;
+  Running& running = *running_;
+  const bool changed = running.state && !same_number(*running.state, numbers.front());
+  running.state = numbers.front();
+  running.state_heard = true;
+  // What is heard at once may be of the time before, also where it has changed.
+  if (changed && now.mono - *running.under_way_at >= kStatePeriod) running.state_counts = true;
+  if (running.state_counts) look_at(running.skill->end.state, numbers, now, out);
+}
+
+std::optional<MonotonicTime> SkillDesk::settled_at() const {
+  if (!running_ || !running_->under_way_at || running_->state_counts || !ends_by_value() || !state_lags())
+    return std::nullopt;
+  return *running_->under_way_at + seconds(std::min(kSettle_s, running_->timeout_s / 2));
 }
 
 void SkillDesk::look_at(std::string_view name, const std::vector<double>& numbers, Now now, Outbox& out) {
@@ -292,6 +326,10 @@ void SkillDesk::keep(Outcome outcome, Now now, Outbox& out) {
 
 void SkillDesk::tick(Now now, Outbox& out) {
   if (const auto timed = timed_end(); timed && now.mono >= *timed) end(TaskOutcome::finished, {}, {}, now, out);
+  if (const auto at = settled_at(); at && now.mono >= *at) {
+    running_->state_counts = true;
+    if (running_->state_heard) look_at(running_->skill->end.state, {*running_->state}, now, out);
+  }
   if (const auto at = limit(); at && now.mono >= *at) on_limit(now, out);
   outcomes_.resend(now, [&](const Outcome& outcome) { out.information(robot_.settings.id, outcome); });
 }
@@ -303,7 +341,7 @@ void SkillDesk::on_limit(Now now, Outbox& out) {
 }
 
 std::optional<MonotonicTime> SkillDesk::next_deadline() const {
-  return earlier(earlier(limit(), timed_end()), outcomes_.next_deadline());
+  return earlier(earlier(limit(), settled_at()), earlier(timed_end(), outcomes_.next_deadline()));
 }
 
 }  // namespace trb::adapter

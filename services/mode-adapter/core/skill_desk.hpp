@@ -22,6 +22,10 @@ namespace trb::adapter {
 /// the robot refuses the halt              | -                            | interrupted: nobody knows
 /// a stop; the link is lost                | interrupted: nobody knows    | interrupted, and the halt is owed
 ///
+/// A state that a robot tells by itself may belong to the time before the command (Driver::values_lag). It ends the
+/// skill once it has changed since the robot has the command, or has stayed as it is for 2 s, or half the skill's
+/// time-out: the task of a robot that answers at once may be over before a change is seen.
+///
 /// A halt that is owed is given again at the mode's LinkUp, unless the robot is fenced. Until it is confirmed, or as
 /// long as above, nothing begins. A confirmed stop pays it, too. The process does not outlive its debt: to the
 /// scheduler the attempt is interrupted either way.
@@ -79,6 +83,9 @@ class SkillDesk {
     std::vector<double> target;
     std::optional<MonotonicTime> under_way_at;
     std::optional<Halting> halting{};
+    std::optional<double> state{};  ///< the last one heard of a state that may lag
+    bool state_heard = false;       ///< since it is under way
+    bool state_counts = false;      ///< it is known to belong to this command
   };
 
   bool answer_known(const Inbound& message, const AttemptKey& key, Outbox& out);
@@ -86,6 +93,11 @@ class SkillDesk {
   bool begin(const Inbound& message, const Execute& order, Now now, Outbox& out);
   Status hand_over(const Execute& order, const Skill& skill, Now now, Outbox& out);
   void look_at(std::string_view name, const std::vector<double>& numbers, Now now, Outbox& out);
+  /// Does its end show in a state that may be older than the command?
+  [[nodiscard]] bool state_lags() const;
+  void on_lagging_state(const std::vector<double>& numbers, Now now, Outbox& out);
+  /// When the last state counts even if it has not changed.
+  [[nodiscard]] std::optional<MonotonicTime> settled_at() const;
   [[nodiscard]] bool reached(std::string_view name, const std::vector<double>& numbers) const;
   /// Does a value of the robot's show its end now?
   [[nodiscard]] bool ends_by_value() const;

@@ -56,6 +56,29 @@ TEST_CASE("without acknowledgements all five fields leave at once") {
   CHECK(fixture.answer(id) == "ack handed_over");
 }
 
+TEST_CASE(
+    "without acknowledgements a state that was on its way already ends no skill: it has to change, or stay for 2 s") {
+  for (const bool changes : {true, false}) {
+    FieldChannel channel;
+    channel.acknowledge = false;
+    Settings settings = with_channel(channel);
+    settings.description.skills[0].end = SkillEnd{EndKind::state, "idle", 1, 0, "", 0};
+    FieldFixture fixture(std::move(settings));
+    const std::string idle = "information\nidle\n\n1\n1\n";
+    fixture.deliver(MessageType::command, order("go_to", R"({"place": "dock"})"), "pioneer");
+    fixture.say(idle);
+    fixture.wait(0.5);
+    fixture.say(idle);
+    CHECK(fixture.told<Outcome>().empty());
+    if (changes) fixture.say("information\nidle\n\n1\n0\n");
+    fixture.wait(changes ? 0.1 : 1.4);
+    CHECK(fixture.told<Outcome>().empty());
+    fixture.wait(changes ? 0 : 0.2);
+    if (changes) fixture.say(idle);
+    CHECK(fixture.one<Outcome>().outcome == TaskOutcome::finished);
+  }
+}
+
 TEST_CASE("with the delay framing fields leave one pause apart, and the reader finds the borders by the pauses") {
   FieldChannel channel;
   channel.framing = Framing::delay;

@@ -157,6 +157,93 @@ TEST_CASE("a skill ends as its state says: well at one value, badly at another")
   }
 }
 
+namespace {
+
+/// A skill that ends with the state 0, fails with 2; the robot tells its state all the time.
+struct TaskFixture : RosFixture {
+  TaskFixture() : RosFixture(fetching()) {
+    bridge(true);
+    watch = asked().at(0).token;
+  }
+  static Settings fetching() {
+    Settings settings = ridgeback();
+    settings.description.skills[0].end = {EndKind::state, "task", 0, 0.01, "", 0, 2};
+    settings.commands.requests["task"] = "/task data";
+    return settings;
+  }
+  void task(const char* state, double later_s = 0) {
+    wait(later_s);
+    tell(watch, BridgeResult::value, state);
+  }
+  void execute(double timeout_s = 0) {
+    const Execute order{{"run", "t1", 1, ++number}, 1, kInstance, "go_to", R"({"place":"dock"})", timeout_s};
+    deliver(MessageType::command, order, "ridgeback");
+    tell(asked().at(0).token, BridgeResult::done);
+  }
+  std::uint64_t watch = 0;
+  std::uint32_t number = 0;
+};
+
+}  // namespace
+
+TEST_CASE("a state of the time before the command ends no skill: it has to change first") {
+  for (const char* before : {"0", "2"}) {
+    TaskFixture fixture;
+    fixture.task(before);
+    fixture.execute();
+    for (int i = 0; i < 5; ++i) fixture.task(before, 0.15);
+    CHECK(fixture.told<Outcome>().empty());
+    fixture.task("1", 0.15);
+    CHECK(fixture.told<Outcome>().empty());
+    fixture.task("0", 0.15);
+    CHECK(fixture.one<Outcome>().outcome == TaskOutcome::finished);
+    fixture.execute();
+    fixture.task("2", 0.15);
+    CHECK(fixture.one<Outcome>().outcome == TaskOutcome::failed);
+  }
+}
+
+TEST_CASE("a change that is heard at once may be of the time before, too") {
+  TaskFixture fixture;
+  fixture.task("1");
+  fixture.execute();
+  fixture.task("0", 0.05);
+  fixture.task("0", 0.1);
+  CHECK(fixture.told<Outcome>().empty());
+  fixture.task("1", 0.1);
+  fixture.task("0", 2.5);
+  CHECK(fixture.one<Outcome>().outcome == TaskOutcome::finished);
+}
+
+TEST_CASE("a task that is over before its state is seen to change is over when the state has stayed for 2 s") {
+  for (const bool once : {false, true}) {
+    TaskFixture fixture;
+    fixture.task("0");
+    fixture.execute();
+    fixture.task("0", 0.05);
+    for (int i = 0; i < 19; ++i) once ? fixture.wait(0.1) : fixture.task("0", 0.1);
+    CHECK(fixture.told<Outcome>().empty());
+    fixture.wait(0.06);
+    CHECK(fixture.one<Outcome>().outcome == TaskOutcome::finished);
+  }
+}
+
+TEST_CASE("such a wait is shorter than the time-out, and without any state the skill does not end") {
+  TaskFixture fixture;
+  fixture.task("0");
+  fixture.execute(1);
+  fixture.task("0", 0.2);
+  fixture.wait(0.29);
+  CHECK(fixture.told<Outcome>().empty());
+  fixture.wait(0.02);
+  CHECK(fixture.one<Outcome>().outcome == TaskOutcome::finished);
+  TaskFixture silent;
+  silent.task("0");
+  silent.execute();
+  silent.wait(3);
+  CHECK(silent.told<Outcome>().empty());  // it may not have begun
+}
+
 TEST_CASE("a critical fault ends the skill that needs what is gone: it is halted, and nobody waits for its time-out") {
   for (const auto& [severity, capability] :
        {std::pair{Severity::critical, "mobile"}, {Severity::warning, "mobile"}, {Severity::critical, "carry"}}) {
