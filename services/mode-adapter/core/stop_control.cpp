@@ -18,6 +18,7 @@ StopControl::StopControl(RobotSide& robot, PersistFence persist)
 void StopControl::on_stop(const Inbound& message, Now now, Outbox& out) {
   if (!fenced_) save_at_ = now.mono;
   fenced_ = true;
+  refuse_pending(true, "stopped by " + message.source + " before the robot confirmed the release", out);
   Pending pending{message, false, now.mono + kConfirmation, {}, {}, true};
   robot_.for_each([&](Driver& mode) { tell_stop(pending, mode, now, out); });
   out.log(LogLevel::warning, "stopped", "by " + message.source);
@@ -42,17 +43,20 @@ void StopControl::tell_stop(Pending& pending, Driver& mode, Now now, Outbox& out
   }
 }
 
+void StopControl::refuse_pending(bool release, const std::string& why, Outbox& out) {
+  std::erase_if(pending_, [&](const Pending& pending) {
+    if (pending.release != release) return false;
+    out.nack(pending.message, fail(Errc::conflict, why));
+    return true;
+  });
+}
+
 void StopControl::on_release(const Inbound& message, Now now, Outbox& out) {
   if (Status saved = persist_(false); !saved) return out.nack(message, saved.error());
   fenced_ = false;
   save_at_.reset();
   save_error_.reset();
-  for (const Pending& pending : pending_) {
-    if (pending.release) continue;
-    out.nack(pending.message,
-             fail(Errc::conflict, "released by " + message.source + " before the robot confirmed the stop"));
-  }
-  std::erase_if(pending_, [](const Pending& pending) { return !pending.release; });
+  refuse_pending(false, "released by " + message.source + " before the robot confirmed the stop", out);
   out.log(LogLevel::info, "released", "by " + message.source);
   Pending pending{message, true, now.mono + kConfirmation, {}, {}, true};
   robot_.for_each([&](Driver& mode) {

@@ -40,6 +40,8 @@ class StopControl {
   };
 
   void tell_stop(Pending& pending, Driver& mode, Now now, Outbox& out);
+  /// What waits for its confirmation, and never gets it now.
+  void refuse_pending(bool release, const std::string& why, Outbox& out);
   void confirm(const Driver* mode, Token ticket, bool release, bool by_robot, Outbox& out);
   void save_fence(Now now, Outbox& out);
   void answer_ready(Outbox& out);

@@ -252,3 +252,17 @@ TEST_CASE("without a monitor nothing can confirm a stop, and the answer says so"
   fixture.wait(0);
   CHECK(fixture.one<Ack>().text.find("no monitor") != std::string::npos);
 }
+
+TEST_CASE("a release that a stop overtakes says so, and is not answered as if the fence were lifted") {
+  StopFixture fixture;
+  fixture.stop();
+  fixture.wait(0);
+  fixture.say("!stopped\n");
+  const auto release = fixture.release();
+  const auto stop = fixture.stop("ur3");
+  CHECK(fixture.answer(release) == "nack conflict");
+  CHECK(fixture.nack_of(release).what == "stopped by ur3 before the robot confirmed the release");
+  fixture.say("!released\n!stopped\n");
+  fixture.wait(0);
+  CHECK(fixture.answer(stop) == "ack stopped");
+}
