@@ -43,7 +43,10 @@ RobotIo::RobotIo(const RobotIoSettings& settings, Service& service, ModeAdapterC
 }
 
 RobotIo::~RobotIo() {
-  for (RobotConnection& open : connections_) close(open);
+  for (RobotConnection& open : connections_) {
+    push(open);  // a process that ends has just told its robot to stand
+    close(open);
+  }
   service_.unwatch(listener_.get());
 }
 

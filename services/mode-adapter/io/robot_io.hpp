@@ -31,6 +31,7 @@ class RobotIo {
                                                ModeAdapterCore& core);
   RobotIo(const RobotIo&) = delete;
   RobotIo& operator=(const RobotIo&) = delete;
+  /// What was written last still leaves, as far as the robot takes it at once.
   ~RobotIo();
 
   /// Writes and closes what the core wants, on the channels that are open.

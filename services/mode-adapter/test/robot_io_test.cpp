@@ -120,6 +120,21 @@ TEST_CASE("io: a robot that does not read is let go, one message of a megabyte i
   CHECK(node.service.until([&] { return !node.online(); }));
 }
 
+TEST_CASE("io: what a process that ends writes in one step leaves whole") {
+  Settings settings = pioneer();
+  settings.description.field_channel.acknowledge = false;
+  Node node(settings);
+  Peer robot(node.io->listen_port());
+  REQUIRE(node.service.until([&] { return node.online(); }));
+  RobotOutbox last;
+  last.write(Channel::field, "STOP\n");
+  last.write(Channel::field, "CLOSE\n");
+  node.io->carry_out(last);
+  node.io.reset();
+  REQUIRE(node.service.until([&] { return robot.is_closed(); }));
+  CHECK(robot.heard() == "STOP\nCLOSE\n");
+}
+
 TEST_CASE("io: a controller is dialled until it is there, and again when it is lost") {
   Descriptor commands = std::move(*tcp_listen(kRobot, 0));
   Descriptor monitor = std::move(*tcp_listen(kRobot, 0));
