@@ -20,11 +20,21 @@ Token C3Turns::release(Now now, const DriverOut& out) {
 }
 
 void C3Turns::end_motion(Token token, Now now, const DriverOut& out) {
+  // In a release's place it would leave the robot in the stop, for all that is known here.
+  if (releases()) {
+    open_->then_halts = token;
+    return;
+  }
   begin(true, true, token, now, out);
 }
 
+void C3Turns::give_up_halt(const std::string& why, const DriverOut& out) {
+  if (ends_motion()) out.emit(Halted{open_->halts, false, why});
+  if (open_ && open_->then_halts) out.emit(Halted{*std::exchange(open_->then_halts, std::nullopt), false, why});
+}
+
 Token C3Turns::begin(bool stop, bool own, Token halts, Now now, const DriverOut& out) {
-  if (ends_motion()) out.emit(Halted{open_->halts, false, "another stop or release took its place"});
+  give_up_halt("another stop or release took its place", out);
   const std::vector<C3Step>& steps = stop ? words_.stop : words_.release;
   const Token ticket = ++last_ticket_;
   open_ = Turn{stop, own, ticket, steps.size(), halts};
@@ -42,7 +52,7 @@ bool C3Turns::on_written(const C3Link::Answer& answer, Now now, const DriverOut&
 }
 
 bool C3Turns::on_refused(const Error& why, const DriverOut& out) {
-  if (ends_motion()) out.emit(Halted{open_->halts, false, why.what});
+  give_up_halt(why.what, out);
   out.refuse("robot_error", why.text());
   const std::string text = std::string("the robot refuses to ") + (open_->stop ? "stop" : "go on") + ": " + why.what;
   out.emit(FaultSaid{"", Severity::critical, text, open_->stop ? kWouldNotStop : kWouldNotGoOn, false});
@@ -72,7 +82,9 @@ bool C3Turns::confirm(bool by_robot, Now now, const DriverOut& out) {
     told_to_stop_ = false;
     out.emit(Released{turn.ticket});
   }
-  return true;
+  if (!turn.then_halts) return true;
+  begin(true, true, *turn.then_halts, now, out);
+  return !open_;
 }
 
 }  // namespace trb::drivers

@@ -32,6 +32,8 @@ class C3Turns {
   /// Ends the motion of that command, without a fence. Halted{.., false}: the robot refuses it, or another turn has
   /// taken its place.
   void end_motion(Token token, Now now, const DriverOut& out);
+  /// A person's release is under way: end_motion waits for it.
+  [[nodiscard]] bool releases() const { return open_ && !open_->own && !open_->stop; }
   /// The robot has not confirmed yet that the motion has ended.
   [[nodiscard]] bool ends_motion() const { return open_ && open_->own && open_->stop; }
 
@@ -50,9 +52,11 @@ class C3Turns {
     bool stop = false;
     bool own = false;  ///< only to end a motion
     Token ticket = 0;
-    std::size_t unanswered = 0;  ///< of its writes
-    Token halts = 0;             ///< own: the command that is to end
+    std::size_t unanswered = 0;         ///< of its writes
+    Token halts = 0;                    ///< own: the command that is to end
+    std::optional<Token> then_halts{};  ///< of a release: the command that is to end behind it
   };
+  void give_up_halt(const std::string& why, const DriverOut& out);
   Token begin(bool stop, bool own, Token halts, Now now, const DriverOut& out);
   bool on_refused(const Error& why, const DriverOut& out);
   bool confirm(bool by_robot, Now now, const DriverOut& out);

@@ -155,7 +155,13 @@ void RapidDriver::halt(Token token, Now now, const DriverOut& out) {
 
 /// The service task ends the motion; the program then answers the request that began it.
 void RapidDriver::end_motion(Token token, Now now, const DriverOut& out) {
-  if (!service_up_ || told_to_stop_) return;
+  if (!service_up_) return;
+  if (turn_ && !turn_->stop && !turn_->own) {
+    // In its place it would leave the robot in the stop, for all that is known here.
+    turn_->then_halts = token;
+    return;
+  }
+  if (told_to_stop_) return;
   out.out.count("to_robot.stop");
   begin_turn(true, true, now, out, token);
 }
@@ -163,6 +169,7 @@ void RapidDriver::end_motion(Token token, Now now, const DriverOut& out) {
 /// The stop or release that ends only a motion is not confirmed any more.
 void RapidDriver::give_up_halt(const std::string& why, const DriverOut& out) {
   if (turn_ && turn_->own && turn_->stop) out.emit(Halted{turn_->halts, false, why});
+  if (turn_ && turn_->then_halts) out.emit(Halted{*std::exchange(turn_->then_halts, std::nullopt), false, why});
 }
 
 void RapidDriver::on_halted(Token token, const DriverOut& out) {

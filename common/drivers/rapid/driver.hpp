@@ -74,7 +74,8 @@ class RapidDriver : public CommandsDriver<RapidCommand> {
     bool own = false;
     Token ticket = 0;
     std::size_t unanswered = 0;
-    Token halts = 0;  ///< own: the command that is to end
+    Token halts = 0;                    ///< own: the command that is to end
+    std::optional<Token> then_halts{};  ///< of a release: the command that is to end behind it
   };
   struct Asked {
     std::string subtype;

@@ -137,6 +137,7 @@ void RapidDriver::confirm_turn(bool by_robot, Now now, const DriverOut& out) {
       told_to_stop_ = false;
       out.emit(Released{turn.ticket});
     }
+    if (turn.then_halts) return end_motion(*turn.then_halts, now, out);
     begin_next(now, out);
   }
 }

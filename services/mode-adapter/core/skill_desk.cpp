@@ -182,7 +182,10 @@ void SkillDesk::on_refused(const Error& error, Now now, Outbox& out) {
 }
 
 void SkillDesk::on_halted(const Halted& halted, Now now, Outbox& out) {
-  if (owed_ && owed_->token == halted.token) owed_.reset();
+  if (owed_ && owed_->token == halted.token) {
+    owed_->until.reset();
+    if (halted.well) owed_.reset();
+  }
   if (!owns(halted.token) || !running_->halting) return;
   if (!halted.well) return interrupt(halted.text, now, out);
   end(TaskOutcome::failed, running_->halting->reason, {}, now, out);

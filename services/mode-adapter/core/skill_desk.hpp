@@ -26,9 +26,9 @@ namespace trb::adapter {
 /// skill once it has changed since the robot has the command, or has stayed as it is for 2 s, or half the skill's
 /// time-out: the task of a robot that answers at once may be over before a change is seen.
 ///
-/// A halt that is owed is given again at the mode's LinkUp, unless the robot is fenced. Until it is confirmed, or as
-/// long as above, nothing begins. A confirmed stop pays it, too. The process does not outlive its debt: to the
-/// scheduler the attempt is interrupted either way.
+/// A halt that is owed is given again at the mode's LinkUp, unless the robot is fenced. Until it is confirmed or
+/// refused, or as long as above, nothing begins. Refused, it is still owed. A confirmed stop pays it, too. The process
+/// does not outlive its debt: to the scheduler the attempt is interrupted either way.
 class SkillDesk {
  public:
   explicit SkillDesk(RobotSide& robot) : robot_(robot) {}

@@ -90,3 +90,30 @@ TEST_CASE("a halt that is lost with the connection is written again before all e
   CHECK(fixture.robot["TRB_STOP"] == "FALSE");
   CHECK(fixture.answer(fixture.deliver(MessageType::request, order("home", "", 2), "kuka")) == "running");
 }
+
+TEST_CASE(
+    "a halt in whose place came a stop, and neither was confirmed: it is written behind the release of that stop") {
+  C3Fixture fixture;
+  fixture.deliver(MessageType::request, order("home", ""), "kuka");
+  fixture.take();
+  fixture.deliver(MessageType::command, CancelExecution{attempt(), "enough"}, "kuka");
+  fixture.live(0.1);
+  fixture.deliver(MessageType::command, Stop{"fire"});
+  fixture.live(0.1);
+  CHECK(fixture.one<Outcome>().outcome == TaskOutcome::interrupted);
+  fixture.down(Channel::command, "gone");
+  fixture.deliver(MessageType::command, Release{"all clear"});
+  fixture.written(Channel::command);
+  fixture.writes();
+  fixture.up(Channel::command);
+  const auto execute = [&] { return fixture.deliver(MessageType::request, order("home", "", 2), "kuka"); };
+  fixture.live(0.1);
+  CHECK(fixture.answer(execute()) == "nack busy");
+  fixture.live(0.1);
+  CHECK(fixture.writes().find("TRB_STOP=FALSE\nTRB_STOP=TRUE\n") != std::string::npos);
+  CHECK(fixture.answer(execute()) == "nack busy");
+  fixture.robot["TRB_STOPPED"] = "TRUE";
+  fixture.live(0.1);
+  CHECK(fixture.robot["TRB_STOP"] == "FALSE");
+  CHECK(fixture.answer(execute()) == "running");
+}

@@ -296,6 +296,31 @@ TEST_CASE("a halt that is lost with the connection is given again before all els
   CHECK(fixture.answer(fixture.deliver(MessageType::command, order("home", "", 2), "abb")) == "running");
 }
 
+TEST_CASE("a halt in whose place came a stop, and neither was confirmed: it is given behind the release of that stop") {
+  Cancelled fixture;
+  fixture.live(0.1);
+  fixture.deliver(MessageType::command, Stop{"fire"}, "operator");
+  fixture.live(0.1);
+  CHECK(fixture.one<Outcome>().outcome == TaskOutcome::interrupted);
+  fixture.down(Channel::monitor, "gone");
+  fixture.deliver(MessageType::command, Release{"all clear"}, "operator");
+  fixture.turns.clear();
+  fixture.up(Channel::monitor);
+  fixture.live(0.05);
+  CHECK(fixture.turns == "92 #");
+  const auto execute = [&] { return fixture.deliver(MessageType::command, order("home", "", 2), "abb"); };
+  CHECK(fixture.answer(execute()) == "nack busy");
+  fixture.service("92 1#");
+  fixture.live(0.05);
+  CHECK(fixture.turns == "92 #91 #");
+  CHECK(fixture.answer(execute()) == "nack busy");
+  fixture.confirms = true;
+  fixture.service("91 1#");
+  fixture.live(0.05);
+  CHECK(fixture.turns == "92 #91 #92 #");
+  CHECK(fixture.answer(execute()) == "running");
+}
+
 TEST_CASE("a program that never answers the move that was ended is dialled again") {
   RapidFixture fixture;
   fixture.deliver(MessageType::request, order("home", ""), "abb");
