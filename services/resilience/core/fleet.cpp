@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/base/gives_way.hpp"
 #include "common/base/ids.hpp"
 #include "proto/value.hpp"
 
@@ -10,6 +11,7 @@ namespace trb::resilience {
 namespace {
 
 constexpr std::size_t kMaxText = 255;
+constexpr unsigned kToldAgain = Changes::kNode | Changes::kState;
 
 std::string capabilities_of(const NodeProfile& profile) {
   std::string out;
@@ -46,12 +48,6 @@ bool set_value(RobotRecord& robot, const std::string& name, const std::string& v
 
 }  // namespace
 
-bool Changes::urgent() const {
-  constexpr unsigned kToldAgain = kNode | kState;
-  return !history.empty() ||
-         std::ranges::any_of(robots, [](const auto& robot) { return (robot.second & ~kToldAgain) != 0; });
-}
-
 Result<RobotRecord*> Fleet::insert(std::string_view id) {
   if (Status valid = check_id("robot", id); !valid) return valid.error();
   if (robots_.size() >= kMaxRobots) {
@@ -67,11 +63,11 @@ Result<RobotRecord*> Fleet::insert(std::string_view id) {
   return &robot;
 }
 
-Result<RobotRecord*> Fleet::known(std::string_view id) {
+Result<RobotRecord*> Fleet::known(std::string_view id, UtcTime now) {
   if (RobotRecord* robot = existing(id)) return robot;
   auto robot = insert(id);
   // All parts, for the disk may still have the robot as it was before it was forgotten.
-  if (robot) changed(**robot, Changes::kNode | Changes::kAbilities | Changes::kState | Changes::kFaults);
+  if (robot) changed(**robot, Changes::kNode | Changes::kAbilities | Changes::kState | Changes::kFaults, now);
   return robot;
 }
 
@@ -85,21 +81,32 @@ const RobotRecord* Fleet::find(std::string_view id) const {
   return at == robots_.end() ? nullptr : &at->second;
 }
 
-void Fleet::changed(const RobotRecord& robot, unsigned parts) {
+void Fleet::changed(const RobotRecord& robot, unsigned parts, UtcTime now) {
   if ((parts & Changes::kFaults) != 0) ++fault_changes_;
   retirement_of(robot) != nullptr ? void(retired_.insert(robot.id)) : void(retired_.erase(robot.id));
   const RobotNumber number = *index_.find(robot.id);
   if ((parts & ~unsigned{Changes::kState}) != 0) index_.set_words(number, words_of(robot));
   index_.set_measures(number, measures_of(robot));
+  if ((parts & ~kToldAgain) != 0 && shares_[robot.id].take(now)) changes_.at_once = true;
   changes_.robots[robot.id] = (changes_.robots[robot.id] | parts) & ~unsigned{Changes::kGone};
 }
 
 void Fleet::note(const RobotRecord& robot, std::string_view kind, std::string_view text, UtcTime now) {
-  if (changes_.history.size() >= kMaxPendingHistory) {
-    changes_.history.pop_front();
-    ++changes_.history_dropped;
-  }
-  changes_.history.push_back({now, robot.id, std::string(kind), cut_utf8(text, kMaxText)});
+  WriteShare& share = shares_[robot.id];
+  if (!share.take(now)) return share.leave_out();
+  if (changes_.history.size() >= kMaxPendingHistory) drop_pending(robot.id);
+  const std::uint64_t left_out = share.take_left_out();
+  const std::string more = left_out == 0 ? "" : " (" + std::to_string(left_out) + " lines before it are left out)";
+  changes_.history.push_back({now, robot.id, std::string(kind), cut_utf8(text, kMaxText - more.size()) + more});
+}
+
+/// The oldest of the robot that has the most.
+void Fleet::drop_pending(const std::string& asking) {
+  std::deque<HistoryEntry>& lines = changes_.history;
+  const std::string most = gives_way(lines, asking, &HistoryEntry::robot);
+  const auto oldest = std::ranges::find(lines, most, &HistoryEntry::robot);
+  lines.erase(oldest == lines.end() ? lines.begin() : oldest);
+  ++changes_.history_dropped;
 }
 
 Status Fleet::restore(RobotRecord robot) {
@@ -126,7 +133,7 @@ bool Fleet::take_profile(RobotRecord& robot, const NodeProfile& told, UtcTime no
   unsigned parts = same_abilities(before, profile) ? Changes::kNode : Changes::kNode | Changes::kAbilities;
   if (take_out_of_use(robot, before, profile, now)) parts |= Changes::kFaults;
   robot.profile = {profile, now};
-  changed(robot, parts);
+  changed(robot, parts, now);
   return true;
 }
 
@@ -134,12 +141,12 @@ bool Fleet::set_reached(RobotRecord& robot, bool reached, const std::string& rea
   if (robot.reached == reached) return false;
   robot.reached = reached;
   note(robot, reached ? "joined" : "expired", reason, now);
-  changed(robot, Changes::kNode);
+  changed(robot, Changes::kNode, now);
   return true;
 }
 
 Result<bool> Fleet::on_route(const Route& route, UtcTime now) {
-  const auto robot = known(route.id);
+  const auto robot = known(route.id, now);
   if (!robot) return robot.error();
   const bool is_new = take_profile(**robot, route.profile, now);
   const bool reached = route.state == "self" || route.state == "ONLINE";
@@ -147,7 +154,7 @@ Result<bool> Fleet::on_route(const Route& route, UtcTime now) {
 }
 
 Status Fleet::on_joined(std::string_view id, UtcTime now) {
-  const auto robot = known(id);
+  const auto robot = known(id, now);
   if (!robot) return robot.error();
   set_reached(**robot, true, "", now);
   return Done{};
@@ -172,14 +179,14 @@ bool Fleet::on_state(std::string_view id, const RobotState& state, UtcTime now) 
   if (robot == nullptr) return false;
   bool all = true;
   for (const RobotValueTold& told : state.values) all = set_value(*robot, told.name, told.value, now) && all;
-  changed(*robot, Changes::kState);
+  changed(*robot, Changes::kState, now);
   return all;
 }
 
 bool Fleet::on_value(std::string_view id, const std::string& name, const std::string& value, UtcTime now) {
   RobotRecord* robot = existing(id);
   if (robot == nullptr || !set_value(*robot, name, value, now)) return false;
-  changed(*robot, Changes::kState);
+  changed(*robot, Changes::kState, now);
   return true;
 }
 
@@ -188,7 +195,7 @@ bool Fleet::set_later_tasks(std::string_view id, std::uint32_t tasks) {
   if (robot == nullptr) return false;
   if (robot->later_tasks == tasks) return true;
   robot->later_tasks = tasks;
-  changed(*robot, Changes::kNode);
+  changed(*robot, Changes::kNode, {});  // the runs tell it again: nothing is written at once
   return true;
 }
 
@@ -197,8 +204,10 @@ void Fleet::forget(std::string_view id, UtcTime now) {
   if (at == robots_.end()) return;
   note(at->second, "forgotten", "", now);
   changes_.robots[at->first] = Changes::kGone;
+  changes_.at_once = true;
   ++fault_changes_;
   retired_.erase(at->first);
+  shares_.erase(at->first);
   index_.drop(id);
   robots_.erase(at);
 }

@@ -11,6 +11,7 @@
 
 #include "services/resilience/core/fleet_index.hpp"
 #include "services/resilience/core/robot_record.hpp"
+#include "services/resilience/core/write_share.hpp"
 
 namespace trb::resilience {
 
@@ -31,11 +32,12 @@ struct Changes {
   std::map<std::string, unsigned, std::less<>> robots;  ///< id -> parts
   std::deque<HistoryEntry> history;                     ///< oldest first
   std::size_t history_dropped = 0;                      ///< lines lost because the disk failed for too long
+  bool at_once = false;                                 ///< some robot's change is within its share
 
   [[nodiscard]] bool empty() const { return robots.empty() && history.empty(); }
-  /// Are there changes besides values and control, which are sent again anyway? They must be on disk before anything
-  /// based on them is sent.
-  [[nodiscard]] bool urgent() const;
+  /// Are there changes besides values and control, which are sent again anyway, and of robots that have not used up
+  /// their share? They must be on disk before anything based on them is sent.
+  [[nodiscard]] bool urgent() const { return at_once || !history.empty(); }
 };
 
 class Fleet {
@@ -90,10 +92,11 @@ class Fleet {
 
  private:
   Result<RobotRecord*> insert(std::string_view id);
-  Result<RobotRecord*> known(std::string_view id);
+  Result<RobotRecord*> known(std::string_view id, UtcTime now);
   RobotRecord* existing(std::string_view id);
-  void changed(const RobotRecord& robot, unsigned parts);
+  void changed(const RobotRecord& robot, unsigned parts, UtcTime now);
   void note(const RobotRecord& robot, std::string_view kind, std::string_view text, UtcTime now);
+  void drop_pending(const std::string& asking);
   bool take_profile(RobotRecord& robot, const NodeProfile& told, UtcTime now);
   bool on_fault_ended(std::string_view id, const RobotFault& told, UtcTime now);
   bool take_out_of_use(RobotRecord& robot, const NodeProfile& before, const NodeProfile& profile, UtcTime now);
@@ -104,6 +107,7 @@ class Fleet {
   FleetIndex index_;
   std::vector<const RobotRecord*> by_number_;
   Changes changes_;
+  std::map<std::string, WriteShare, std::less<>> shares_;  ///< by robot, once something of it was written
   std::uint64_t fault_changes_ = 0;
   std::set<std::string, std::less<>> retired_;
 };

@@ -48,7 +48,7 @@ const OutOfUse* standing_in(const NodeProfile& profile, std::string_view capabil
 bool Fleet::on_fault(std::string_view id, const RobotFault& told, UtcTime now) {
   if (told.capability.size() > kMaxIdSize) return false;
   if (told.ended) return on_fault_ended(id, told, now);
-  const auto place = known(id);
+  const auto place = known(id, now);
   if (!place) return false;
   RobotRecord* robot = *place;
   Fault fault{told.capability, told.severity, cut_utf8(told.text, kMaxValueSize), now};
@@ -57,7 +57,7 @@ bool Fleet::on_fault(std::string_view id, const RobotFault& told, UtcTime now) {
   if (std::ranges::any_of(robot->faults, same)) return true;
   note(*robot, "fault", words_of_fault(fault.severity, fault.capability, fault.text), now);
   add_fault(robot->faults, std::move(fault));
-  changed(*robot, Changes::kFaults);
+  changed(*robot, Changes::kFaults, now);
   return true;
 }
 
@@ -67,7 +67,7 @@ bool Fleet::end_faults(std::string_view id, std::string_view capability, const s
   const auto ended = std::erase_if(robot->faults, [&](const Fault& fault) { return fault.capability == capability; });
   if (ended == 0) return false;
   note(*robot, "fault_ended", (capability.empty() ? "" : std::string(capability) + ": ") + why, now);
-  changed(*robot, Changes::kFaults);
+  changed(*robot, Changes::kFaults, now);
   return true;
 }
 
@@ -83,7 +83,7 @@ bool Fleet::on_fault_ended(std::string_view id, const RobotFault& told, UtcTime 
   if (ended == 0) return true;
   const std::string of = told.capability.empty() ? "" : told.capability + ": ";
   note(*robot, "fault_ended", of + (told.text.empty() ? "the robot says so" : told.text), now);
-  changed(*robot, Changes::kFaults);
+  changed(*robot, Changes::kFaults, now);
   return true;
 }
 

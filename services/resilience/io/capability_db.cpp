@@ -40,7 +40,18 @@ Status CapabilityDb::write_changes(const Fleet& fleet, UtcTime now) {
 Status CapabilityDb::prune_history(UtcTime now) {
   const Status old = file_->run("DELETE FROM history WHERE time < ?", (now - kHistoryAge).ns);
   if (!old) return old;
-  return file_->run("DELETE FROM history WHERE number <= (SELECT max(number) FROM history) - ?", kMaxHistory);
+  std::int64_t rows = 0;
+  const auto count = [&](const Columns& row) -> Status {
+    rows = row.integer(0);
+    return Done{};
+  };
+  if (Status counted = file_->rows("SELECT count(*) FROM history", count); !counted) return counted;
+  if (rows <= kMaxHistory) return Done{};
+  // Each robot's newest row counts first, then each one's second: so none takes another's rows.
+  return file_->run(
+      "DELETE FROM history WHERE number IN (SELECT number FROM (SELECT number, row_number() OVER (PARTITION BY robot "
+      "ORDER BY number DESC) AS depth FROM history) ORDER BY depth DESC, number LIMIT ?)",
+      rows - kMaxHistory + kHistoryRoom);
 }
 
 Status CapabilityDb::write(Fleet& fleet, UtcTime now) {

@@ -36,7 +36,9 @@ struct DecisionRow {
 
 class CapabilityDb final : public HistoryReader {
  public:
-  static constexpr std::int64_t kMaxHistory = 10'000;                   ///< rows; the oldest are removed
+  static constexpr std::int64_t kMaxHistory =
+      10'000;                                        ///< rows; the oldest of the robots that have the most are removed
+  static constexpr std::int64_t kHistoryRoom = 500;  ///< so many together, for it costs a look at every row
   static constexpr Duration kHistoryAge = std::chrono::hours(30 * 24);  ///< older rows are removed
 
   /// Opens or creates the file, and brings it to this build's version. Errors: io_error, malformed (not a database, or
