@@ -21,6 +21,8 @@ class Budget {
     --left_;
     return true;
   }
+  /// A take() now would be true.
+  [[nodiscard]] bool has_left(MonotonicTime now) const { return left_ > 0 || now >= end_; }
   /// What is left of the second of the last take().
   [[nodiscard]] std::uint32_t left() const { return left_; }
 

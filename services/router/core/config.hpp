@@ -79,6 +79,7 @@ constexpr std::uint32_t kInvitationsOfOne = 16;  ///< signatures of invitations 
 constexpr std::uint32_t kUpdatesChecked = 300;   ///< signatures in them, in a second: a message brings 257 at most
 constexpr std::uint32_t kReachChecked = kMaxPeers + 64;  ///< signatures of whom one relay reaches, in a second
 constexpr std::uint32_t kRelayedChecked = 1000;      ///< signatures of what one relay brings of one source, in a second
+constexpr std::uint32_t kRelayedForged = 100;        ///< forged ones of one relay, whomever they name, in a second
 constexpr std::uint64_t kAnsweredOfOne = 4U << 20U;  ///< bytes of tables for one member, in a second
 constexpr Duration kStorePause = std::chrono::seconds(5);  ///< changes of where peers are, gathered for one write
 constexpr Duration kViaPause = std::chrono::seconds(4);    ///< between dials to who is reached by a relay

@@ -12,6 +12,7 @@ namespace trb::router {
 namespace {
 
 constexpr Duration kLinksFirst = std::chrono::milliseconds(300);  ///< a direct link may be coming up just now
+constexpr std::string_view kForged = "bad_signature";
 constexpr std::size_t kMaxRelayedFrame = (1U << 19U) - 1024 - kRelayBoxOverhead;
 
 /// A message without its data, for a later answer.
@@ -288,9 +289,15 @@ std::optional<Unwrapped> RelayRoutes::receive(const Link& relay, const Relayed& 
   Peer* source = table_.find(body.record.signer);
   if (source == nullptr) return no("unknown_signer", "'" + body.record.signer + "'");
   const std::string of = "of '" + source->id + "'";
+  // Forged names would take every source's share of checks, and the time of all other links.
+  Budget& forged = table_.find(relay.peer)->relayed_forged;
+  if (!forged.has_left(now.mono)) return no("too_many_forged", of);
   if (!row(*source).load.try_emplace(relay.peer, kRelayedChecked).first->second.take(now.mono))
     return no("too_many", of);
-  if (const auto why = check(*source, body.record, inner, now)) return no(why->first, of + ": " + why->second);
+  if (const auto why = check(*source, body.record, inner, now)) {
+    if (why->first == kForged) forged.take(now.mono);
+    return no(why->first, of + ": " + why->second);
+  }
   auto plain = unlock_relayed(key_of(*source, row(*source)), inner.box.bytes);
   if (!plain)
     return no(plain.error().code == Errc::wrong_key ? "wrong_key" : "malformed", of + ": " + plain.error().text());
@@ -327,7 +334,7 @@ std::optional<std::pair<std::string_view, std::string>> RelayRoutes::check(const
   using Why = std::pair<std::string_view, std::string>;
   const UtcTime utc = node_.checked_utc(now.utc);
   if (!verify(record, kSignedRelayed, node_.config().authority.id(), source.certificate.identity_key.bytes))
-    return Why{"bad_signature", "the signature is not its own"};
+    return Why{kForged, "the signature is not its own"};
   if (utc.ns >= source.certificate.not_after) return Why{"cert_expired", "its certificate has ended"};
   if (inner.expires <= utc.ns) return Why{"late", "its time had run out, by this node's clock"};
   return std::nullopt;

@@ -6,6 +6,22 @@
 using namespace trb;
 using namespace trb::router;
 
+namespace {
+
+/// The relay brings bee the same again and again, within a moment.
+void bring(Triangle& three, const SignedRecord& record, std::uint32_t times) {
+  const LinkId link = three.bee->link_to("cloud");
+  Effects effects;
+  for (std::uint32_t i = 0; i < times; ++i) {
+    three.bee->core->inbox().on_message(link, three.cloud.keys.link.public_key,
+                                        make_message(MessageType::information, "cloud", "bee", Relayed{record}), 1,
+                                        three.fleet.now, effects);
+  }
+  three.fleet.carry_out(*three.bee, effects);
+}
+
+}  // namespace
+
 TEST_CASE("a message goes by the relay once, to whom it is for, and its answer comes back that way") {
   Triangle three;
   const std::uint64_t before = three.bee->count("relayed.received");
@@ -268,17 +284,27 @@ TEST_CASE("what a node says to every node is taken by a relay too; one whose tim
 
 TEST_CASE("what one relay brings of one node is checked so often in a second and no more") {
   Triangle three;
-  SignedRecord forged = three.signed_by_ant(three.frame(50, three.numbered("x")));
-  forged.payload.bytes.back() ^= 1;
-  const LinkId link = three.bee->link_to("cloud");
-  Effects effects;
-  for (std::uint32_t i = 0; i < kRelayedChecked + 50; ++i) {
-    three.bee->core->inbox().on_message(link, three.cloud.keys.link.public_key,
-                                        make_message(MessageType::information, "cloud", "bee", Relayed{forged}), 1,
-                                        three.fleet.now, effects);
-  }
-  three.fleet.carry_out(*three.bee, effects);
+  bring(three, three.signed_by_ant(three.frame(50, three.numbered("x"))), kRelayedChecked + 50);
   CHECK(three.bee->count("refused.relayed_too_many") >= 50);
   CHECK(three.bee->count("refused.relayed_too_many") < 60);
-  CHECK(three.bee->count("refused.relayed_bad_signature") > kRelayedChecked - 10);
+  CHECK(three.bee->count("refused.relayed_replayed") > kRelayedChecked - 10);
+}
+
+TEST_CASE("a relay that forges is checked so often in a second, whomever it names, and takes no source's share") {
+  Triangle three;
+  const TestKeys cat = three.fleet.authority.sign_node("cat", Role::robot, 1);
+  three.put(three.cloud, "bee",
+            make_message(MessageType::information, "cloud", "bee", ReachablePeerList{{cat.record}, {}}));
+  SignedRecord forged = three.signed_by_ant(three.frame(50, three.numbered("x")));
+  forged.payload.bytes.back() ^= 1;
+  bring(three, forged, kRelayedForged - 20);
+  forged.signer = "cat";
+  bring(three, forged, 2000);
+  CHECK(three.bee->count("refused.relayed_bad_signature") == kRelayedForged);
+  CHECK(three.bee->count("refused.relayed_too_many_forged") == 1980);
+  CHECK(three.bee->count("refused.relayed_too_many") == 0);
+  // In the next second it is listened to again.
+  three.fleet.run(std::chrono::seconds(1));
+  three.hand_to_bee(three.signed_by_ant(three.frame(51, three.numbered("y"))));
+  CHECK(three.delivered() == 1);
 }
