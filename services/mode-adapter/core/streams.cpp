@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "common/base/gives_way.hpp"
 #include "proto/value.hpp"
 
 namespace trb::adapter {
@@ -38,13 +39,22 @@ Status Streams::add(std::string_view subtype, std::string_view source, Driver& m
                     Now now) {
   drop([&](const Stream& one) { return one.subtype == subtype && one.source == source; });
   if (order.for_s <= 0) return Done{};
-  if (streams_.size() >= kMostStreams) {
+  if (streams_.size() >= kMostStreams && !make_room(source)) {
     return fail(Errc::queue_full, "the robot tells 32 streams already", "wait until one of them ends");
   }
   const Duration every = seconds(order.every_s);
   streams_.push_back({std::string(subtype), std::string(source), &mode, every, now.mono + seconds(order.for_s),
                       now.mono + every, now.mono});
   return Done{};
+}
+
+bool Streams::make_room(std::string_view source) {
+  const std::string other = gives_way(streams_, source, &Stream::source);
+  if (other == source) return false;
+  const auto newest =
+      std::find_if(streams_.rbegin(), streams_.rend(), [&](const Stream& one) { return one.source == other; });
+  drop([&, subtype = newest->subtype](const Stream& one) { return one.source == other && one.subtype == subtype; });
+  return true;
 }
 
 void Streams::on_values(Driver& mode, Now now, Outbox& out) {

@@ -22,7 +22,8 @@ Result<std::optional<StreamOrder>> read_stream_order(BytesView data);
 
 class Streams {
  public:
-  /// One for each requester and subtype: a repeated request renews it. Errors: queue_full.
+  /// One for each requester and subtype: a repeated request renews it. If there is no place, who has the most gives
+  /// way. Errors: queue_full.
   Status add(std::string_view subtype, std::string_view source, Driver& mode, const StreamOrder& order, Now now);
 
   /// Sends each stream the values that the mode has received since the stream's last one.
@@ -42,6 +43,7 @@ class Streams {
     MonotonicTime next;
     MonotonicTime told;  ///< when the value that was sent last had been received
   };
+  bool make_room(std::string_view source);
   void drop(const std::function<bool(const Stream&)>& is_over);
 
   std::vector<Stream> streams_;

@@ -83,6 +83,7 @@ void Inquiry::on(const RouteTable& table, Now now, Outbox& out) {
   const Found found = find(table, condition_);
   if (found.sensor == nullptr) return try_again("no such sensor is plugged in", now);
   if (found.rival != nullptr) {
+    node_.clear();  // nor counts a late answer of either
     return try_again("'" + found.route->id + "' and '" + found.rival->id +
                          "' both say that they have it: unplug one, or name the node in the condition's \"of\"",
                      now);
