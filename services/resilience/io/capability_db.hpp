@@ -3,7 +3,8 @@
 // Durability: once write(), put_… or set_… returns Done, the data is on disk (WAL, synchronous=FULL). Of a Fleet's
 // changes, those that are `urgent()` (routes, abilities, faults, history) must be written before anything based on them
 // is sent. Values (battery, position) are sent again and may be written together every few seconds: a power cut loses
-// those seconds, and the times show how old the values are.
+// those seconds, and the times show how old the values are. So it is with all changes of a robot that has used up its
+// share (write_share.hpp): after a power cut its node tells its profile again.
 #pragma once
 
 #include <functional>
