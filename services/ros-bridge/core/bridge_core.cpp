@@ -155,9 +155,13 @@ void BridgeCore::unwatch(std::uint64_t token, Now now) {
 
 void BridgeCore::forget_adapter() {
   looked_up_.clear();
+  drop_published();
+  for (auto& [name, topic] : topics_) topic.listeners.clear();
+}
+
+void BridgeCore::drop_published() {
   for (const auto& [key, publication] : published_) send_word(Word::drop, {std::to_string(key)});
   published_.clear();
-  for (auto& [name, topic] : topics_) topic.listeners.clear();
 }
 
 // ---- what the worker says
@@ -202,7 +206,10 @@ void BridgeCore::on_word(WorkerMessage& message, Now now, Outbox& out) {
 
 void BridgeCore::on_alive(bool up, const std::string& detail, Now now, Outbox& out) {
   if (up == up_ && (up || detail == detail_)) return;
-  if (up_ && !up) forget_all();
+  if (up_ && !up) {
+    drop_published();  // the worker lives on, and keeps what waits for a subscriber
+    forget_all();
+  }
   set_state(up, up ? "" : detail, now, out);
 }
 

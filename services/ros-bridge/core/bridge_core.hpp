@@ -77,6 +77,8 @@ class BridgeCore : public Core {
   void unwatch(std::uint64_t token, Now now);
   /// Of an adapter that is gone: nobody waits for it, and nobody could still stop it.
   void forget_adapter();
+  /// Neither is it published later.
+  void drop_published();
   void on_word(WorkerMessage& message, Now now, Outbox& out);
   void on_alive(bool up, const std::string& detail, Now now, Outbox& out);
   void on_type(const std::string& topic, const std::string& type, Now now, Outbox& out);

@@ -252,6 +252,21 @@ TEST_CASE("an absent master is told of, and commands are refused with it") {
   CHECK(fixture.told() == "1 robot_offline: no ROS master at http://10.0.0.9:11311\n");
 }
 
+TEST_CASE("what waits at the worker when the master goes is dropped there: its sender was refused") {
+  Fixture fixture;
+  fixture.up();
+  fixture.command(1, BridgeAction::publish, "/cmd_vel", "{}");
+  fixture.worker(Word::type, {"/cmd_vel", "geometry_msgs/Twist"});
+  const auto publish = fixture.said();
+  fixture.worker(Word::alive, {"absent", "no ROS master at http://10.0.0.9:11311"});
+  const auto said = fixture.said();
+  REQUIRE(said.size() == 1);
+  CHECK(said[0].word == Word::drop);
+  CHECK(said[0].parts[0] == publish.back().parts[0]);
+  fixture.worker(Word::alive, {"absent", "no ROS master at http://10.0.0.9:11311, still"});
+  CHECK(fixture.said().empty());
+}
+
 TEST_CASE("a mode-adapter that was restarted starts anew; nobody else is listened to") {
   Fixture fixture;
   fixture.up();
