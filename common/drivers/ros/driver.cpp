@@ -250,6 +250,8 @@ void RosDriver::on_bridge(const BridgeState& state, Now now, const DriverOut& ou
   if (up_ || !state.up) return;
   up_ = true;
   connection_ = state.connection;
+  // What is still wanted of them is given again now; it must not follow a later release.
+  for (const std::uint64_t key : std::exchange(late_stops_, {})) drop_at_bridge(key, out);
   watch_all(out);
   out.emit(LinkUp{});
 }
@@ -290,8 +292,11 @@ void RosDriver::go_down(const std::string& reason, const DriverOut& out) {
 
 void RosDriver::tick(Now now, const DriverOut& out) {
   if (!up_ || now.mono - heard_ < kSilent) return;
-  // One that was only slow still has all that is forgotten here.
-  for (const auto& [key, pending] : pending_) drop_at_bridge(key, out);
+  // One that was only slow still has all that is forgotten here. A stop is better late than never.
+  for (const auto& [key, pending] : pending_) {
+    const bool stops = pending.purpose == Purpose::stop || pending.purpose == Purpose::halt;
+    stops ? late_stops_.push_back(key) : drop_at_bridge(key, out);
+  }
   go_down("the ROS bridge has said nothing for 4 s", out);
 }
 

@@ -84,6 +84,7 @@ class RosDriver : public CommandsDriver<std::vector<RosMessage>> {
   std::optional<Halting> halting_;
   std::uint64_t last_key_ = 0;
   std::map<std::uint64_t, Pending> pending_;  ///< by the bridge's token
+  std::vector<std::uint64_t> late_stops_;     ///< left at a bridge that went silent: its tokens
   RobotValues values_;
 };
 

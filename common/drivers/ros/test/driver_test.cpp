@@ -432,6 +432,28 @@ TEST_CASE("a bridge that was only slow publishes nothing that was refused meanwh
   CHECK(asked[1].token == move.token);
 }
 
+TEST_CASE("a stop stays with a bridge that is silent, and is given again, in its place, when that speaks") {
+  RosFixture fixture;
+  fixture.bridge(true);
+  const auto watch = fixture.asked().at(0);
+  fixture.deliver(MessageType::command, Stop{"fire"});
+  const auto stop = fixture.asked().at(0);
+  fixture.wait(4.1);
+  auto asked = fixture.asked();
+  REQUIRE(asked.size() == 1);
+  CHECK(asked[0].token == watch.token);
+  fixture.bridge(true);
+  asked = fixture.asked();
+  REQUIRE(asked.size() == 4);
+  CHECK(asked[0].action == BridgeAction::unwatch);
+  CHECK(asked[0].token == stop.token);
+  CHECK(asked[1].action == BridgeAction::watch);
+  CHECK(asked[2].name == stop.name);
+  fixture.bridge(false);
+  fixture.bridge(true);
+  CHECK(fixture.asked().size() == 3);  // it is forgotten then
+}
+
 TEST_CASE("without ROS the robot is offline and says why; what was under way is not known") {
   RosFixture fixture;
   fixture.bridge(false, 1, "no ROS master at http://10.0.0.9:11311");
