@@ -162,7 +162,6 @@ StoreBatch Access::take_batch() {
   batch.acknowledged = alarms.take_acknowledged();
   batch.shelves = alarms.take_shelves();
   for (AuditRecord& record : std::exchange(noted_, {})) batch.audit.push_back({std::move(record), {}});
-  batch.heads = std::exchange(signed_, {});
   batch.requests = std::exchange(kept_, {});
   batch.dropped_requests = std::exchange(dropped_, {});
   batch.steady = std::exchange(steady_, {});
@@ -171,10 +170,14 @@ StoreBatch Access::take_batch() {
 
 Status Access::commit() {
   StoreBatch batch = take_batch();
+  const bool has_heads_alone = batch.empty();
+  batch.heads = std::exchange(signed_, {});
   if (batch.empty()) return Done{};
   Status saved = save_or_merge(batch);
+  if (saved) return saved;
   // Of records that are stored all the same: nobody would ask for them again.
-  if (!saved) signed_ = std::move(batch.heads);
+  signed_ = std::move(batch.heads);
+  if (has_heads_alone && db_.is_shared()) return Done{};
   return saved;
 }
 

@@ -29,6 +29,7 @@ struct AuditOrigin {
 /// current  | commit(), and nobody changed what it changes | current
 /// current  | commit(): the audit log, sessions, alarms or answers of requests have gone on | current: added to theirs
 /// current  | commit(): users, tokens or scenarios were changed, or a key was used | current, with theirs; conflict
+/// any      | commit() of signed heads alone, and the server does not answer | stale; they wait, and it is no error
 /// any      | the server does not answer                   | stale: what it wanted to write is lost, and it says so
 /// stale    | refresh(), and the server answers            | current: all is read anew
 /// stale    | owe(): a stop was ordered, somebody drives   | stale; the record waits for pay_owed()
@@ -59,7 +60,8 @@ class Access {
   /// A key that is free again.
   void drop(RequestKey key) { dropped_.push_back(std::move(key)); }
   /// In one transaction. Errors: those of GatewayDb::save. Then what memory holds is not on disk: the process must end,
-  /// or of a shared store memory is read anew, and the request was not done.
+  /// or of a shared store memory is read anew, and the request was not done. Signed heads are no request's: a shared
+  /// store that does not take them keeps none waiting, and the next commit has them again.
   Status commit();
   /// Before each decision: takes over what others have written. The kinds that have changed.
   Result<StoreKinds> refresh();

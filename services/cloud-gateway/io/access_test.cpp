@@ -452,6 +452,41 @@ TEST_CASE("a head is kept of a stored record alone, and survives a write that fa
   });
 }
 
+TEST_CASE("a head that waits for the server fails no reply that has nothing to write") {
+  on_postgres([] {
+    const TwoGateways both;
+    Now now{{1}, kNow};
+    both.a.note("ann");
+    REQUIRE(both.a.access->commit());
+    REQUIRE(sign_head(both.a, now));
+    postgres_turn()->kill();
+    for (int i = 0; i < 3; ++i) CHECK(both.a.access->commit());  // of /health, or of a page
+    both.a.note("ann");
+    CHECK_FALSE(both.a.access->commit());
+    CHECK(both.a.access->commit());
+    postgres_turn()->start();
+    come_back(both.a);
+    REQUIRE(both.a.access->commit());
+    const AuditReport report = verified(*both.a.db);
+    CHECK_FALSE(report.fault);
+    CHECK(report.covered == 1);
+  });
+}
+
+TEST_CASE("a file that takes no head fails the commit, for it takes nothing else either") {
+  const StoreFolder folder;
+  const auto file = opened(folder);
+  CutAfterCommit full(*file);
+  auto access = Access::open(full, kOrigins, {"fleet", "cloud"});
+  REQUIRE(access.ok());
+  (*access)->note({0, 5, "ann", "::1", "POST /api/v1/runs", "run-1", "done"});
+  REQUIRE((*access)->commit());
+  const AuditHead head = (*access)->chain.head(kNow);
+  REQUIRE((*access)->keep(head, audit_head_payload(head)));
+  full.is_cut = true;
+  CHECK_FALSE((*access)->commit());
+}
+
 TEST_CASE("what was done while the server was gone is recorded once it is back, in the one chain") {
   on_postgres([] {
     const TwoGateways both;
