@@ -132,7 +132,13 @@ bool C3Jobs::halt(Token token, Now now, const DriverOut& out) {
 void C3Jobs::on_halt_refused(Now now, const DriverOut& out) {
   if (!current_ || !current_->halted) return;
   current_->halted = false;
-  if (current_->phase != C3Job::Phase::running) withdraw(now, out);
+  if (current_->phase == C3Job::Phase::running) return;
+  if (!current_->ends) return withdraw(now, out);
+  // Its offer was taken back, and nothing tells whether that came too late but its end.
+  link_.drop_waiting(C3Purpose::step);
+  current_->phase = C3Job::Phase::running;
+  current_->forgotten = true;
+  current_->waits_since = now.mono;
 }
 
 /// The robot may have the last write that it needs to begin.
@@ -190,7 +196,7 @@ void C3Jobs::check_patience(Now now, const DriverOut& out) {
 
 void C3Jobs::on_written(const C3Link::Answer& answer, Now now, const DriverOut& out) {
   if (!current_ || static_cast<std::uint64_t>(current_->number) != answer.ask.about) return;
-  if (current_->halted) return;
+  if (current_->halted || current_->phase == C3Job::Phase::running) return;
   if (!answer.reply.ok) return refuse(refused_by_robot(answer), now, out);
   if (current_->steps[current_->next].awaits_clear) {
     current_->waits_since = now.mono;

@@ -21,7 +21,7 @@ namespace trb::drivers {
 /// running         | the done flag, ours      | Ended, an answer, or Refused; the next message
 /// any             | the done flag, another's | counted as late
 /// halted          | its end, before the stop | as of one that runs
-/// halted          | the halt is refused      | running; the offer withdrawn, if it was not taken
+/// halted          | the halt is refused      | running; if it may not have been taken, the patience long
 /// any             | the connection is lost   | Refused, unless it has been answered
 class C3Jobs {
  public:

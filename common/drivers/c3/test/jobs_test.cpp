@@ -112,6 +112,35 @@ TEST_CASE("what is halted is to be stopped if the program may have it, and is wi
   CHECK_FALSE(writing.jobs.runs(1));
 }
 
+TEST_CASE("what may have been taken before its halt was refused has the program until its end, or the patience long") {
+  for (const bool taken : {false, true}) {
+    FieldFixture fixture;
+    fixture.offer(1);
+    CHECK(fixture.jobs.halt(1, fixture.now, fixture.out));
+    fixture.answer("");
+    fixture.sent();
+    fixture.jobs.on_halt_refused(fixture.now, fixture.out);
+    CHECK(fixture.jobs.add({2, MessageType::command, "wave", "operator", "", ""}, fixture.now, fixture.out));
+    CHECK(fixture.sent().empty());
+    if (taken) {
+      fixture.jobs.on_done_flag(true, fixture.now, fixture.out);
+      for (const char* part : {"1", "0", "\"\""}) fixture.jobs.on_part(fixture.answer(part).reply);
+      fixture.answer("");
+      fixture.jobs.on_cleared(fixture.now, fixture.out);
+    } else {
+      fixture.now.mono = fixture.now.mono + seconds(1.9);
+      fixture.jobs.check_patience(fixture.now, fixture.out);
+      CHECK(fixture.sent().empty());
+      fixture.now.mono = fixture.now.mono + seconds(0.1);
+      fixture.jobs.check_patience(fixture.now, fixture.out);
+    }
+    CHECK_FALSE(fixture.jobs.runs(1));
+    CHECK(fixture.jobs.runs(2));
+    CHECK_FALSE(fixture.sent().empty());
+    CHECK(fixture.told<Refused>().empty());
+  }
+}
+
 TEST_CASE("a chunk waits until the program has taken the one before") {
   FieldFixture fixture;
   CHECK(fixture.jobs.add({1, MessageType::command, "wave", "operator", std::string(100, 'x'), ""}, fixture.now,
