@@ -115,7 +115,15 @@ class PolledDriver : public CommandsDriver<Words> {
     out.out.count("to_robot.release");
     queue_.add_urgent({Purpose::resume, 0, false, std::move(*steps), 0});
   }
+  /// A halt that was refused behind steps that the robot took; what its fault says of it then.
+  std::string half_taken(const Job& halt) {
+    if (halt.done == 0) return {};
+    this->told_to_stop_ = true;  // it is released when the link is back
+    return "; it may stand in its stop: stop and release it";
+  }
+  /// The release of a robot that is in no stop changes nothing: refused, it is no fault.
   void say_would_not_go_on(const Error& error, const DriverOut& out) const {
+    if (!this->told_to_stop_) return;
     const std::string text = std::string("the ") + wording_.robot + " refused to go on after a stop: " + error.what;
     out.emit(FaultSaid{"", Severity::critical, text, kWouldNotGoOn, false});
   }

@@ -168,8 +168,12 @@ void HttpJsonDriver::on_refused(const Job& job, Error error, const DriverOut& ou
 
 /// Its requester is notified at its deadline that nothing was confirmed; all others must know at once.
 void HttpJsonDriver::say_would_not_stop(const Job& job, const Error& error, const DriverOut& out) {
-  if (job.purpose == Purpose::halt) out.emit(Halted{job.token, false, error.what});
-  out.emit(FaultSaid{"", Severity::critical, "the robot refused to stop: " + error.what, kWouldNotStop, false});
+  std::string text = "the robot refused to stop: " + error.what;
+  if (job.purpose == Purpose::halt) {
+    out.emit(Halted{job.token, false, error.what});
+    text += half_taken(job);
+  }
+  out.emit(FaultSaid{"", Severity::critical, std::move(text), kWouldNotStop, false});
 }
 
 void HttpJsonDriver::on_down(Channel channel, const std::string& reason, Now now, const DriverOut& out) {

@@ -117,12 +117,17 @@ void ModbusDriver::on_exception(const Job& job, std::uint8_t exception, const Dr
   if (job.done > 0) error.what += "; the " + std::to_string(job.done) + " writes before it were done";
   if (job.purpose == Purpose::command) return out.emit(Refused{job.token, error});
   out.refuse("robot_error", error.text());
-  if (job.purpose == Purpose::halt) out.emit(Halted{job.token, false, error.what});
+  std::string half;
+  if (job.purpose == Purpose::halt) {
+    out.emit(Halted{job.token, false, error.what});
+    half = half_taken(job);
+  }
   // Its requester is notified at its deadline that nothing was confirmed; all others must know at once.
   if (job.purpose == Purpose::release || job.purpose == Purpose::resume) {
     say_would_not_go_on(error, out);
   } else {
-    out.emit(FaultSaid{"", Severity::critical, "the device refused to stop: " + error.what, kWouldNotStop, false});
+    out.emit(
+        FaultSaid{"", Severity::critical, "the device refused to stop: " + error.what + half, kWouldNotStop, false});
   }
 }
 

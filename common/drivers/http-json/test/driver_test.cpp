@@ -383,6 +383,55 @@ TEST_CASE("http: a robot that does not go on after a halt is out of use until it
   CHECK(fixture.kept.empty());
 }
 
+TEST_CASE("http: a release that a robot in no stop refuses is no fault, and the skill goes on") {
+  OnlineMir fixture;
+  fixture.deliver(MessageType::command, order("drive", R"({"mission": "dock"})"), "mir");
+  fixture.serve();
+  fixture.deliver(MessageType::command, Release{}, "operator");
+  CHECK(fixture.asked() == R"(PUT /status {"state_id": 3})");
+  fixture.answer_with(503);
+  CHECK(fixture.told<RobotFault>().empty());
+  CHECK(fixture.kept.empty());
+  CHECK(fixture.told<Outcome>().empty());
+}
+
+TEST_CASE("http: a halt that the robot took in part, and refused, is followed by a release when it is back") {
+  for (const bool part : {false, true}) {
+    Settings settings = mir();
+    settings.commands.commands["stop"] = "PUT /status {\"state_id\": 4}\nDELETE /queue";
+    MirFixture fixture(settings);
+    fixture.connect();
+    const Execute drive = order("drive", R"({"mission": "dock"})");
+    fixture.deliver(MessageType::command, drive, "mir");
+    fixture.serve();
+    fixture.deliver(MessageType::command, CancelExecution{drive.key, "enough"}, "mir");
+    CHECK(fixture.asked() == R"(PUT /status {"state_id": 4})");
+    if (part) {
+      fixture.answer_with(200, "{}");
+      CHECK(fixture.asked() == "DELETE /queue");
+    }
+    fixture.answer_with(503);
+    const bool told = fixture.one<RobotFault>().text.ends_with("; it may stand in its stop: stop and release it");
+    CHECK(told == part);
+    fixture.down(Channel::command, "no route to host");
+    fixture.wait(1.5);
+    fixture.up(Channel::command);
+    std::string again;  // the halt is owed; the robot refuses the same request once more
+    for (std::string what = fixture.asked(); !what.empty(); what = fixture.asked()) {
+      if (what == "GET /status") {
+        fixture.answer_with(200, kStatus);
+      } else if (what.starts_with("GET")) {
+        fixture.answer_with(200, R"({"state": "Executing"})");
+      } else {
+        again += what + "; ";
+        fixture.answer_with(what == (part ? "DELETE /queue" : R"(PUT /status {"state_id": 4})") ? 503 : 200, "{}");
+      }
+    }
+    CHECK(again == (part ? R"(PUT /status {"state_id": 4}; DELETE /queue; PUT /status {"state_id": 3}; )"
+                         : R"(PUT /status {"state_id": 4}; )"));
+  }
+}
+
 TEST_CASE("http: a release that is lost is given again, at the next connection or when the robot is back") {
   for (const bool long_gone : {false, true}) {
     OnlineMir fixture;

@@ -188,6 +188,33 @@ TEST_CASE("modbus: a device that was halted is released, again if that is lost, 
   }
 }
 
+TEST_CASE(
+    "modbus: a release that a device in no stop refuses is no fault; of one that may stand in its stop it is one") {
+  Settings settings = conveyor();
+  settings.commands.commands["stop"] = "running = 0\ncoil 2 = false";
+  settings.commands.commands["release"] = "coil 2 = true";
+  PlcFixture fixture(settings);
+  fixture.connect();
+  const Execute run = order("run", R"({"speed": 0.5})");
+  fixture.deliver(MessageType::command, run, "conveyor");
+  fixture.serve();
+  fixture.deliver(MessageType::command, Release{}, "operator");
+  fixture.asked();
+  fixture.answer_call(4);
+  CHECK(fixture.told<RobotFault>().empty());
+  CHECK(fixture.told<Outcome>().empty());
+  fixture.deliver(MessageType::command, CancelExecution{run.key, "enough"}, "conveyor");
+  CHECK(fixture.asked() == "write coil 0 0");
+  fixture.answer_call();
+  CHECK(fixture.asked() == "write coil 2 0");
+  fixture.answer_call(4);
+  CHECK(fixture.one<RobotFault>().text.ends_with("; it may stand in its stop: stop and release it"));
+  fixture.deliver(MessageType::command, Release{}, "operator");
+  CHECK(fixture.asked() == "write coil 2 1");
+  fixture.answer_call(4);
+  CHECK(fixture.told<RobotFault>().size() == 1);
+}
+
 TEST_CASE("modbus: a halt whose answer is lost with the connection is written again before anything else") {
   OnlinePlc fixture;
   const Execute run = order("run", R"({"speed": 0.5})");
