@@ -29,7 +29,7 @@ void C3Turns::end_motion(Token token, Now now, const DriverOut& out) {
 }
 
 void C3Turns::give_up_halt(const std::string& why, const DriverOut& out) {
-  if (ends_motion()) out.emit(Halted{open_->halts, false, why});
+  if (halts()) out.emit(Halted{open_->halts, false, why});
   if (open_ && open_->then_halts) out.emit(Halted{*std::exchange(open_->then_halts, std::nullopt), false, why});
 }
 
@@ -37,7 +37,7 @@ Token C3Turns::begin(bool stop, bool own, Token halts, Now now, const DriverOut&
   give_up_halt("another stop or release took its place", out);
   const std::vector<C3Step>& steps = stop ? words_.stop : words_.release;
   const Token ticket = ++last_ticket_;
-  open_ = Turn{stop, own, ticket, steps.size(), halts};
+  open_ = Turn{stop, own, ticket, steps.size(), false, halts};
   const C3Purpose purpose = stop ? C3Purpose::stop : C3Purpose::release;
   for (const C3Step& step : steps) link_.urge({purpose, step.variable, step.value, ticket}, now, out);
   polls_.soon(now);
@@ -52,12 +52,23 @@ bool C3Turns::on_written(const C3Link::Answer& answer, Now now, const DriverOut&
 }
 
 bool C3Turns::on_refused(const Error& why, const DriverOut& out) {
+  // All its writes are on their way: others of them may be taken.
+  const bool half_taken = halts() && words_.stop.size() > 1;
+  // Of a robot that was in no stop: it goes on.
+  const bool idle_release = !open_->own && !open_->stop && !told_to_stop_ && !may_stand_;
   give_up_halt(why.what, out);
   out.refuse("robot_error", why.text());
-  const std::string text = std::string("the robot refuses to ") + (open_->stop ? "stop" : "go on") + ": " + why.what;
-  out.emit(FaultSaid{"", Severity::critical, text, open_->stop ? kWouldNotStop : kWouldNotGoOn, false});
+  std::string text = std::string("the robot refuses to ") + (open_->stop ? "stop" : "go on") + ": " + why.what;
+  if (half_taken) {
+    may_stand_ = true;
+    text += "; it may stand in its stop: stop and release it";
+  }
+  if (!idle_release) {
+    out.emit(FaultSaid{"", Severity::critical, text, open_->stop ? kWouldNotStop : kWouldNotGoOn, false});
+  }
+  open_->refused = true;
   // A person's stays open: its requester is notified at the deadline. Nobody waits for the driver's own.
-  if (!open_->own) return false;
+  if (!open_->own && !idle_release) return false;
   open_.reset();
   return true;
 }
@@ -71,6 +82,7 @@ bool C3Turns::confirm(bool by_robot, Now now, const DriverOut& out) {
   out.emit(FaultOver{turn.stop ? kWouldNotStop : kWouldNotGoOn});
   if (turn.stop && turn.own) {
     out.emit(Halted{turn.halts});
+    may_stand_ = true;  // a release that is lost is given again
     begin(false, true, 0, now, out);
     return !open_;
   }
@@ -78,6 +90,7 @@ bool C3Turns::confirm(bool by_robot, Now now, const DriverOut& out) {
     out.emit(Stopped{turn.ticket, by_robot});
     return false;
   }
+  may_stand_ = false;
   if (!turn.own) {
     told_to_stop_ = false;
     out.emit(Released{turn.ticket});

@@ -13,8 +13,8 @@ namespace trb::drivers {
 /// release    | it is FALSE                                 | Released; commands go on
 /// end_motion | TRUE, then FALSE after a release of its own | Halted at TRUE; commands go on at FALSE
 ///
-/// A refused write is a fault until a stop, or a release, is confirmed. end_motion is over then, and commands go on;
-/// the others stay open.
+/// A refused write is a fault until a stop, or a release, is confirmed; the release of a robot that was in no stop is
+/// none. That one and end_motion are over then, and commands go on; the others stay open.
 ///
 /// Without a stopped variable the answers to the writes count, without words for it nothing is awaited at all; Stopped
 /// says then that the robot was merely told.
@@ -33,12 +33,14 @@ class C3Turns {
   /// taken its place.
   void end_motion(Token token, Now now, const DriverOut& out);
   /// A person's release is under way: end_motion waits for it.
-  [[nodiscard]] bool releases() const { return open_ && !open_->own && !open_->stop; }
-  /// The robot has not confirmed yet that the motion has ended.
-  [[nodiscard]] bool ends_motion() const { return open_ && open_->own && open_->stop; }
+  [[nodiscard]] bool releases() const { return open_ && !open_->own && !open_->stop && !open_->refused; }
+  /// The robot has not confirmed yet that the motion has ended; or it is to end behind a release.
+  [[nodiscard]] bool ends_motion() const { return open_ && (halts() || open_->then_halts); }
 
   [[nodiscard]] bool open() const { return open_.has_value(); }
   [[nodiscard]] bool told_to_stop() const { return told_to_stop_; }
+  /// In the stop of an end_motion: no release behind it is confirmed yet.
+  [[nodiscard]] bool may_stand() const { return may_stand_; }
   /// The connection is lost: there will be no confirmation.
   void drop() { open_.reset(); }
 
@@ -53,9 +55,11 @@ class C3Turns {
     bool own = false;  ///< only to end a motion
     Token ticket = 0;
     std::size_t unanswered = 0;         ///< of its writes
+    bool refused = false;               ///< it will not be confirmed any more
     Token halts = 0;                    ///< own: the command that is to end
     std::optional<Token> then_halts{};  ///< of a release: the command that is to end behind it
   };
+  [[nodiscard]] bool halts() const { return open_ && open_->own && open_->stop; }
   void give_up_halt(const std::string& why, const DriverOut& out);
   Token begin(bool stop, bool own, Token halts, Now now, const DriverOut& out);
   bool on_refused(const Error& why, const DriverOut& out);
@@ -65,6 +69,7 @@ class C3Turns {
   C3PollTimes& polls_;
   Words words_;
   bool told_to_stop_ = false;
+  bool may_stand_ = false;
   Token last_ticket_ = 0;
   std::optional<Turn> open_;
 };

@@ -156,7 +156,7 @@ void RapidDriver::halt(Token token, Now now, const DriverOut& out) {
 /// The service task ends the motion; the program then answers the request that began it.
 void RapidDriver::end_motion(Token token, Now now, const DriverOut& out) {
   if (!service_up_) return;
-  if (turn_ && !turn_->stop && !turn_->own) {
+  if (turn_ && !turn_->stop && !turn_->own && !turn_->refused) {
     // In its place it would leave the robot in the stop, for all that is known here.
     turn_->then_halts = token;
     return;
@@ -197,7 +197,7 @@ Token RapidDriver::begin_turn(bool stop, bool own, Now now, const DriverOut& out
   const auto steps = fill(stop ? "stop" : "release", {});
   const std::size_t count = steps ? steps->size() : 0;
   const Token ticket = ++last_ticket_;
-  turn_ = Turn{stop, own, ticket, count, halts};
+  turn_ = Turn{stop, own, ticket, count, false, halts};
   const RapidPurpose purpose = stop ? RapidPurpose::stop : RapidPurpose::release;
   for (std::size_t i = 0; i < count; ++i) {
     service_.urge({purpose, (*steps)[i].code, (*steps)[i].text, ticket, {}}, now, out);

@@ -28,6 +28,7 @@ class RapidDriver : public CommandsDriver<RapidCommand> {
 
   [[nodiscard]] bool online() const override { return program_up_ && service_up_ && heard_; }
   [[nodiscard]] const RobotValue* value(std::string_view name) const override { return find_value(values_, name); }
+  [[nodiscard]] bool told_to_stop() const override { return told_to_stop_ || may_stand_; }
 
   Result<Progress> hand_over(const Handover& message, Now now, const DriverOut& out) override;
   [[nodiscard]] bool runs(Token token) const override;
@@ -74,6 +75,7 @@ class RapidDriver : public CommandsDriver<RapidCommand> {
     bool own = false;
     Token ticket = 0;
     std::size_t unanswered = 0;
+    bool refused = false;               ///< it will not be confirmed any more
     Token halts = 0;                    ///< own: the command that is to end
     std::optional<Token> then_halts{};  ///< of a release: the command that is to end behind it
   };
@@ -121,7 +123,8 @@ class RapidDriver : public CommandsDriver<RapidCommand> {
   bool service_up_ = false;
   bool heard_ = false;
   bool motors_ = true;
-  std::string error_;  ///< the number and text of the robot's last error; empty: none
+  bool may_stand_ = false;  ///< in the stop that only ended a motion, until a release is confirmed
+  std::string error_;       ///< the number and text of the robot's last error; empty: none
   std::uint64_t last_number_ = 0;
   std::optional<Turn> turn_;
   std::optional<Job> current_;

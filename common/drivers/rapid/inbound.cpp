@@ -114,12 +114,22 @@ void RapidDriver::on_turn(const RapidPort::Answer& answer, Now now, const Driver
 }
 
 void RapidDriver::on_turn_refused(const std::string& why, Now now, const DriverOut& out) {
-  const std::string text = std::string("the robot refuses to ") + (turn_->stop ? "stop" : "go on") + ": " + why;
+  const bool halts = turn_->own && turn_->stop;
+  // Of a robot that was in no stop: it goes on.
+  const bool idle_release = !turn_->own && !turn_->stop && !told_to_stop();
+  std::string text = std::string("the robot refuses to ") + (turn_->stop ? "stop" : "go on") + ": " + why;
   give_up_halt(text, out);
   out.refuse("robot_error", text);
-  out.emit(FaultSaid{"", Severity::critical, text, turn_->stop ? kWouldNotStop : kWouldNotGoOn, false});
+  if (halts) {
+    may_stand_ = true;  // trb_service.mod refuses only after it has raised its flag
+    text += "; it may stand in its stop: stop and release it";
+  }
+  if (!idle_release) {
+    out.emit(FaultSaid{"", Severity::critical, text, turn_->stop ? kWouldNotStop : kWouldNotGoOn, false});
+  }
+  turn_->refused = true;
   // A person's stays open: its requester is notified at the deadline. Nobody waits for the driver's own.
-  if (!turn_->own) return;
+  if (!turn_->own && !idle_release) return;
   turn_.reset();
   begin_next(now, out);
 }
@@ -129,10 +139,12 @@ void RapidDriver::confirm_turn(bool by_robot, Now now, const DriverOut& out) {
   out.emit(FaultOver{turn.stop ? kWouldNotStop : kWouldNotGoOn});
   if (turn.stop && turn.own) {
     on_halted(turn.halts, out);
+    may_stand_ = true;  // a release that is lost is given again
     begin_turn(false, true, now, out);
   } else if (turn.stop) {
     out.emit(Stopped{turn.ticket, by_robot});
   } else {
+    may_stand_ = false;
     if (!turn.own) {
       told_to_stop_ = false;
       out.emit(Released{turn.ticket});

@@ -34,6 +34,17 @@ TEST_CASE("a message that came to its end before the robot has confirmed its hal
   CHECK(fixture.one<Outcome>().outcome == TaskOutcome::finished);
 }
 
+TEST_CASE("a halt that waits for a release leaves the message its end") {
+  C3Fixture fixture;
+  fixture.deliver(MessageType::request, order("home", ""), "kuka");
+  fixture.take();
+  fixture.robot["TRB_STOPPED"] = "TRUE";
+  fixture.deliver(MessageType::command, Release{}, "operator");
+  fixture.deliver(MessageType::command, CancelExecution{attempt(), "enough"}, "kuka");
+  fixture.finish();
+  CHECK(fixture.one<Outcome>().outcome == TaskOutcome::finished);
+}
+
 TEST_CASE("a message that the program has just taken is halted, too") {
   C3Fixture fixture;
   fixture.deliver(MessageType::request, order("home", ""), "kuka");

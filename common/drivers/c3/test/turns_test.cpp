@@ -88,6 +88,64 @@ TEST_CASE("a motion whose end is refused is a fault, and commands go on; so is o
   }
 }
 
+TEST_CASE("a refused release of a robot in no stop is no fault, and the end of a motion waits for it no more") {
+  TurnsFixture fixture;
+  fixture.turns.release(fixture.now, fixture.out);
+  CHECK(fixture.turns.on_written(fixture.answer("", false), fixture.now, fixture.out));
+  CHECK(fixture.told<FaultSaid>().empty());
+  CHECK_FALSE(fixture.turns.open());
+  fixture.turns.end_motion(1, fixture.now, fixture.out);
+  CHECK(fixture.sent() == "TRB_STOP=TRUE ");
+
+  TurnsFixture noted;
+  noted.turns.release(noted.now, noted.out);
+  noted.turns.end_motion(1, noted.now, noted.out);
+  CHECK(noted.turns.ends_motion());
+  CHECK(noted.turns.on_written(noted.answer("", false), noted.now, noted.out));
+  CHECK_FALSE(noted.turns.ends_motion());
+  CHECK_FALSE(noted.told<Halted>().at(0).well);
+}
+
+TEST_CASE("a refused release of a robot that was told to stop is a fault, and stays open without a halt behind it") {
+  TurnsFixture fixture;
+  fixture.turns.stop(fixture.now, fixture.out);
+  fixture.turns.on_written(fixture.answer("TRUE"), fixture.now, fixture.out);
+  fixture.turns.on_stopped(true, fixture.now, fixture.out);
+  fixture.turns.release(fixture.now, fixture.out);
+  CHECK_FALSE(fixture.turns.on_written(fixture.answer("", false), fixture.now, fixture.out));
+  CHECK(fixture.told<FaultSaid>().at(0).cause == "release refused");
+  CHECK(fixture.turns.open());
+  CHECK_FALSE(fixture.turns.releases());
+  CHECK(fixture.turns.told_to_stop());
+}
+
+TEST_CASE("a robot that has a part of a motion's end, or has it without the release, may stand in its stop") {
+  PartsFixture fixture;
+  C3Turns turns(fixture.link, fixture.polls, {{{"HALT", "TRUE"}, {"BRAKE", "TRUE"}}, {{"HALT", "FALSE"}}, false});
+  turns.end_motion(1, fixture.now, fixture.out);
+  CHECK_FALSE(turns.may_stand());
+  CHECK(turns.on_written(fixture.answer("", false), fixture.now, fixture.out));
+  CHECK(turns.may_stand());
+  CHECK_FALSE(turns.told_to_stop());
+  CHECK(fixture.told<FaultSaid>().at(0).text.ends_with("; it may stand in its stop: stop and release it"));
+  fixture.answer("");
+  turns.release(fixture.now, fixture.out);
+  CHECK(turns.on_written(fixture.answer(""), fixture.now, fixture.out));
+  CHECK_FALSE(turns.may_stand());
+
+  TurnsFixture lost;
+  lost.turns.end_motion(1, lost.now, lost.out);
+  lost.turns.on_written(lost.answer("TRUE"), lost.now, lost.out);
+  lost.turns.on_stopped(true, lost.now, lost.out);
+  lost.turns.drop();
+  CHECK(lost.turns.may_stand());
+
+  TurnsFixture whole;
+  whole.turns.end_motion(1, whole.now, whole.out);
+  whole.turns.on_written(whole.answer("", false), whole.now, whole.out);
+  CHECK_FALSE(whole.turns.may_stand());
+}
+
 TEST_CASE("without a stopped variable the answers count, without words nothing is awaited: the robot was merely told") {
   PartsFixture fixture;
   C3Turns turns(fixture.link, fixture.polls, {{{"HALT", "TRUE"}, {"GO", "FALSE"}}, {}, false});

@@ -264,7 +264,8 @@ TEST_CASE("a halt, or the release behind it, that is refused is a fault until on
     REQUIRE(faults.size() == 2);  // a capability each
     CHECK(get<RobotFault>(faults[0].body).severity == Severity::critical);
     CHECK(get<RobotFault>(faults[0].body).text ==
-          std::string("the robot refuses to ") + (release ? "go on" : "stop") + ": not now");
+          std::string("the robot refuses to ") +
+              (release ? "go on: not now" : "stop: not now; it may stand in its stop: stop and release it"));
     fixture.program("2 0 stopped#");
     fixture.sent();
     fixture.flags = kFlagTakeControl;
@@ -280,6 +281,67 @@ TEST_CASE("a halt, or the release behind it, that is refused is a fault until on
     fixture.live(0.1);
     CHECK(fixture.kept.empty());
   }
+}
+
+TEST_CASE("a robot that may stand in the stop of a halt is released when the link is back") {
+  for (const bool release : {false, true}) {
+    Cancelled fixture;
+    fixture.live(0.1);
+    fixture.service(release ? "91 1#" : "91 0 not now#");
+    fixture.serve();
+    fixture.down(Channel::monitor, "gone");
+    fixture.turns.clear();
+    fixture.confirms = true;
+    fixture.up(Channel::monitor);
+    fixture.live(0.1);
+    CHECK(fixture.turns == (release ? "92 #" : "92 #91 #92 #"));  // a halt that was refused is owed
+    fixture.down(Channel::monitor, "gone");
+    fixture.turns.clear();
+    fixture.up(Channel::monitor);
+    fixture.live(0.1);
+    CHECK(fixture.turns.empty());
+  }
+}
+
+TEST_CASE("a release that a robot in no stop refuses is no fault; a halt is given, and commands go on") {
+  RapidFixture fixture;
+  fixture.confirms = false;
+  fixture.deliver(MessageType::request, order("home", ""), "abb");
+  fixture.live(1);
+  const auto release = fixture.deliver(MessageType::command, Release{}, "operator");
+  fixture.serve();
+  fixture.service("92 0 not stopped#");
+  CHECK(fixture.told<RobotFault>().empty());
+  CHECK(fixture.kept.empty());
+  fixture.deliver(MessageType::command, CancelExecution{attempt(), "enough"}, "abb");
+  fixture.serve();
+  CHECK(fixture.turns == "92 #91 #");
+  CHECK(fixture.told<Outcome>().empty());
+  fixture.service("91 1#");
+  CHECK(fixture.one<Outcome>().outcome == TaskOutcome::failed);
+  fixture.serve();
+  fixture.service("92 1#");
+  fixture.live(2);
+  CHECK(fixture.answer(release) == "nack timeout");
+  fixture.program("2 0 stopped#");
+  fixture.sent();
+  fixture.deliver(MessageType::command, Release{}, "operator");
+  fixture.serve();
+  fixture.service("92 0 not stopped#");
+  fixture.flags = kFlagTakeControl;
+  fixture.command("move", "[1, 1]");
+  CHECK(fixture.sent() == "2 1 1 #");
+}
+
+TEST_CASE("a refused release of a robot in its stop is a fault") {
+  RapidFixture fixture;
+  fixture.deliver(MessageType::command, Stop{}, "operator");
+  fixture.live(0.1);
+  fixture.confirms = false;
+  fixture.deliver(MessageType::command, Release{}, "operator");
+  fixture.serve();
+  fixture.service("92 0 not now#");
+  CHECK(fixture.told<RobotFault>().size() == 2);  // a capability each
 }
 
 TEST_CASE("a halt that is lost with the connection is given again before all else") {
