@@ -87,12 +87,16 @@ void Fleet::changed(const RobotRecord& robot, unsigned parts, UtcTime now) {
   const RobotNumber number = *index_.find(robot.id);
   if ((parts & ~unsigned{Changes::kState}) != 0) index_.set_words(number, words_of(robot));
   index_.set_measures(number, measures_of(robot));
-  if ((parts & ~kToldAgain) != 0 && shares_[robot.id].take(now)) changes_.at_once = true;
+  if ((parts & ~kToldAgain) != 0 && shares_[robot.id].of_robot.take(now)) changes_.at_once = true;
   changes_.robots[robot.id] = (changes_.robots[robot.id] | parts) & ~unsigned{Changes::kGone};
 }
 
 void Fleet::note(const RobotRecord& robot, std::string_view kind, std::string_view text, UtcTime now) {
-  WriteShare& share = shares_[robot.id];
+  note(robot, kind, text, shares_[robot.id].of_robot, now);
+}
+
+void Fleet::note(const RobotRecord& robot, std::string_view kind, std::string_view text, WriteShare& share,
+                 UtcTime now) {
   if (!share.take(now)) return share.leave_out();
   if (changes_.history.size() >= kMaxPendingHistory) drop_pending(robot.id);
   const std::uint64_t left_out = share.take_left_out();

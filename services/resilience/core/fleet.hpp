@@ -91,11 +91,17 @@ class Fleet {
   void written() { changes_ = {}; }
 
  private:
+  /// However much a robot tells, what people have done with it is kept.
+  struct Shares {
+    WriteShare of_robot;
+    WriteShare of_people;
+  };
   Result<RobotRecord*> insert(std::string_view id);
   Result<RobotRecord*> known(std::string_view id, UtcTime now);
   RobotRecord* existing(std::string_view id);
   void changed(const RobotRecord& robot, unsigned parts, UtcTime now);
   void note(const RobotRecord& robot, std::string_view kind, std::string_view text, UtcTime now);
+  void note(const RobotRecord& robot, std::string_view kind, std::string_view text, WriteShare& share, UtcTime now);
   void drop_pending(const std::string& asking);
   bool take_profile(RobotRecord& robot, const NodeProfile& told, UtcTime now);
   bool on_fault_ended(std::string_view id, const RobotFault& told, UtcTime now);
@@ -107,7 +113,7 @@ class Fleet {
   FleetIndex index_;
   std::vector<const RobotRecord*> by_number_;
   Changes changes_;
-  std::map<std::string, WriteShare, std::less<>> shares_;  ///< by robot, once something of it was written
+  std::map<std::string, Shares, std::less<>> shares_;  ///< by robot, once something of it was written
   std::uint64_t fault_changes_ = 0;
   std::set<std::string, std::less<>> retired_;
 };

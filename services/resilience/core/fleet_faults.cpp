@@ -116,16 +116,17 @@ bool Fleet::take_out_of_use(RobotRecord& robot, const NodeProfile& before, const
   return some;
 }
 
-/// Notes `retired` and `returned` in the history.
+/// Notes `retired` and `returned` in the history, of a robot that talks too much as well.
 void Fleet::note_service(const RobotRecord& robot, const NodeProfile& before, const NodeProfile& profile, UtcTime now) {
   const auto was = std::ranges::find_if(before.out_of_use, &OutOfUse::retired);
   const auto is = std::ranges::find_if(profile.out_of_use, &OutOfUse::retired);
   const bool was_retired = was != before.out_of_use.end();
   const bool is_retired = is != profile.out_of_use.end();
   if (is_retired && !(was_retired && *was == *is)) {
-    note(robot, "retired", is->text + (is->by.empty() ? "" : " (by " + is->by + ")"), now);
+    const std::string by = is->by.empty() ? "" : " (by " + is->by + ")";
+    note(robot, "retired", is->text + by, shares_[robot.id].of_people, now);
   }
-  if (was_retired && !is_retired) note(robot, "returned", "", now);
+  if (was_retired && !is_retired) note(robot, "returned", "", shares_[robot.id].of_people, now);
 }
 
 }  // namespace trb::resilience

@@ -184,6 +184,28 @@ TEST_CASE("a robot whose texts change with every message has a share of what is 
   CHECK(fleet.changes().history[0].text.ends_with(" lines before it are left out)"));
 }
 
+TEST_CASE("what people do with a robot that talks too much is in its history, and no robot has others' room by it") {
+  Fleet fleet;
+  NodeProfile in_use;
+  NodeProfile retired;
+  retired.out_of_use = {{"", Severity::warning, "maintenance", 1, true, "ann"}};
+  REQUIRE(tell_profile(fleet, "a", in_use, at_second(0)));
+  for (int i = 0; i < 1000; ++i)
+    fleet.on_fault("a", {"mobile", Severity::critical, "motor at " + std::to_string(i)}, at_second(1));
+  fleet.written();
+  REQUIRE(tell_profile(fleet, "a", retired, at_second(1)));
+  CHECK(fleet.changes().urgent());
+  REQUIRE(fleet.changes().history.size() == 1);
+  CHECK(fleet.changes().history[0] == HistoryEntry{at_second(1), "a", "retired", "maintenance (by ann)"});
+  REQUIRE(tell_profile(fleet, "a", in_use, at_second(1)));
+  REQUIRE(fleet.changes().history.size() == 2);
+  CHECK(fleet.changes().history[1].kind == "returned");
+  fleet.written();
+  // Its node may say so a thousand times.
+  for (int i = 0; i < 1000; ++i) REQUIRE(tell_profile(fleet, "a", i % 2 == 0 ? retired : in_use, at_second(1)));
+  CHECK(fleet.changes().history.size() < WriteShare::kMost);
+}
+
 TEST_CASE("a clock that was put back gives no share anew, and takes none for ever") {
   WriteShare share;
   while (share.take(at_second(1000))) {
