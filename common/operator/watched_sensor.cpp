@@ -52,7 +52,7 @@ void WatchedSensor::receive(const Message& message) {
     const auto reading = decode<SensorReading>(message.data);
     if (reading && reading->watch == number_) events_.value(message.source, *reading);
   } else if (message.subtype == Nack::kSubtype && here_) {
-    if (const auto nack = decode<Nack>(message.data)) lose(nack->what);
+    if (const auto nack = decode<Nack>(message.data)) lose(*nack);
   }
 }
 
@@ -84,6 +84,7 @@ void WatchedSensor::renew_in(Duration wait) {
 
 void WatchedSensor::renew() {
   if (!here_) return look();
+  for_room_.reset();
   order(kLease_s);
   renew_in(kRenew);
 }
@@ -100,10 +101,10 @@ void WatchedSensor::look() {
   look_up_sensor(session_, wish_, while_alive(found));
 }
 
-void WatchedSensor::lose(const std::string& why) {
+void WatchedSensor::lose(const Nack& why) {
   here_ = false;
-  renew_in(kFirstLook);
-  events_.note(why + "; looks for it");
+  renew_in(why.code == errc_name(Errc::queue_full) ? for_room_.next() : kFirstLook);
+  events_.note(why.what + "; looks for it");
 }
 
 }  // namespace trb::op

@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include "common/base/back_off.hpp"
 #include "common/operator/find_sensor.hpp"
 #include "common/operator/session.hpp"
 
@@ -11,7 +12,8 @@ namespace trb::op {
 
 /// A sensor's values as they arrive. The watch is renewed every 3 s at its node; if that node reports that the sensor
 /// is gone, or is not reached, the sensor is looked up every 0.5 s; one with a serial number is found wherever it is
-/// plugged in next.
+/// plugged in next. If its node has no room for it, or another one's watch took its place, it waits longer each time, 8
+/// s at most: else two of them would take each other's place for ever.
 class WatchedSensor {
  public:
   struct Events {
@@ -39,7 +41,7 @@ class WatchedSensor {
   void renew_in(Duration wait);
   void renew();
   void look();
-  void lose(const std::string& why);
+  void lose(const Nack& why);
   /// Calls the given function, unless the watch has ended by then.
   template <class Call>
   auto while_alive(Call call);
@@ -50,7 +52,8 @@ class WatchedSensor {
   Events events_;
   std::uint64_t number_ = 0;  ///< of this watch; its values carry it
   FoundSensor sensor_;
-  bool here_ = false;                                     ///< the sensor's node was asked for values
+  bool here_ = false;  ///< the sensor's node was asked for values
+  BackOff for_room_{std::chrono::milliseconds(500), std::chrono::seconds(8)};
   std::uint64_t renewals_ = 0;                            ///< only the newest timer counts
   std::shared_ptr<int> alive_ = std::make_shared<int>();  ///< destroyed with the watch: a weak pointer to it shows
                                                           ///< whether it still exists

@@ -131,6 +131,29 @@ TEST_CASE("a device with a serial number is found where it is plugged in next") 
   CHECK(watch.told == "(oven is unplugged; looks for it) (asks office for oven) ");
 }
 
+TEST_CASE("a watch that had to make room asks again ever less often, and at once again once it has held") {
+  Watch watch(plugged_into("hall"));
+  watch.order("hall");
+  watch.node.answer(Ack{"watching", ""});
+  Message full;
+  full.subtype = Nack::kSubtype;
+  full.data = encode(Nack{"queue_full", "sensor_watch", "oven", "256 times already", ""});
+  const auto asks_after = [&](Duration wait) {
+    watch.sensor.receive(full);
+    watch.node.pass(wait - std::chrono::milliseconds(1));
+    CHECK(watch.node.is_quiet());
+    watch.node.pass(std::chrono::milliseconds(1));
+    watch.node.take<RouteListRequest>();
+    watch.node.answer(plugged_into("hall"));
+    watch.order("hall");
+  };
+  for (const int ms : {500, 1000, 2000, 4000, 8000, 8000}) asks_after(std::chrono::milliseconds(ms));
+  watch.node.answer(Ack{"watching", ""});
+  watch.node.pass(std::chrono::seconds(3));
+  watch.order("hall");
+  asks_after(std::chrono::milliseconds(500));
+}
+
 TEST_CASE("a watch that cannot begin says why") {
   SUBCASE("no such sensor") {
     Watch watch(plugged_into("hall"), {"pressure", "", ""});
