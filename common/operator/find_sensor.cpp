@@ -21,9 +21,10 @@ bool is_there(const FoundSensor& one) {
   return one.reached() && tells(one);
 }
 
-/// The lower, the better.
+/// The lower, the better. Of those that claim one serial number the one that is read is there.
 auto preference(const FoundSensor& one, const SensorWish& wish) {
-  return std::tuple(!one.reached(), one.info.name != wish.name, !tells(one), one.node_state != "self");
+  const bool only_claims = !wish.identity.empty() && one.info.state != SensorState::ok;
+  return std::tuple(!one.reached(), only_claims, one.info.name != wish.name, !tells(one), one.node_state != "self");
 }
 
 std::string names_of(const std::vector<FoundSensor>& all) {
@@ -67,8 +68,9 @@ Result<FoundSensor> find_sensor(const RouteTable& table, const SensorWish& wish)
     return fail(Errc::bad_value, found[0].node + " has several of kind " + found[0].info.kind,
                 "name one: " + names_of(found));
   // There is one device of a serial number: one of them is wrong.
-  const auto rival = std::ranges::find_if(
-      found, [&](const FoundSensor& one) { return one.node != found.front().node && is_there(one); });
+  const auto rival = std::ranges::find_if(found, [&](const FoundSensor& one) {
+    return one.node != found.front().node && is_there(one) && one.info.state == found.front().info.state;
+  });
   if (!wish.identity.empty() && is_there(found.front()) && rival != found.end())
     return fail(Errc::bad_value,
                 found.front().node + " and " + rival->node + " both say that they have " + text_of(wish),

@@ -30,7 +30,7 @@ struct SensorWish {
 /// The sensor that is meant; of several preferably one that sends values, then the own node's. If a node is named that
 /// has no such sensor in its profile, it is asked nevertheless: a program may be about to provide it. Errors:
 /// unknown_target (with the existing names), bad_value (a kind of which a node has several; an
-/// identity that two nodes claim).
+/// identity that two nodes claim: both read it, or neither does).
 Result<FoundSensor> find_sensor(const RouteTable& table, const SensorWish& wish);
 
 }  // namespace trb::op

@@ -74,6 +74,16 @@ TEST_CASE("of two nodes that claim one identity neither is asked, unless one is 
   CHECK(found(table, {"", "", "SN2"}) == "oven of hall");
 }
 
+TEST_CASE("a claim on a serial number that nobody has read yet is no rival of one that is read, but of another such") {
+  RouteTable table = sensor_table();
+  table.routes[2].profile.plugged.push_back(info("temperature", "temperature", "SN2"));
+  table.routes[2].profile.plugged.back().state = SensorState::unread;
+  CHECK(found(table, {"", "", "SN2"}) == "oven of hall");
+  CHECK(found(table, {"temperature", "", "SN2"}) == "oven of hall");  // whatever its name is
+  for (SensorInfo& one : table.routes[1].profile.plugged) one.state = SensorState::unread;
+  CHECK(found(table, {"", "", "SN2"}) == "bad_value");
+}
+
 TEST_CASE("a kind of which a node has several is no name; a node that is named is asked whatever it has") {
   RouteTable table = sensor_table();
   table.routes[1].profile.plugged[0].name = "fridge";

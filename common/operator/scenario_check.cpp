@@ -30,7 +30,9 @@ Profiles profiles_of(const RouteTable& table) {
   Profiles out;
   for (const Route& route : table.routes) {
     NodeProfile& profile = out[route.id] = route.profile;
-    if (!is_reached(route) && !profile.robot.empty()) profile.robot = route.state;
+    if (is_reached(route)) continue;
+    if (!profile.robot.empty()) profile.robot = route.state;
+    for (SensorInfo& info : profile.plugged) info.state = SensorState::unread;
   }
   return out;
 }

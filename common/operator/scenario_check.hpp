@@ -12,7 +12,7 @@ namespace trb::op {
 /// Reads the text of a scenario file. Its faults are added to `faults`, under the name `file`.
 Scenario parse_scenario(const std::string& text, const std::string& file, ConfigFaults& faults);
 
-/// The nodes' profiles; if a node is not reached, its link's state replaces its robot's.
+/// The nodes' profiles; if a node is not reached, its link's state replaces its robot's, and nobody reads its sensors.
 Profiles profiles_of(const RouteTable& table);
 
 struct ScenarioCheck {

@@ -27,6 +27,32 @@ TEST_CASE("the robot of a node that is not reached is as far away as its node") 
   CHECK(profiles_of(table).at("cart2").robot == "OFFLINE");
 }
 
+TEST_CASE("a sensor of a node that is not reached is no rival of one that is there") {
+  RouteTable table{"ant", {cart("cart1"), cart("cart2", "OFFLINE")}};
+  for (Route& route : table.routes)
+    route.profile.plugged = {{"oven", "temperature", "degC", "SN1", "", SensorState::ok, ""}};
+  CHECK(profiles_of(table).at("cart1").plugged[0].state == SensorState::ok);
+  CHECK(profiles_of(table).at("cart2").plugged[0].state == SensorState::unread);
+  constexpr const char* kWaits = R"({"name":"n","tasks":[{"id":"t1","robot":"cart1","skill":"go_to",
+    "data":{"place":"dock"},"when":{"sensor":"temperature","identity":"SN1","op":">","value":20,"unit":"degC"}}]})";
+  FakeNode node;
+  Ending<ScenarioCheck> check;
+  ConfigFaults none;
+  check_with_fleet(node.session(), parse_scenario(kWaits, "s.json", none), "s.json", check);
+  REQUIRE(none.empty());
+  node.take<RouteListRequest>();
+  SUBCASE("which is offline") {
+    node.answer(table);
+    CHECK(check.value().faults.empty());
+  }
+  SUBCASE("and one is that is there as well") {
+    table.routes[1].state = "ONLINE";
+    node.answer(table);
+    REQUIRE(check.value().faults.size() == 1);
+    CHECK(check.value().faults[0].key.ends_with(".of"));
+  }
+}
+
 TEST_CASE("with a fleet, the check tells faults, or which tasks nobody else could take over") {
   FakeNode node;
   Ending<ScenarioCheck> check;
