@@ -1,5 +1,6 @@
 #include "services/mode-adapter/core/skill_desk.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "common/drivers/lines/field_text.hpp"
@@ -161,8 +162,20 @@ void SkillDesk::query(const Inbound& message, const ExecutionQuery& query, Outbo
 void SkillDesk::on_under_way(Now now) {
   if (!running_ || running_->under_way_at) return;
   running_->under_way_at = now.mono;
-  const RobotValue* known = state_lags() ? running_->mode->value(running_->skill->end.state) : nullptr;
+  if (!state_lags()) return;
+  const std::string& name = running_->skill->end.state;
+  const auto heard = heard_.find(name);
+  if (heard != heard_.end() && heard->second.mode == running_->mode) running_->state = heard->second.number;
+  const RobotValue* known = running_->mode->value(name);
   if (known != nullptr && !known->numbers.empty()) running_->state = known->numbers.front();
+}
+
+/// Also while nothing runs: the next skill's state is compared with it.
+void SkillDesk::note_state(const Driver* mode, std::string_view name, const std::vector<double>& numbers) {
+  const auto& skills = robot_.settings.description.skills;
+  const bool ends_one = std::ranges::any_of(
+      skills, [&](const Skill& skill) { return skill.end.kind == EndKind::state && skill.end.state == name; });
+  if (ends_one && !numbers.empty()) heard_[std::string(name)] = {mode, numbers.front()};
 }
 
 void SkillDesk::on_ended(const Ended& ended, Now now, Outbox& out) {
@@ -214,9 +227,10 @@ void SkillDesk::on_values(const Driver* mode, Now now, Outbox& out) {
 }
 
 void SkillDesk::on_information(const Driver* mode, std::string_view subtype, BytesView data, Now now, Outbox& out) {
-  if (!running_ || running_->mode != mode || !ends_by_value()) return;
   const auto numbers = read_numbers(data);
   if (!numbers) return;
+  note_state(mode, subtype, *numbers);
+  if (!running_ || running_->mode != mode || !ends_by_value()) return;
   if (!state_lags()) return look_at(subtype, *numbers, now, out);
   if (subtype == running_->skill->end.state) on_lagging_state(*numbers, now, out);
 }
@@ -281,6 +295,7 @@ void SkillDesk::on_link_up(Driver& mode, bool fenced, Now now, Outbox& out) {
 void SkillDesk::on_link_down(const Driver* mode, const std::string& reason, Now now, Outbox& out) {
   if (running_ && running_->mode == mode) interrupt("the robot's connection was lost: " + reason, now, out);
   if (owed_ && owed_->mode == mode) owed_->until.reset();
+  std::erase_if(heard_, [&](const auto& entry) { return entry.second.mode == mode; });
 }
 
 void SkillDesk::on_stopped(const Driver* mode) {

@@ -1,6 +1,8 @@
 // The scheduler's side: carries out one skill at a time; every attempt has one outcome.
 #pragma once
 
+#include <map>
+
 #include "services/mode-adapter/core/outcomes.hpp"
 #include "services/mode-adapter/core/robot_side.hpp"
 
@@ -83,7 +85,7 @@ class SkillDesk {
     std::vector<double> target;
     std::optional<MonotonicTime> under_way_at;
     std::optional<Halting> halting{};
-    std::optional<double> state{};  ///< the last one heard of a state that may lag
+    std::optional<double> state{};  ///< the last one heard of a state that may lag, also before the command
     bool state_heard = false;       ///< since it is under way
     bool state_counts = false;      ///< it is known to belong to this command
   };
@@ -95,6 +97,7 @@ class SkillDesk {
   void look_at(std::string_view name, const std::vector<double>& numbers, Now now, Outbox& out);
   /// Does its end show in a state that may be older than the command?
   [[nodiscard]] bool state_lags() const;
+  void note_state(const Driver* mode, std::string_view name, const std::vector<double>& numbers);
   void on_lagging_state(const std::vector<double>& numbers, Now now, Outbox& out);
   /// When the last state counts even if it has not changed.
   [[nodiscard]] std::optional<MonotonicTime> settled_at() const;
@@ -111,6 +114,11 @@ class SkillDesk {
   RobotSide& robot_;
   std::optional<Running> running_;
   std::optional<Owed> owed_;
+  struct Heard {
+    const Driver* mode = nullptr;
+    double number = 0;
+  };
+  std::map<std::string, Heard, std::less<>> heard_;  ///< by the skills' states: the last one of the present link
   Outcomes outcomes_;
 };
 

@@ -220,6 +220,25 @@ TEST_CASE("the end is a state that the robot tells its node") {
   CHECK(fixture.one<Outcome>().outcome == TaskOutcome::finished);
 }
 
+TEST_CASE("a robot that acknowledges nothing: a state that differs from the last one before the command is the end") {
+  Settings settings = with_end({EndKind::state, "ready", 1, 0, "", 0});
+  settings.description.field_channel.acknowledge = false;
+  for (const bool again : {false, true}) {
+    SkillFixture fixture(settings);
+    fixture.say("information\nready\n\n1\n0\n");
+    if (again) {  // what it was before the link was lost says nothing of a change
+      fixture.down(Channel::field);
+      fixture.up(Channel::field);
+    }
+    fixture.execute(order("go_to", kToDock));
+    fixture.wait(0.8);
+    fixture.say("information\nready\n\n1\n1\n");
+    CHECK(fixture.told<Outcome>().size() == (again ? 0 : 1));
+    fixture.wait(1.3);
+    CHECK_FALSE(fixture.told<Outcome>().empty());
+  }
+}
+
 TEST_CASE("the end is a position: the robot's frame and units, near enough") {
   Settings settings = with_end({EndKind::position, "", 0, 15, "place", 0});
   settings.description.frame.length = 1000;
