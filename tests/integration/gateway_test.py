@@ -265,6 +265,19 @@ class Gateway(GatewayCase):
             self.assertEqual(stopped.status, 200, stopped.bytes)
             self.assertEqual([one["state"] for one in stopped.json["robots"]], ["confirmed"])
 
+    def test_a_stop_with_the_key_of_an_earlier_one_is_ordered_again(self):
+        stop, release = (f"/api/v1/robots/{ROBOT}/{word}" for word in ("stop", "release"))
+        self.addCleanup(self.operator.ask, "POST", release)
+        for _ in range(2):
+            stopped = self.operator.ask("POST", stop, Idempotency_Key="stop-again")
+            self.assertEqual((stopped.status, stopped.json["robots"][0]["state"]), (200, "confirmed"), stopped.bytes)
+            self.assertNotIn("Idempotent-Replay", stopped.headers)
+            self.fleet.wait("it is shown as stopped", lambda: self.viewer.ask(
+                "GET", f"/api/v1/robots/{ROBOT}").json["content"]["fenced"], 10)
+            self.assertEqual(self.operator.ask("POST", release).status, 200)
+            self.fleet.wait("it is shown as released", lambda: not self.viewer.ask(
+                "GET", f"/api/v1/robots/{ROBOT}").json["content"]["fenced"], 10)
+
     # ---- a gateway that ends while a robot has not answered yet
 
     def under_way(self, word, **more):

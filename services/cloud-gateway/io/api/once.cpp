@@ -44,12 +44,9 @@ void stop_once(Gateway& gateway, Call& call, const std::optional<StoredRequest>&
   static_cast<void>(store_intent(gateway, call, intent));
 }
 
-/// Nobody knows of another one whether robots have heard it; and done twice, it is a stop.
-bool is_stop_to_do(const Call& call, const Result<Idempotency::Begun>& begun) {
-  if (!is_stop(*call.decision.route)) return false;
-  if (!begun || std::holds_alternative<Idempotency::Wait>(*begun)) return true;
-  const auto* stored = std::get_if<StoredAnswer>(&*begun);
-  return stored != nullptr && stored->status >= 400;
+/// An answer may say that some robot was not reached, or somebody has released one since; and done twice, it is a stop.
+bool is_stop_again(const Call& call, const Result<Idempotency::Begun>& begun) {
+  return is_stop(*call.decision.route) && (!begun || !std::holds_alternative<Idempotency::Act>(*begun));
 }
 
 StoredAnswer answer_of(const HttpReply& reply) {
@@ -63,7 +60,7 @@ void do_once(Gateway& gateway, const CallPtr& call, std::string effect, const st
   if (call->request.idempotency_key) {
     const RequestKey key{call->who().name, *call->request.idempotency_key};
     auto begun = gateway.access.requests.begin(key, digest_of(call->request), std::move(effect), gateway.now());
-    if (is_stop_to_do(*call, begun)) return stop_once(gateway, *call, std::nullopt, act);
+    if (is_stop_again(*call, begun)) return stop_once(gateway, *call, std::nullopt, act);
     if (!begun) return call->fail(begun.error());
     if (auto* stored = std::get_if<StoredAnswer>(&*begun)) return reply_again(*call, *stored);
     if (auto* wait = std::get_if<Idempotency::Wait>(&*begun)) return reply_busy(*call, wait->retry_after);

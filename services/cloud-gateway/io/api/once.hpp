@@ -13,8 +13,8 @@ namespace trb::gateway {
 enum class Acts : std::uint8_t { in_fleet, here };
 
 /// Acts, unless a request with this key was there before: then it gets that one's answer. Without a key it acts.
-/// A stop gets the answer of one that was done alone: no key, and no full table of keys, keeps it from robots; nor does
-/// a record, which follows once they are told.
+/// A stop is ordered each time: no key, no answer of an earlier one, and no full table of keys keeps it from robots; nor
+/// does a record, which follows once they are told.
 /// `effect`: what to look for if the process ends before the answer is on disk.
 void do_once(Gateway& gateway, const CallPtr& call, std::string effect, const std::function<void()>& act,
              Acts acts = Acts::in_fleet);
