@@ -316,7 +316,7 @@ class TwoGateways(unittest.TestCase):
             self.assertEqual(gateway.ask("POST", f"/api/v1/robots/{ROBOT}/release").status, 503)
         self.assertEqual(self.at(CLOUD).ask("POST", "/api/v1/stop").status, 503, "nobody knows who that is")
         self.database.start()
-        self.fleet.wait("all four stops are on record", lambda: len(stops()) == before + 4, 20)
+        self.fleet.wait("begin and end of all four stops are on record", lambda: len(stops()) == before + 8, 20)
         # Heads that were asked for meanwhile are stored with later records.
         last = self.admin.ask("GET", "/api/v1/audit/head").json["number"]
         self.fleet.wait("a head covers the stops", lambda: self.admin.ask("GET", "/api/v1/audit/head").json["signed_to"] >= last, 90)

@@ -2,6 +2,7 @@
 
 #include "common/log/log.hpp"
 #include "common/security/keys.hpp"
+#include "services/cloud-gateway/io/fresh.hpp"
 
 namespace trb::gateway {
 namespace {
@@ -25,6 +26,12 @@ void reply_busy(Call& call, Duration retry_after) {
   call.reply(std::move(out));
 }
 
+AuditRecord begin_of(const Gateway& gateway, const Call& call) {
+  AuditRecord record = record_of(call.decision, call.who().name, call.request.source, call.about, gateway.now().utc);
+  record.outcome = "begins";
+  return record;
+}
+
 /// With what was noted. Of an intent that another gateway was quicker with the answer is that one's.
 Status store_intent(Gateway& gateway, Call& call, const std::optional<StoredRequest>& intent) {
   if (intent) gateway.access.keep(*intent);
@@ -34,14 +41,15 @@ Status store_intent(Gateway& gateway, Call& call, const std::optional<StoredRequ
   return written;
 }
 
-/// Robots first: a database may take seconds.
+/// Robots first: a database may take seconds. What is not written is owed, for they were told all the same.
 void stop_once(Gateway& gateway, Call& call, const std::optional<StoredRequest>& intent,
                const std::function<void()>& act) {
   if (intent) call.once = intent->key;
   act();
   if (call.is_answered()) return;
-  note_begin(gateway, call);
-  static_cast<void>(store_intent(gateway, call, intent));
+  AuditRecord begin = begin_of(gateway, call);
+  gateway.access.note(begin);
+  if (!store_intent(gateway, call, intent)) static_cast<void>(put_off(gateway, std::move(begin)));
 }
 
 /// An answer may say that some robot was not reached, or somebody has released one since; and done twice, it is a stop.
@@ -74,9 +82,7 @@ void do_once(Gateway& gateway, const CallPtr& call, std::string effect, const st
 }
 
 void note_begin(Gateway& gateway, const Call& call) {
-  AuditRecord record = record_of(call.decision, call.who().name, call.request.source, call.about, gateway.now().utc);
-  record.outcome = "begins";
-  gateway.access.note(std::move(record));
+  gateway.access.note(begin_of(gateway, call));
 }
 
 void keep_answer(Gateway& gateway, const Call& call, const HttpReply& reply) {
