@@ -278,6 +278,20 @@ class Gateway(GatewayCase):
             self.fleet.wait("it is shown as released", lambda: not self.viewer.ask(
                 "GET", f"/api/v1/robots/{ROBOT}").json["content"]["fenced"], 10)
 
+    def test_what_nobody_can_be_told_does_not_begin(self):
+        for path, body, status in (("/api/v1/runs", {"scenario": SCENARIO, "priority": "high"}, 422),
+                                   ("/api/v1/runs", {}, 400),
+                                   (f"/api/v1/robots/{ROBOT}/release", {"reason": 7}, 422),
+                                   (f"/api/v1/robots/{ROBOT}/retired", {}, 400),
+                                   ("/api/v1/robots/nobody/release", {}, 404),
+                                   ("/api/v1/runs/0123456789abcdef/pause", {"reason": 7}, 422)):
+            for more in ({}, {"Idempotency_Key": f"wrong {path} {status}".replace(" ", "-")}):
+                refused = self.operator.ask("POST", path, body, **more)
+                self.assert_problem(refused, status)
+                last = self.admin.ask("GET", "/api/v1/audit?limit=2&who=olga").json["records"]
+                self.assertEqual(last[0]["outcome"], f"refused: {status}", path)
+                self.assertNotEqual(last[1]["outcome"], "begins", path)
+
     # ---- a gateway that ends while a robot has not answered yet
 
     def under_way(self, word, **more):

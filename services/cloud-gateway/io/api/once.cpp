@@ -81,6 +81,10 @@ void do_once(Gateway& gateway, const CallPtr& call, std::string effect, const st
   act();
 }
 
+void order_once(Gateway& gateway, const CallPtr& call, std::string_view of, const std::function<void()>& act) {
+  do_once(gateway, call, std::string(call->decision.route->path) + " " + call->parameter(of), act);
+}
+
 void note_begin(Gateway& gateway, const Call& call) {
   gateway.access.note(begin_of(gateway, call));
 }

@@ -46,8 +46,11 @@ std::string json_orders(const std::vector<op::RobotOrder>& orders) {
 }
 
 void give_order(Gateway& gateway, const CallPtr& call, const std::vector<std::string>& robots, const Body& body) {
-  op::order_robots(gateway.session, robots, body, kStopWait,
-                   [call](const std::vector<op::RobotOrder>& orders) { call->reply(json_reply(json_orders(orders))); });
+  order_once(gateway, call, "robot", [&gateway, call, robots, body] {
+    op::order_robots(gateway.session, robots, body, kStopWait, [call](const std::vector<op::RobotOrder>& orders) {
+      call->reply(json_reply(json_orders(orders)));
+    });
+  });
 }
 
 template <class Order>
@@ -67,10 +70,12 @@ void stop_all(Gateway& gateway, const CallPtr& call) {
   give_order(gateway, call, all_robots(gateway), Stop{*reason});
 }
 
-void tell_robot(Gateway& gateway, const CallPtr& call, Body body) {
-  gateway.session.command(call->parameter("robot"), std::move(body), [call](const Result<Message>& answer) {
-    if (!answer) return call->fail(answer.error());
-    call->reply(empty_reply());
+void tell_robot(Gateway& gateway, const CallPtr& call, const Body& body) {
+  order_once(gateway, call, "robot", [&gateway, call, body] {
+    gateway.session.command(call->parameter("robot"), body, [call](const Result<Message>& answer) {
+      if (!answer) return call->fail(answer.error());
+      call->reply(empty_reply());
+    });
   });
 }
 
@@ -89,14 +94,6 @@ void repaired(Gateway& gateway, const CallPtr& call) {
   const auto capability = body->text_or("capability", 64, "");
   if (!capability) return call->fail(capability.error());
   tell_robot(gateway, call, TakeIntoUse{*capability, false, call->who().name});
-}
-
-/// Each is done once for an Idempotency-Key.
-Handler once(Gateway& gateway, void (*act)(Gateway&, const CallPtr&)) {
-  return [&gateway, act](const CallPtr& call) {
-    const std::string effect = std::string(call->decision.route->path) + " " + call->parameter("robot");
-    do_once(gateway, call, effect, [&gateway, act, call] { act(gateway, call); });
-  };
 }
 
 /// The profile's row, and the skills' parameters as JSON Schema beside it.
@@ -124,12 +121,12 @@ void add_robot_routes(Gateway& gateway, HandlerTable& table) {
               [&](const CallPtr& call) { reply_row(gateway, call, robot_key(RowKind::robot, *call)); });
   }
   table.add(Method::get, "/api/v1/robots/{robot}/skills", [&](const CallPtr& call) { reply_skills(gateway, call); });
-  table.add(Method::post, "/api/v1/robots/{robot}/stop", once(gateway, order_one<Stop>));
-  table.add(Method::post, "/api/v1/robots/{robot}/release", once(gateway, order_one<Release>));
-  table.add(Method::post, "/api/v1/stop", once(gateway, stop_all));
-  table.add(Method::post, "/api/v1/robots/{robot}/retired", once(gateway, retire));
-  table.add(Method::post, "/api/v1/robots/{robot}/repaired", once(gateway, repaired));
-  table.add(Method::post, "/api/v1/robots/{robot}/returned", once(gateway, returned));
+  table.add(Method::post, "/api/v1/robots/{robot}/stop", of_gateway(gateway, order_one<Stop>));
+  table.add(Method::post, "/api/v1/robots/{robot}/release", of_gateway(gateway, order_one<Release>));
+  table.add(Method::post, "/api/v1/stop", of_gateway(gateway, stop_all));
+  table.add(Method::post, "/api/v1/robots/{robot}/retired", of_gateway(gateway, retire));
+  table.add(Method::post, "/api/v1/robots/{robot}/repaired", of_gateway(gateway, repaired));
+  table.add(Method::post, "/api/v1/robots/{robot}/returned", of_gateway(gateway, returned));
 }
 
 }  // namespace trb::gateway

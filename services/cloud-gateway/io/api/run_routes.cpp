@@ -62,24 +62,18 @@ Result<std::string> reason_of(const Call& call) {
   return body->text_or("reason", kMaxRunReason, "by " + call.who().name);
 }
 
-void pause(Gateway& gateway, const CallPtr& call) {
-  const auto reason = reason_of(*call);
-  if (!reason) return call->fail(reason.error());
-  op::pause_run(gateway.session, call->parameter("run"), *reason,
+void pause(Gateway& gateway, const CallPtr& call, const std::string& reason) {
+  op::pause_run(gateway.session, call->parameter("run"), reason,
                 [call](const Result<RunView>& view) { reply_view(call, view); });
 }
 
-void resume(Gateway& gateway, const CallPtr& call) {
-  const auto reason = reason_of(*call);
-  if (!reason) return call->fail(reason.error());
-  op::resume_run(gateway.session, call->parameter("run"), *reason,
+void resume(Gateway& gateway, const CallPtr& call, const std::string& reason) {
+  op::resume_run(gateway.session, call->parameter("run"), reason,
                  [call](const Result<RunView>& view) { reply_view(call, view); });
 }
 
-void abort_it(Gateway& gateway, const CallPtr& call) {
-  const auto reason = reason_of(*call);
-  if (!reason) return call->fail(reason.error());
-  op::abort_run(gateway.session, {call->parameter("run"), *reason},
+void abort_it(Gateway& gateway, const CallPtr& call, const std::string& reason) {
+  op::abort_run(gateway.session, {call->parameter("run"), reason},
                 [call](const Result<RunView>& view) { reply_view(call, view); });
 }
 
@@ -119,13 +113,16 @@ void start_run(Gateway& gateway, const CallPtr& call) {
   ConfigFaults faults;
   Scenario scenario = scenario_of(*given, faults);
   if (!faults_that_stop(faults).empty()) return call->reply(faults_reply(faults_that_stop(faults)));
-  plan_and_submit(gateway, call, std::move(scenario), *terms);
+  order_once(gateway, call, "run", [&gateway, call, scenario = std::move(scenario), terms = *terms] {
+    plan_and_submit(gateway, call, scenario, terms);
+  });
 }
 
-Handler once_for_run(Gateway& gateway, void (*act)(Gateway&, const CallPtr&)) {
+Handler order_of_run(Gateway& gateway, void (*act)(Gateway&, const CallPtr&, const std::string& reason)) {
   return [&gateway, act](const CallPtr& call) {
-    const std::string effect = std::string(call->decision.route->path) + " " + call->parameter("run");
-    do_once(gateway, call, effect, [&gateway, act, call] { act(gateway, call); });
+    const auto reason = reason_of(*call);
+    if (!reason) return call->fail(reason.error());
+    order_once(gateway, call, "run", [&gateway, act, call, reason = *reason] { act(gateway, call, reason); });
   };
 }
 
@@ -137,10 +134,10 @@ void add_run_routes(Gateway& gateway, HandlerTable& table) {
   table.add(Method::get, "/api/v1/runs/{run}/proof", [&](const CallPtr& call) { show_proof(gateway, call); });
   table.add(Method::get, "/api/v1/archive", [&](const CallPtr& call) { list_archive(gateway, call); });
   table.add(Method::get, "/api/v1/archive/{run}", [&](const CallPtr& call) { show_archived(gateway, call); });
-  table.add(Method::post, "/api/v1/runs", once_for_run(gateway, start_run));
-  table.add(Method::post, "/api/v1/runs/{run}/pause", once_for_run(gateway, pause));
-  table.add(Method::post, "/api/v1/runs/{run}/resume", once_for_run(gateway, resume));
-  table.add(Method::post, "/api/v1/runs/{run}/abort", once_for_run(gateway, abort_it));
+  table.add(Method::post, "/api/v1/runs", of_gateway(gateway, start_run));
+  table.add(Method::post, "/api/v1/runs/{run}/pause", order_of_run(gateway, pause));
+  table.add(Method::post, "/api/v1/runs/{run}/resume", order_of_run(gateway, resume));
+  table.add(Method::post, "/api/v1/runs/{run}/abort", order_of_run(gateway, abort_it));
 }
 
 }  // namespace trb::gateway
