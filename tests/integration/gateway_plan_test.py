@@ -138,6 +138,13 @@ class Simulations(GatewayCase):
         self.assertEqual(len(self.viewer.ask("GET", SIMULATIONS).json["items"]), 1)
         self.assert_problem(self.start(COUNTED, Idempotency_Key="plan-0001"), 409)
 
+    def test_a_long_one_that_is_started_again_is_told_the_same_simulation(self):
+        job = {**TRIED, "scenario": {**SCENARIO, "_comment": "x" * 100_000}}
+        first, again = (self.start(job, Idempotency_Key="plan-long") for _ in range(2))
+        self.assertEqual((first.status, list(first.json)), (202, ["id"]), first.bytes)
+        self.assertEqual((again.status, again.json, again.headers["Idempotent-Replay"]), (202, first.json, "true"))
+        self.assertEqual(first.headers["Location"], f"{SIMULATIONS}/{first.json['id']}")
+
     # ---- under way
 
     def test_one_runs_behind_everything_else_and_says_how_far_it_is(self):

@@ -49,10 +49,11 @@ void show_simulation(const Gateway& gateway, const CallPtr& call) {
   call->reply(json_reply(out.done()));
 }
 
+/// By its id alone: a job may be longer than an answer that is kept for repeats.
 void start(const Gateway& gateway, const CallPtr& call, SimulationJob job) {
   const auto added = gateway.simulations->add(std::move(job), call->who().name, gateway.now());
   if (!added) return call->fail(added.error());
-  HttpReply out = json_reply(json_simulation(**added, (*added)->job.text).done(), 202);
+  HttpReply out = json_reply(JsonObject().text("id", (*added)->id).done(), 202);
   out.headers.emplace_back("Location", "/api/v1/simulations/" + (*added)->id);
   call->reply(std::move(out));
 }

@@ -3,7 +3,7 @@ import { Problem } from '../../lib/api/client';
 import { once } from '../../lib/api/once';
 import type { Fault } from '../../lib/api/problem';
 import { toasts } from '../../lib/toasts.svelte';
-import { within, type Simulation, type Wish } from './plan_job';
+import { within, type Started, type Wish } from './plan_job';
 
 export class Asking {
   wish = $state.raw<Wish>()!;
@@ -32,10 +32,10 @@ export class Asking {
   }
 
   /** Nothing: it was refused. */
-  async start(job: object): Promise<Simulation | null> {
+  async start(job: object): Promise<Started | null> {
     this.isBusy = true;
     try {
-      return await once.post<Simulation>('/api/v1/simulations', { body: job });
+      return await once.post<Started>('/api/v1/simulations', { body: job });
     } catch (problem) {
       this.refused = problem instanceof Problem ? problem.faults : [];
       if (this.refused.length === 0) toasts.problem(problem);

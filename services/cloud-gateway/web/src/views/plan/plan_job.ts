@@ -6,6 +6,8 @@ import { linkOf, linkWishOf, newLink, type LinkWish } from './link_wish';
 import { sensorOf, sensorWishOf, type SensorWish } from './sensor_wish';
 
 export type Simulation = Schemas['Simulation'];
+/** By its id alone. */
+export type Started = Schemas['SimulationStarted'];
 export type Job = Schemas['SimulationJob'];
 export type Protocol = NonNullable<Job['protocol']>;
 export type FaultKind = 'fail' | 'cut' | 'kill';
