@@ -9,6 +9,7 @@
 
 #include "common/drivers/commands_driver.hpp"
 #include "common/drivers/driver_settings.hpp"
+#include "common/drivers/refused_turn.hpp"
 #include "common/drivers/request_queue.hpp"
 
 namespace trb::drivers {
@@ -104,7 +105,7 @@ class PolledDriver : public CommandsDriver<Words> {
   void on_released(const Job& job, const DriverOut& out) {
     this->told_to_stop_ = false;
     if (job.purpose == Purpose::release) out.emit(Released{job.token});
-    out.emit(FaultOver{kWouldNotGoOn});
+    out.emit(refused_turn_over(false));
   }
   /// A robot that has the halt is in its stop, and would carry out nothing more.
   void resume(const DriverOut& out) {
@@ -119,13 +120,13 @@ class PolledDriver : public CommandsDriver<Words> {
   std::string half_taken(const Job& halt) {
     if (halt.done == 0) return {};
     this->told_to_stop_ = true;  // it is released when the link is back
-    return "; it may stand in its stop: stop and release it";
+    return kMayStand;
   }
   /// The release of a robot that is in no stop changes nothing: refused, it is no fault.
   void say_would_not_go_on(const Error& error, const DriverOut& out) const {
     if (!this->told_to_stop_) return;
-    const std::string text = std::string("the ") + wording_.robot + " refused to go on after a stop: " + error.what;
-    out.emit(FaultSaid{"", Severity::critical, text, kWouldNotGoOn, false});
+    out.emit(
+        refused_turn(false, std::string("the ") + wording_.robot + " refused to go on after a stop: " + error.what));
   }
 
   Poll poll_;
@@ -134,8 +135,6 @@ class PolledDriver : public CommandsDriver<Words> {
   bool heard_ = false;  ///< the robot has answered
 
  private:
-  static constexpr const char* kWouldNotGoOn = "release refused";
-
   /// The request in progress cannot be recalled; its answer is ignored.
   void drop_for_stop(const DriverOut& out) {
     for (const Job& job : queue_.drop_for_stop()) {

@@ -2,13 +2,9 @@
 
 #include <utility>
 
+#include "common/drivers/refused_turn.hpp"
+
 namespace trb::drivers {
-namespace {
-
-constexpr const char* kWouldNotStop = "stop refused";
-constexpr const char* kWouldNotGoOn = "release refused";
-
-}  // namespace
 
 Token C3Turns::stop(Now now, const DriverOut& out) {
   told_to_stop_ = true;
@@ -61,11 +57,9 @@ bool C3Turns::on_refused(const Error& why, const DriverOut& out) {
   std::string text = std::string("the robot refuses to ") + (open_->stop ? "stop" : "go on") + ": " + why.what;
   if (half_taken) {
     may_stand_ = true;
-    text += "; it may stand in its stop: stop and release it";
+    text += kMayStand;
   }
-  if (!idle_release) {
-    out.emit(FaultSaid{"", Severity::critical, text, open_->stop ? kWouldNotStop : kWouldNotGoOn, false});
-  }
+  if (!idle_release) out.emit(refused_turn(open_->stop, std::move(text)));
   open_->refused = true;
   // A person's stays open: its requester is notified at the deadline. Nobody waits for the driver's own.
   if (!open_->own && !idle_release) return false;
@@ -79,7 +73,7 @@ bool C3Turns::on_stopped(bool stopped, Now now, const DriverOut& out) {
 
 bool C3Turns::confirm(bool by_robot, Now now, const DriverOut& out) {
   const Turn turn = *std::exchange(open_, std::nullopt);
-  out.emit(FaultOver{turn.stop ? kWouldNotStop : kWouldNotGoOn});
+  out.emit(refused_turn_over(turn.stop));
   if (turn.stop && turn.own) {
     out.emit(Halted{turn.halts});
     may_stand_ = true;  // a release that is lost is given again

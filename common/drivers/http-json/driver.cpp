@@ -7,7 +7,6 @@ namespace {
 
 /// A stop or release whose connection is lost this often in a row counts as refused by the robot.
 constexpr std::size_t kLostOften = 3;
-constexpr const char* kWouldNotStop = "stop refused";
 
 std::map<std::string, HttpQuestion> questions_of(const HttpCommands& commands, const VendorCommands& vendor,
                                                  const Description& description) {
@@ -153,7 +152,7 @@ void HttpJsonDriver::on_done(const Job& job, const DriverOut& out) {
     out.emit(Halted{job.token});
     resume(out);
   }
-  if (stops(job)) return out.emit(FaultOver{kWouldNotStop});
+  if (stops(job)) return out.emit(refused_turn_over(true));
   if (job.purpose != Purpose::command) return on_released(job, out);
   out.emit(HandedOver{job.token});
   if (job.skill) out.emit(Ended{job.token, true, {}});
@@ -173,7 +172,7 @@ void HttpJsonDriver::say_would_not_stop(const Job& job, const Error& error, cons
     out.emit(Halted{job.token, false, error.what});
     text += half_taken(job);
   }
-  out.emit(FaultSaid{"", Severity::critical, std::move(text), kWouldNotStop, false});
+  out.emit(refused_turn(true, std::move(text)));
 }
 
 void HttpJsonDriver::on_down(Channel channel, const std::string& reason, Now now, const DriverOut& out) {

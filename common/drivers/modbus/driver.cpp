@@ -8,8 +8,6 @@
 namespace trb::drivers {
 namespace {
 
-constexpr const char* kWouldNotStop = "stop refused";
-
 ModbusPlaces polled_of(const ModbusPlaces& places, const VendorCommands& words, const Description& description) {
   ModbusPlaces polled;
   for (const std::string& name : needed_values(words, description)) {
@@ -99,7 +97,7 @@ void ModbusDriver::on_write(const ModbusAnswer& answer, const DriverOut& out) {
 void ModbusDriver::on_done(const Job& job, const DriverOut& out) {
   if (job.purpose == Purpose::stop) {
     out.emit(Stopped{job.token, true});
-    out.emit(FaultOver{kWouldNotStop});
+    out.emit(refused_turn_over(true));
   }
   if (job.purpose == Purpose::halt) {
     out.emit(Halted{job.token});
@@ -126,8 +124,7 @@ void ModbusDriver::on_exception(const Job& job, std::uint8_t exception, const Dr
   if (job.purpose == Purpose::release || job.purpose == Purpose::resume) {
     say_would_not_go_on(error, out);
   } else {
-    out.emit(
-        FaultSaid{"", Severity::critical, "the device refused to stop: " + error.what + half, kWouldNotStop, false});
+    out.emit(refused_turn(true, "the device refused to stop: " + error.what + half));
   }
 }
 

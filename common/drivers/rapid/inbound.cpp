@@ -3,6 +3,7 @@
 
 #include "common/drivers/command_end.hpp"
 #include "common/drivers/rapid/driver.hpp"
+#include "common/drivers/refused_turn.hpp"
 #include "common/drivers/text/fault_text.hpp"
 #include "common/drivers/text/number_text.hpp"
 
@@ -13,8 +14,6 @@ constexpr Duration kLossTime = std::chrono::seconds(1);
 constexpr std::size_t kStateNumbers = 4;
 constexpr const char* kError = "error";
 constexpr const char* kMotors = "motors";
-constexpr const char* kWouldNotStop = "stop refused";
-constexpr const char* kWouldNotGoOn = "release refused";
 
 std::string reason_of(const RapidAnswer& answer) {
   return answer.text.empty() ? "it answered " + std::to_string(answer.code) + " 0" : answer.text;
@@ -122,11 +121,9 @@ void RapidDriver::on_turn_refused(const std::string& why, Now now, const DriverO
   out.refuse("robot_error", text);
   if (halts) {
     may_stand_ = true;  // trb_service.mod refuses only after it has raised its flag
-    text += "; it may stand in its stop: stop and release it";
+    text += kMayStand;
   }
-  if (!idle_release) {
-    out.emit(FaultSaid{"", Severity::critical, text, turn_->stop ? kWouldNotStop : kWouldNotGoOn, false});
-  }
+  if (!idle_release) out.emit(refused_turn(turn_->stop, std::move(text)));
   turn_->refused = true;
   // A person's stays open: its requester is notified at the deadline. Nobody waits for the driver's own.
   if (!turn_->own && !idle_release) return;
@@ -136,7 +133,7 @@ void RapidDriver::on_turn_refused(const std::string& why, Now now, const DriverO
 
 void RapidDriver::confirm_turn(bool by_robot, Now now, const DriverOut& out) {
   const Turn turn = *std::exchange(turn_, std::nullopt);
-  out.emit(FaultOver{turn.stop ? kWouldNotStop : kWouldNotGoOn});
+  out.emit(refused_turn_over(turn.stop));
   if (turn.stop && turn.own) {
     on_halted(turn.halts, out);
     may_stand_ = true;  // a release that is lost is given again
