@@ -71,7 +71,7 @@ void BridgeCore::on_command(const BridgeCommand& command, Now now, Outbox& out) 
     adapter_ = command.instance;
     forget_adapter();
   }
-  if (command.action == BridgeAction::unwatch) return unwatch(command.token, now);
+  if (command.action == BridgeAction::unwatch) return forget(command.token, now);
   if (!up_) return fail_event(command.token, fail(Errc::robot_offline, detail_), out);
   if (!is_topic(command.name)) {
     return fail_event(command.token,
@@ -140,7 +140,7 @@ void BridgeCore::listen(const BridgeCommand& command, Now now, Outbox& out) {
                              now.mono + patience(command.timeout_s), now.mono});
 }
 
-void BridgeCore::unwatch(std::uint64_t token, Now now) {
+void BridgeCore::forget(std::uint64_t token, Now now) {
   for (auto& [topic, waiting] : looked_up_) std::erase_if(waiting, [&](const auto& one) { return one.token == token; });
   std::erase_if(published_, [&](const auto& entry) {
     if (entry.second.token != token) return false;

@@ -74,7 +74,8 @@ class BridgeCore : public Core {
   void begin_publish(const BridgeCommand& command, Now now, Outbox& out);
   void publish(Publication publication, const std::string& type, Now now, Outbox& out);
   void listen(const BridgeCommand& command, Now now, Outbox& out);
-  void unwatch(std::uint64_t token, Now now);
+  /// Ends all that has that token: a watch, an ask, a publication that has not left yet.
+  void forget(std::uint64_t token, Now now);
   /// Of an adapter that is gone: nobody waits for it, and nobody could still stop it.
   void forget_adapter();
   /// Neither is it published later.
