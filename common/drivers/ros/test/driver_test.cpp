@@ -1,45 +1,8 @@
 // The ros mode: what is sent to the bridge, and what its answers mean.
-#include "services/mode-adapter/test/fixture.hpp"
+#include "common/drivers/ros/test/fixture.hpp"
 
 using namespace trb;
 using namespace trb::adapter;
-
-namespace {
-
-Settings ridgeback() {
-  Settings settings = robot_settings("ridgeback", "ros", Mode::ros, "ros");
-  settings.description.capabilities = {"mobile"};
-  settings.description.skills = {
-      make_skill("go_to", "[{place.x}, {place.y}]", {make_parameter("place", ParameterType::place)})};
-  settings.description.skills[0].end.kind = EndKind::position;
-  settings.description.skills[0].end.target = "place";
-  settings.description.skills[0].end.tolerance = 0.05;
-  settings.places = {{"dock", {1, 2, 0, 0}}};
-  settings.commands.commands = {{"move", "/cmd_vel"},
-                                {"go_to", R"(/goal geometry_msgs/PoseStamped {"pose":{"position":{"x":{0},"y":{1}}}})"},
-                                {"stop", "/cmd_vel {}\n/arm/stop std_msgs/Empty {}"}};
-  settings.commands.requests = {{"position", "/odom pose.pose.position.x pose.pose.position.y"}, {"scan", "/scan"}};
-  return settings;
-}
-
-struct RosFixture : Fixture {
-  explicit RosFixture(Settings settings = ridgeback()) : Fixture(std::move(settings)) { welcome(); }
-
-  void bridge(bool is_up, std::uint64_t connection = 1, const std::string& detail = "") {
-    deliver(MessageType::information, BridgeState{connection, is_up, detail}, "ridgeback");
-  }
-  void tell(std::uint64_t token, BridgeResult result, const std::string& data = "", const std::string& code = "") {
-    deliver(MessageType::information, BridgeEvent{kInstance, token, result, data, code, code.empty() ? "" : "why", ""},
-            "ridgeback");
-  }
-  std::vector<BridgeCommand> asked() {
-    std::vector<BridgeCommand> found;
-    for (const Send& send : told<BridgeCommand>()) found.push_back(get<BridgeCommand>(send.body));
-    return found;
-  }
-};
-
-}  // namespace
 
 TEST_CASE("a command is published on the topic that commands.json names, as its sender wrote it") {
   RosFixture fixture;
@@ -344,116 +307,6 @@ TEST_CASE("a request for a stream is answered, and then told again and again unt
   CHECK(fixture.answer(fixture.send(MessageType::request, "scan", R"({"stream_s": "long"})")) == "nack bad_value");
 }
 
-TEST_CASE("a stop goes to every topic that it names, overtakes what waits, and is answered once all have it") {
-  RosFixture fixture;
-  fixture.bridge(true);
-  fixture.asked();
-  const auto waiting = fixture.command("move", "[1]");
-  const auto moves = fixture.asked();
-  const auto id = fixture.deliver(MessageType::command, Stop{"fire"});
-  CHECK(fixture.answer(waiting) == "nack fenced");
-  const auto asked = fixture.asked();
-  REQUIRE(asked.size() == 3);
-  CHECK(asked[0].action == BridgeAction::unwatch);
-  CHECK(asked[0].token == moves.at(0).token);
-  CHECK(asked[1].data == "{}");
-  CHECK(asked[2].name == "/arm/stop");
-  fixture.tell(asked[1].token, BridgeResult::done);
-  CHECK(fixture.answer(id).empty());
-  fixture.tell(asked[2].token, BridgeResult::done);
-  fixture.wait(0.1);
-  CHECK(fixture.answer(id) == "ack stopped");
-}
-
-TEST_CASE("what nobody waits for any more is not published later: the message's time is over, or the skill's") {
-  RosFixture fixture;
-  fixture.bridge(true);
-  fixture.asked();
-  fixture.remaining_ms = 700;
-  const auto id = fixture.command("move", "[1]");
-  const auto move = fixture.asked().at(0);
-  CHECK(move.timeout_s == doctest::Approx(0.7));
-  fixture.wait(1);
-  CHECK(fixture.answer(id) == "nack timeout");
-  auto asked = fixture.asked();
-  REQUIRE(asked.size() == 1);
-  CHECK(asked[0].action == BridgeAction::unwatch);
-  CHECK(asked[0].token == move.token);
-
-  RosFixture cancelled;
-  cancelled.bridge(true);
-  cancelled.asked();
-  const Execute drive{{"run", "t1", 1, 1}, 1, kInstance, "go_to", R"({"place":"dock"})", 0};
-  cancelled.deliver(MessageType::command, drive, "ridgeback");
-  const auto goal = cancelled.asked().at(0);
-  CHECK(goal.timeout_s == 5);
-  cancelled.deliver(MessageType::command, CancelExecution{drive.key, "enough"}, "ridgeback");
-  asked = cancelled.asked();
-  REQUIRE(asked.size() == 3);
-  CHECK(asked[0].action == BridgeAction::unwatch);
-  CHECK(asked[0].token == goal.token);
-  CHECK(asked[1].name == "/cmd_vel");
-}
-
-TEST_CASE("a stop drops a release that waits, and a release a stop") {
-  Settings settings = ridgeback();
-  settings.commands.commands["release"] = "/brake std_msgs/Bool {\"data\": false}";
-  RosFixture fixture(std::move(settings));
-  fixture.bridge(true);
-  fixture.asked();
-  fixture.deliver(MessageType::command, Release{});
-  const auto release = fixture.asked().at(0);
-  fixture.deliver(MessageType::command, Stop{"fire"});
-  auto asked = fixture.asked();
-  REQUIRE(asked.size() == 3);
-  CHECK(asked[0].action == BridgeAction::unwatch);
-  CHECK(asked[0].token == release.token);
-  const auto stop = asked[1];
-  fixture.deliver(MessageType::command, Release{});
-  asked = fixture.asked();
-  REQUIRE(asked.size() == 2);
-  CHECK(asked[0].action == BridgeAction::unwatch);
-  CHECK(asked[0].token == stop.token);
-  CHECK(asked[1].name == "/brake");
-}
-
-TEST_CASE("a bridge that was only slow publishes nothing that was refused meanwhile") {
-  RosFixture fixture;
-  fixture.bridge(true);
-  const auto watch = fixture.asked().at(0);
-  const auto id = fixture.command("move", "[1]");
-  const auto move = fixture.asked().at(0);
-  fixture.wait(4.1);
-  CHECK(fixture.answer(id) == "nack robot_offline");
-  const auto asked = fixture.asked();
-  REQUIRE(asked.size() == 2);
-  CHECK(asked[0].action == BridgeAction::unwatch);
-  CHECK(asked[0].token == watch.token);
-  CHECK(asked[1].token == move.token);
-}
-
-TEST_CASE("a stop stays with a bridge that is silent, and is given again, in its place, when that speaks") {
-  RosFixture fixture;
-  fixture.bridge(true);
-  const auto watch = fixture.asked().at(0);
-  fixture.deliver(MessageType::command, Stop{"fire"});
-  const auto stop = fixture.asked().at(0);
-  fixture.wait(4.1);
-  auto asked = fixture.asked();
-  REQUIRE(asked.size() == 1);
-  CHECK(asked[0].token == watch.token);
-  fixture.bridge(true);
-  asked = fixture.asked();
-  REQUIRE(asked.size() == 4);
-  CHECK(asked[0].action == BridgeAction::unwatch);
-  CHECK(asked[0].token == stop.token);
-  CHECK(asked[1].action == BridgeAction::watch);
-  CHECK(asked[2].name == stop.name);
-  fixture.bridge(false);
-  fixture.bridge(true);
-  CHECK(fixture.asked().size() == 3);  // it is forgotten then
-}
-
 TEST_CASE("without ROS the robot is offline and says why; what was under way is not known") {
   RosFixture fixture;
   fixture.bridge(false, 1, "no ROS master at http://10.0.0.9:11311");
@@ -490,23 +343,4 @@ TEST_CASE("another node cannot play the bridge") {
   RosFixture fixture;
   fixture.deliver(MessageType::information, BridgeState{1, true, ""}, "ur3");
   CHECK(fixture.answer(fixture.command("move", "[1]")) == "nack robot_offline");
-}
-
-TEST_CASE("a halt that nothing subscribes to: nobody knows; it is published again when the bridge is back") {
-  RosFixture fixture;
-  fixture.bridge(true);
-  fixture.asked();
-  const Execute drive{{"run", "t1", 1, 1}, 1, kInstance, "go_to", R"({"place":"dock"})", 0};
-  fixture.deliver(MessageType::command, drive, "ridgeback");
-  for (const auto& one : fixture.asked()) fixture.tell(one.token, BridgeResult::done);
-  fixture.deliver(MessageType::command, CancelExecution{drive.key, "enough"}, "ridgeback");
-  const auto stop = fixture.asked();
-  REQUIRE(stop.size() == 2);
-  fixture.tell(stop[0].token, BridgeResult::failed, "", "unknown_topic");
-  CHECK(fixture.one<Outcome>().outcome == TaskOutcome::interrupted);
-  fixture.bridge(false);
-  fixture.asked();
-  fixture.bridge(true);
-  const auto again = fixture.asked();
-  CHECK(std::ranges::count(again, stop[0].name, &BridgeCommand::name) == 1);
 }

@@ -1,0 +1,134 @@
+// What is published no more, and what is published first: stops, halts, and what they overtake.
+#include "common/drivers/ros/test/fixture.hpp"
+
+using namespace trb;
+using namespace trb::adapter;
+
+TEST_CASE("a stop goes to every topic that it names, overtakes what waits, and is answered once all have it") {
+  RosFixture fixture;
+  fixture.bridge(true);
+  fixture.asked();
+  const auto waiting = fixture.command("move", "[1]");
+  const auto moves = fixture.asked();
+  const auto id = fixture.deliver(MessageType::command, Stop{"fire"});
+  CHECK(fixture.answer(waiting) == "nack fenced");
+  const auto asked = fixture.asked();
+  REQUIRE(asked.size() == 3);
+  CHECK(asked[0].action == BridgeAction::unwatch);
+  CHECK(asked[0].token == moves.at(0).token);
+  CHECK(asked[1].data == "{}");
+  CHECK(asked[2].name == "/arm/stop");
+  fixture.tell(asked[1].token, BridgeResult::done);
+  CHECK(fixture.answer(id).empty());
+  fixture.tell(asked[2].token, BridgeResult::done);
+  fixture.wait(0.1);
+  CHECK(fixture.answer(id) == "ack stopped");
+}
+
+TEST_CASE("what nobody waits for any more is not published later: the message's time is over, or the skill's") {
+  RosFixture fixture;
+  fixture.bridge(true);
+  fixture.asked();
+  fixture.remaining_ms = 700;
+  const auto id = fixture.command("move", "[1]");
+  const auto move = fixture.asked().at(0);
+  CHECK(move.timeout_s == doctest::Approx(0.7));
+  fixture.wait(1);
+  CHECK(fixture.answer(id) == "nack timeout");
+  auto asked = fixture.asked();
+  REQUIRE(asked.size() == 1);
+  CHECK(asked[0].action == BridgeAction::unwatch);
+  CHECK(asked[0].token == move.token);
+
+  RosFixture cancelled;
+  cancelled.bridge(true);
+  cancelled.asked();
+  const Execute drive{{"run", "t1", 1, 1}, 1, kInstance, "go_to", R"({"place":"dock"})", 0};
+  cancelled.deliver(MessageType::command, drive, "ridgeback");
+  const auto goal = cancelled.asked().at(0);
+  CHECK(goal.timeout_s == 5);
+  cancelled.deliver(MessageType::command, CancelExecution{drive.key, "enough"}, "ridgeback");
+  asked = cancelled.asked();
+  REQUIRE(asked.size() == 3);
+  CHECK(asked[0].action == BridgeAction::unwatch);
+  CHECK(asked[0].token == goal.token);
+  CHECK(asked[1].name == "/cmd_vel");
+}
+
+TEST_CASE("a stop drops a release that waits, and a release a stop") {
+  Settings settings = ridgeback();
+  settings.commands.commands["release"] = "/brake std_msgs/Bool {\"data\": false}";
+  RosFixture fixture(std::move(settings));
+  fixture.bridge(true);
+  fixture.asked();
+  fixture.deliver(MessageType::command, Release{});
+  const auto release = fixture.asked().at(0);
+  fixture.deliver(MessageType::command, Stop{"fire"});
+  auto asked = fixture.asked();
+  REQUIRE(asked.size() == 3);
+  CHECK(asked[0].action == BridgeAction::unwatch);
+  CHECK(asked[0].token == release.token);
+  const auto stop = asked[1];
+  fixture.deliver(MessageType::command, Release{});
+  asked = fixture.asked();
+  REQUIRE(asked.size() == 2);
+  CHECK(asked[0].action == BridgeAction::unwatch);
+  CHECK(asked[0].token == stop.token);
+  CHECK(asked[1].name == "/brake");
+}
+
+TEST_CASE("a bridge that was only slow publishes nothing that was refused meanwhile") {
+  RosFixture fixture;
+  fixture.bridge(true);
+  const auto watch = fixture.asked().at(0);
+  const auto id = fixture.command("move", "[1]");
+  const auto move = fixture.asked().at(0);
+  fixture.wait(4.1);
+  CHECK(fixture.answer(id) == "nack robot_offline");
+  const auto asked = fixture.asked();
+  REQUIRE(asked.size() == 2);
+  CHECK(asked[0].action == BridgeAction::unwatch);
+  CHECK(asked[0].token == watch.token);
+  CHECK(asked[1].token == move.token);
+}
+
+TEST_CASE("a stop stays with a bridge that is silent, and is given again, in its place, when that speaks") {
+  RosFixture fixture;
+  fixture.bridge(true);
+  const auto watch = fixture.asked().at(0);
+  fixture.deliver(MessageType::command, Stop{"fire"});
+  const auto stop = fixture.asked().at(0);
+  fixture.wait(4.1);
+  auto asked = fixture.asked();
+  REQUIRE(asked.size() == 1);
+  CHECK(asked[0].token == watch.token);
+  fixture.bridge(true);
+  asked = fixture.asked();
+  REQUIRE(asked.size() == 4);
+  CHECK(asked[0].action == BridgeAction::unwatch);
+  CHECK(asked[0].token == stop.token);
+  CHECK(asked[1].action == BridgeAction::watch);
+  CHECK(asked[2].name == stop.name);
+  fixture.bridge(false);
+  fixture.bridge(true);
+  CHECK(fixture.asked().size() == 3);  // it is forgotten then
+}
+
+TEST_CASE("a halt that nothing subscribes to: nobody knows; it is published again when the bridge is back") {
+  RosFixture fixture;
+  fixture.bridge(true);
+  fixture.asked();
+  const Execute drive{{"run", "t1", 1, 1}, 1, kInstance, "go_to", R"({"place":"dock"})", 0};
+  fixture.deliver(MessageType::command, drive, "ridgeback");
+  for (const auto& one : fixture.asked()) fixture.tell(one.token, BridgeResult::done);
+  fixture.deliver(MessageType::command, CancelExecution{drive.key, "enough"}, "ridgeback");
+  const auto stop = fixture.asked();
+  REQUIRE(stop.size() == 2);
+  fixture.tell(stop[0].token, BridgeResult::failed, "", "unknown_topic");
+  CHECK(fixture.one<Outcome>().outcome == TaskOutcome::interrupted);
+  fixture.bridge(false);
+  fixture.asked();
+  fixture.bridge(true);
+  const auto again = fixture.asked();
+  CHECK(std::ranges::count(again, stop[0].name, &BridgeCommand::name) == 1);
+}
