@@ -1,4 +1,6 @@
 // Two gateways' memories on one database: each decides on what is there, and nothing of the other's is lost.
+#include <poll.h>
+
 #include "common/audit/audit_verify.hpp"
 #include "services/cloud-gateway/io/test/two_gateways.hpp"
 

@@ -1,6 +1,7 @@
 // Beacons by themselves: when this node sends its own, and what a peer's changes.
 #include "services/router/core/beacons.hpp"
 
+#include "services/router/test/test_fleet.hpp"
 #include "services/router/test/test_parts.hpp"
 
 using namespace trb;

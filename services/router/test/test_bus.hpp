@@ -40,4 +40,30 @@ struct Bus {
   }
 };
 
+/// A record of that kind as its maker on the node would have it signed.
+inline Bytes payload_of(std::string_view kind, const std::string& node) {
+  if (kind == kSignedResult) {
+    TaskResult result;
+    result.robot = node;
+    return encode(result);
+  }
+  if (kind == kSignedRunStart) {
+    RunStart start;
+    start.submitter = node;
+    return encode(start);
+  }
+  if (kind == kSignedChoice) {
+    Choice choice;
+    choice.by = node;
+    return encode(choice);
+  }
+  if (kind == kSignedDecision) {
+    trb::Decision decision;
+    decision.by = node;
+    return encode(decision);
+  }
+  if (kind == kSignedRunPause) return encode(PauseOrder{"r", 1, true, node, "", 0});
+  return encode(AbortOrder{"r", node, "", 0});
+}
+
 }  // namespace trb::router

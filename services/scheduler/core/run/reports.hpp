@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/scenario/graph.hpp"
+#include "proto/bodies/run_exchange.hpp"
 
 namespace trb::scheduler {
 
