@@ -48,6 +48,15 @@ TEST_CASE("a request follows the one before after its pause, or later when nobod
   CHECK(sent(requests, 32) == 1);
 }
 
+TEST_CASE("a report is followed by two tables: the first may be from before the profile that tells the same") {
+  RouteRequests requests;
+  requests.want_with_next(at(0));
+  CHECK(sent(requests, 0) == 1);
+  CHECK(requests.next_deadline() == at(1).mono);
+  CHECK(sent(requests, 1) == 1);
+  CHECK(requests.next_deadline() == at(31).mono);
+}
+
 TEST_CASE("the table is whole once its last page has come") {
   RouteRequests requests;
   Outbox out;

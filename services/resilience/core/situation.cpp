@@ -31,7 +31,7 @@ void Situation::receive(const RobotFault& fault, const std::string& robot, Now n
   // A repeated identical report changes nothing for any run.
   known = fleet_.find(robot);
   if (known->faults == before) return;
-  routes_.want(now, RouteRequests::kAtOnce);
+  routes_.want_with_next(now);
   note_robot(robot, now);
 }
 

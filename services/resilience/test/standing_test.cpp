@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "services/resilience/test/fixture.hpp"
 
@@ -99,6 +100,21 @@ TEST_CASE("a fault that the robot has ended is not begun again by a profile that
   fixture->wait(seconds(40));
   CHECK(fixture->alerts().size() == 1);
   CHECK(count_of(kinds(*fixture, "pioneer2"), "fault") == 2);
+}
+
+TEST_CASE("a fault that comes again at once is not ended by the profile of the time between") {
+  auto fixture = paper();
+  fixture->stand("pioneer2", "mobile");
+  fixture->wait(seconds(6));
+  fixture->say("pioneer2", RobotFault{"mobile", Severity::critical, "", true});
+  fixture->wait(seconds(3));
+  CHECK(fixture->alerts().empty());
+  auto& listed = fixture->routes["pioneer2"].profile.out_of_use;
+  const auto again = std::exchange(listed, {});
+  fixture->fault("pioneer2", "mobile");  // the table that it leads to is still without it
+  listed = again;
+  fixture->wait(seconds(4));
+  CHECK(fixture->alerts().size() == 1);
 }
 
 TEST_CASE("a fault of the whole robot is told of each capability, too: it is one alert, and they end with it") {
