@@ -45,6 +45,7 @@ CLOUD = "cloud"
 ON_BOARD = {"pioneer-fields": ("pioneer", "trb-field-pioneer", 8101)}  # its virtual robot, the program on it, its port
 ROS = ("ros", "ridgeback")  # frameworks that are reached over a ROS master
 CONTROL_PORT = 46000  # where a virtual robot is told to fail
+LONG_S = 60  # a deadline, not a measurement: for a starved machine
 
 
 def plc_port():
@@ -227,7 +228,7 @@ class Fleet:
         env = dict(os.environ, ROS_HOME=str(self.root / "ros"), ROS_IP=self.ros_address())  # binds that address alone
         self.ros_master = Process([*self.ros_master_inside, "/usr/bin/rosmaster", "--core", "-p", self.ros_port],
                                   self.root / "rosmaster.log", env=env)
-        self.wait("the ROS master listens", lambda: answers((self.ros_address(), self.ros_port)), 15)
+        self.wait("the ROS master listens", lambda: answers((self.ros_address(), self.ros_port)), LONG_S)
 
     # ---- starting and stopping
 
@@ -236,7 +237,7 @@ class Fleet:
         command = [*self.virtual_robot(node), *arguments, "--control", f"{self.robot_address(node)}:{CONTROL_PORT}",
                    "--speed", self.speed, "--die-with-parent", *more]
         self.virtual[node] = Process(command, self.root / f"robot-{node}.log", stdin=subprocess.PIPE)
-        self.virtual[node].wait_line("ready", 15)
+        self.virtual[node].wait_line("ready", LONG_S)
         if self.robots[node][0] in ON_BOARD and node not in self.on_board:
             self.start_on_board(node)
 
@@ -282,7 +283,7 @@ class Fleet:
         for node in self.node_names:
             self.start_node(node)
         for node in self.node_names:
-            self.nodes[node].wait_line("ready", 20)
+            self.nodes[node].wait_line("ready", LONG_S)
 
     def processes(self):
         sides = [process for side in self.sensor_sides.values() for process in side.processes()]
@@ -316,7 +317,7 @@ class Fleet:
         robots = [r for r in routes if r["role"] == "robot" and r["profile"]["robot"] == "ONLINE"]
         return len(online) == len(self.node_names) and len(robots) == len(self.robots)
 
-    def wait_formed(self, timeout=15):
+    def wait_formed(self, timeout=LONG_S):
         return self.wait("the fleet forms", lambda: all(self.formed(n) for n in self.node_names), timeout)
 
     def services(self, node):

@@ -22,7 +22,7 @@ CLOUD = trb_fleet.CLOUD
 PAPER = REPO / "config" / "scenarios" / "paper-nine-tasks.json"
 QUICK_S = float(os.environ.get("TRB_QUICK_S", "1.0"))  # what a person waits for a message's effect
 HEAL_S = 5.0  # what a fleet may take to heal from the death of one process
-LONG_S = 40.0  # where no figure applies: a deadline, not a measurement
+LONG_S = 60.0  # where no figure applies: a deadline, not a measurement
 
 
 def take_block(wanted):
@@ -93,7 +93,7 @@ class FleetTest(unittest.TestCase):
         cls.addClassCleanup(cls.take_down)
         cls.fleet.make()
         cls.fleet.start()
-        cls.fleet.wait_formed(30)
+        cls.fleet.wait_formed(LONG_S)
 
     @classmethod
     def take_down(cls):
@@ -260,7 +260,7 @@ class FleetTest(unittest.TestCase):
         # Only then are its ports free for an immediate restart.
         wait_until(f"the processes of {node} end", lambda: not any(map(is_alive, pids)))
 
-    def start_node(self, node, timeout=20):
+    def start_node(self, node, timeout=LONG_S):
         self.fleet.start_node(node)
         self.fleet.nodes[node].wait_line("ready", timeout)
 

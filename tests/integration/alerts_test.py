@@ -22,7 +22,7 @@ class Alerts(unittest.TestCase):
     def alerts(self, *more):
         return self.fleet.json("alert", "list", *more, node=CLOUD)["alerts"]
 
-    def wait_open(self, count, timeout=10):
+    def wait_open(self, count, timeout=60):
         self.fleet.wait(f"{count} open alerts", lambda: len(self.alerts()) == count, timeout)
         return self.alerts()
 
@@ -57,11 +57,11 @@ class Alerts(unittest.TestCase):
     def test_a_robot_that_is_retired_is_no_candidate_and_no_alert(self):
         self.fleet.trb("robot", "retire", "pioneer1", "--reason", "new wheels", "--person", "ann", node=CLOUD)
         self.fleet.wait("retired", lambda: "retired" in [event["kind"] for event in self.fleet.json(
-            "robot", "history", "pioneer1", node=CLOUD)["events"]], 40)
+            "robot", "history", "pioneer1", node=CLOUD)["events"]], 60)
         self.assertEqual(self.alerts(), [])
         self.fleet.trb("robot", "return", "pioneer1", "--person", "ann", node=CLOUD)
         self.fleet.wait("returned", lambda: "returned" in [event["kind"] for event in self.fleet.json(
-            "robot", "history", "pioneer1", node=CLOUD)["events"]], 10)
+            "robot", "history", "pioneer1", node=CLOUD)["events"]], 60)
 
     def test_a_task_is_moved_of_which_no_alert_tells(self):
         path = self.fleet.root / "scenario.json"
@@ -72,10 +72,10 @@ class Alerts(unittest.TestCase):
         run = self.fleet.json("scenario", "run", path, node=CLOUD)["run"]
         # Refused, once the resilience knows the run: it has not failed.
         self.fleet.wait("the run is known", lambda: self.decide("--run", run[:8], "--task", "drive", "--retry")[1][
-            "error"]["code"] == "conflict", 10)
+            "error"]["code"] == "conflict", 60)
         # Nor does it know a robot before the router has sent its table.
         self.fleet.wait("the word is taken", lambda: self.decide(
-            "--run", run[:8], "--task", "drive", "--override", "pioneer1", "--reason", "it is nearer")[0] == 0, 10)
+            "--run", run[:8], "--task", "drive", "--override", "pioneer1", "--reason", "it is nearer")[0] == 0, 60)
         self.fleet.wait("the end", lambda: self.view(run)["state"] == "FINISHED", 60)
         self.assertEqual([task["robot"] for task in self.view(run)["tasks"]], ["ridgeback", "ridgeback", "pioneer1"])
         asked, = [alert for alert in self.alerts("--all") if alert["run"] == run]
@@ -101,7 +101,7 @@ class Alerts(unittest.TestCase):
         def answered():
             done = self.fleet.trb("alert", "list", "--json", node=CLOUD, check=False)
             return done.returncode == 0 and len(json.loads(done.stdout)["alerts"]) == 1
-        self.fleet.wait("the alert is told again", answered, 10)
+        self.fleet.wait("the alert is told again", answered, 60)
         return self.alerts()
 
     def test_words_that_make_no_sense_are_refused_before_anything_is_asked(self):

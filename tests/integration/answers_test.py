@@ -48,8 +48,8 @@ class StolenKeys(unittest.TestCase):
         cls.fleet.start_robot("ur3")
         for node in ("ur3", CLOUD):
             cls.fleet.start_node(node)
-        cls.fleet.wait("ur3 is there", lambda: cls.robot_is("ur3") == "ONLINE", 20)
-        cls.fleet.wait("resilience is there", lambda: cls.service("resilience")["state"] == "up", 20)
+        cls.fleet.wait("ur3 is there", lambda: cls.robot_is("ur3") == "ONLINE", 60)
+        cls.fleet.wait("resilience is there", lambda: cls.service("resilience")["state"] == "up", 60)
         cls.member = Signer(cls.fleet, THIEF)
 
     @classmethod
@@ -73,7 +73,7 @@ class StolenKeys(unittest.TestCase):
         self.thief.say("hello", wire.hello(self.member.certificate, time.time_ns(), f"127.0.{BLOCK}.99:45000"))
         self.thief.seal()
         self.assertEqual(self.thief.receive().subtype, "hello")
-        self.fleet.wait("the thief is a member", lambda: self.routes()[THIEF]["state"] == "ONLINE", 5)
+        self.fleet.wait("the thief is a member", lambda: self.routes()[THIEF]["state"] == "ONLINE", 60)
         self.watch = support.Watch(self.fleet, CLOUD)
 
     def stop(self, *more):
@@ -100,7 +100,7 @@ class StolenKeys(unittest.TestCase):
             told[:] = [json.loads(line) for line in tap.child.lines if '"subtype":"stop"' in line]
             return told
 
-        self.fleet.wait("the stop is on its way", seen, 5)
+        self.fleet.wait("the stop is on its way", seen, 60)
         ident = int(told[0]["id"])
         for guess in (ident, ident, ident + 1, ident - 1, ident & ~0xffffffff0000, ident):
             for subtype, body in (("ack", ["stopped", ""]), ("nack", ["robot_error", "stop", "ur3", "no", ""])):

@@ -89,7 +89,7 @@ class Client:
             if data[0] in (0x32, 0x33):
                 return Sip(data)
 
-    def wait(self, what, condition, timeout=10, awake=True):
+    def wait(self, what, condition, timeout=60, awake=True):
         """The first packet for which the condition is true."""
         end = time.monotonic() + timeout
         while True:

@@ -17,7 +17,7 @@ import trb_fleet
 
 ROBOT = support.PROGRAMS / "trb-virtual-pioneer"
 SPEED = 4
-LONG_S = 30
+LONG_S = 60
 PLACES = {"pioneer1": (1, 3, 0), "pioneer2": (2, 3, 1.5708)}
 
 
@@ -30,8 +30,8 @@ class Robot(trb_fleet.Process):
                           "--die-with-parent", *arguments],
                          folder / "robot.log", stdin=subprocess.PIPE)
         case.addCleanup(self.stop)
-        self.port = int(self.wait_line("ready", 10)[0].split()[1])
-        self.control = int(self.wait_line("control", 10)[0].split()[1])
+        self.port = int(self.wait_line("ready", 60)[0].split()[1])
+        self.control = int(self.wait_line("control", 60)[0].split()[1])
         self.case = case
 
     def client(self):
@@ -88,7 +88,7 @@ class Protocol(unittest.TestCase):
         began = time.monotonic()
         client.wait("it halts", lambda sip: sip.left == 0, awake=False)
         self.assertTrue(2 <= time.monotonic() - began <= 4)
-        robot.wait_line("watchdog halted", 2)
+        robot.wait_line("watchdog halted", 60)
         client.wait("it goes on", lambda sip: sip.left > 0)
 
     def test_noise_and_wrong_checksums_harm_nothing(self):
@@ -98,7 +98,7 @@ class Protocol(unittest.TestCase):
         bad[-1] ^= 1
         client.socket.sendall(os.urandom(20000).replace(b"\xfa\xfb", b"") + bytes(bad) + arcos_client.command(4, 0))
         client.wait("the packet after the noise is read", lambda sip: not sip.motors)
-        robot.wait_line("wrong_checksum 1", 2)
+        robot.wait_line("wrong_checksum 1", 60)
 
     def test_one_client_at_a_time_and_what_it_left_open_the_next_one_finds(self):
         robot = Robot(self)
@@ -106,7 +106,7 @@ class Protocol(unittest.TestCase):
         second = robot.client()
         self.assertEqual(second.socket.recv(10), b"")
         client.close()
-        robot.wait_line("disconnected", 5)
+        robot.wait_line("disconnected", 60)
         third = robot.client()
         self.assertTrue(third.sip().motors)
         third.send(2)
@@ -141,7 +141,7 @@ class Protocol(unittest.TestCase):
             robot.pump(0)
             mark = len(robot.lines)
             client.send(4, 1)
-            robot.wait_line("command 4 1", 5, mark)
+            robot.wait_line("command 4 1", 60, mark)
             wire.send(b"clear")
             sip = client.wait("clear", lambda sip: not sip.stop_button)
             self.assertEqual((sip.stall, sip.motors), (0, False))
@@ -271,20 +271,20 @@ class InAFleet(unittest.TestCase):
         run = self.submit("dock")
         self.robot.wait_line("command 8", LONG_S, self.mark())
         self.robot.child.send_signal(signal.SIGSTOP)
-        self.fleet.wait_robot("CONNECTION_BROKEN", 10)
+        self.fleet.wait_robot("CONNECTION_BROKEN", 60)
         self.assertIn("said nothing for 3 s", self.fleet.profile()["detail"])
         self.assertNotIn(self.view(run)["tasks"][0]["state"], ("RUNNING", "FINISHED"))
         self.assertIn("robot_offline", self.fleet.send("speed", "100").stderr)
         self.robot.child.send_signal(signal.SIGCONT)
         self.fleet.wait_robot("ONLINE")
-        self.fleet.wait("it stands", lambda: self.fleet.ask("speeds") == [0, 0], 10)
+        self.fleet.wait("it stands", lambda: self.fleet.ask("speeds") == [0, 0], 60)
         self.fleet.trb("scenario", "abort", run, node="pioneer1", check=False)
 
     def test_a_robot_that_is_killed_and_one_in_its_place(self):
         run = self.submit("dock")
         self.robot.wait_line("command 1", LONG_S, self.mark())
         self.fleet.virtual.pop("pioneer1").stop(signal.SIGKILL)
-        self.fleet.wait_robot("CONNECTION_BROKEN", 10)
+        self.fleet.wait_robot("CONNECTION_BROKEN", 60)
         self.assertNotIn(self.view(run)["tasks"][0]["state"], ("RUNNING", "FINISHED"))
         self.fleet.trb("scenario", "abort", run, node="pioneer1", check=False)
         self.fleet.start_robot("pioneer1")
@@ -314,7 +314,7 @@ class InAFleet(unittest.TestCase):
             with self.subTest(severity):
                 mark = len(tap.lines)
                 self.robot.say(f"fault mobile {severity} a chair")
-                line = tap.wait_line('"robot_fault"', 10, mark)[0]
+                line = tap.wait_line('"robot_fault"', 60, mark)[0]
                 message = json.loads(line)
                 fault = message["body"]
                 self.assertEqual((message["target"], fault["capability"], fault["severity"]), ("*", "mobile", severity))
@@ -326,7 +326,7 @@ class InAFleet(unittest.TestCase):
     def test_a_node_that_is_shut_down_closes_the_robot(self):
         mark = self.mark()
         os.kill(self.fleet.pid("pioneer1", "mode-adapter"), signal.SIGTERM)
-        self.robot.wait_line("command 2", 10, mark)
+        self.robot.wait_line("command 2", 60, mark)
         self.fleet.wait_robot("ONLINE")
 
 

@@ -25,7 +25,7 @@ class ArmFleet(trb_fleet.Fleet):
         command = [self.programs / PROGRAM[self.arm], "--address", self.robot_address(node), "--die-with-parent",
                    "--speed", str(self.speed), *more]
         self.virtual[node] = trb_fleet.Process(command, self.root / f"robot-{node}.log", stdin=subprocess.PIPE)
-        self.virtual[node].wait_line("ready", 10)
+        self.virtual[node].wait_line("ready", 60)
 
     @property
     def robot(self):
@@ -33,7 +33,7 @@ class ArmFleet(trb_fleet.Fleet):
 
     def restart_robot(self):
         self.start_robot(self.arm)
-        self.wait_formed(20)
+        self.wait_formed(60)
 
 
 class ArmTest:
@@ -43,7 +43,7 @@ class ArmTest:
     def setUpClass(cls):
         cls.fleet = support.make_fleet(cls, ArmFleet, framework=cls.FRAMEWORK, block=cls.BLOCK)
         cls.fleet.start()
-        cls.fleet.wait_formed(30)
+        cls.fleet.wait_formed(60)
 
     def setUp(self):
         """Brings the robot back: there, free and at home, whatever the last test has left."""
@@ -51,7 +51,7 @@ class ArmTest:
             self.fleet.restart_robot()
         self.fleet.robot.child.send_signal(signal.SIGCONT)
         self.fleet.robot.say("clear")
-        self.fleet.wait_formed(20)
+        self.fleet.wait_formed(60)
         self.fleet.trb("release", self.arm, node=CLOUD)
         self.start = len(self.fleet.robot.lines)
 
@@ -59,7 +59,7 @@ class ArmTest:
     def arm(self):
         return self.fleet.arm
 
-    def said(self, wanted, timeout=25):
+    def said(self, wanted, timeout=60):
         """A line that the virtual robot prints in this test. A run may wait 10 s for the last holder's lease."""
         line, _ = self.fleet.robot.wait_line(wanted, timeout, self.start)
         return line
@@ -90,7 +90,7 @@ class ArmTest:
         path.write_text(json.dumps({"name": "one", "tasks": [task]}))
         return self.fleet.json("scenario", "run", path, node=CLOUD)["run"]
 
-    def end_of(self, run, timeout=30):
+    def end_of(self, run, timeout=60):
         """The task's (outcome, reason) once the run has ended or is paused."""
         seen = {}
 
@@ -121,7 +121,7 @@ class ArmTest:
             tap.pump(0.05)
             return tap.lines
 
-        self.fleet.wait("the tap listens", heard, 20)
+        self.fleet.wait("the tap listens", heard, 60)
         return tap
 
 
@@ -136,5 +136,5 @@ def start_program(case, name, *arguments):
     log = pathlib.Path(case.folder.name) / f"{name}.log"
     robot = trb_fleet.Process([support.PROGRAMS / name, "--die-with-parent", *arguments], log, stdin=subprocess.PIPE)
     case.addCleanup(robot.stop)
-    ports = robot.wait_line("ready", 10)[0].split()[1:]
+    ports = robot.wait_line("ready", 60)[0].split()[1:]
     return robot, [int(port) for port in ports]

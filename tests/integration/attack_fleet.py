@@ -60,7 +60,7 @@ class Service:
         self.socket.send(wire.Frame(subtype, source, target, type=kind, id=ident, data=data, **more).encode())
         return ident
 
-    def hear(self, good, timeout=5):
+    def hear(self, good, timeout=20):
         end = time.monotonic() + timeout
         while self.socket.poll(max(0, int((end - time.monotonic()) * 1000))):
             frame = wire.decode(self.socket.recv())
@@ -173,7 +173,7 @@ class Case(unittest.TestCase):
         cls.fleet = support.make_fleet(cls, cls.kind, services=cls.services, block=cls.BLOCK, udp_port=cls.UDP_PORT)
         cls.play()
         cls.fleet.bring_up(TARGET, FRIEND)
-        cls.fleet.wait("the honest are linked", lambda: cls.row(FRIEND)["state"] == "ONLINE", 20)
+        cls.fleet.wait("the honest are linked", lambda: cls.row(FRIEND)["state"] == "ONLINE", 60)
         cls.pids = {node: cls.fleet.pid(node, "router") for node in (TARGET, FRIEND)}
 
     @classmethod

@@ -177,7 +177,7 @@ class OverTcp(unittest.TestCase):
         cls.fleet = support.make_fleet(cls, TcpFleet, services={TARGET: ["router"], FRIEND: ["router"]}, block=190,
                                        udp_port=50190)
         cls.fleet.bring_up(TARGET, FRIEND)
-        cls.fleet.wait("the honest are linked", lambda: cls.fleet.formed(FRIEND), 20)
+        cls.fleet.wait("the honest are linked", lambda: cls.fleet.formed(FRIEND), 60)
 
     def thief(self):
         keys = self.fleet.dir(TARGET) / "keys" / "bus"
@@ -239,8 +239,8 @@ class Programs(unittest.TestCase):
         cls.fleet = support.make_fleet(cls, Fleet, services={TARGET: ["router", "sensor-bus"], FRIEND: ["router"]}, block=192,
                                        udp_port=50192)
         cls.fleet.bring_up(TARGET, FRIEND)
-        cls.fleet.wait("the sensor-bus is up", lambda: cls.fleet.services(TARGET)["sensor-bus"]["state"] == "up", 20)
-        cls.fleet.wait("the honest are linked", lambda: cls.fleet.formed(FRIEND), 20)
+        cls.fleet.wait("the sensor-bus is up", lambda: cls.fleet.services(TARGET)["sensor-bus"]["state"] == "up", 60)
+        cls.fleet.wait("the honest are linked", lambda: cls.fleet.formed(FRIEND), 60)
 
     def setUp(self):
         self.pid = self.fleet.pid(TARGET, "sensor-bus")
@@ -251,7 +251,7 @@ class Programs(unittest.TestCase):
         self.addCleanup(self.program.close)
 
     def tearDown(self):
-        self.fleet.wait("the sensor-bus answers", lambda: self.fleet.trb("sensor", "list", node=TARGET, check=False).returncode == 0, 15)
+        self.fleet.wait("the sensor-bus answers", lambda: self.fleet.trb("sensor", "list", node=TARGET, check=False).returncode == 0, 60)
         self.honest.wait_answers(5)
         self.honest.end()
         self.assertIsNone(self.honest.fault)

@@ -158,7 +158,7 @@ class Words(Case):
         with self.attempt():
             gnu.put("node_profile", wire.pack(profile(ESCAPES, 255, ESCAPES * 9)))
             gnu.seal()
-            self.fleet.wait("it is told", lambda: "owned" in self.row("gnu").get("profile", {}).get("maker", ""), 5)
+            self.fleet.wait("it is told", lambda: "owned" in self.row("gnu").get("profile", {}).get("maker", ""), 60)
             self.assert_nothing_commands_a_terminal()
         self.assertEqual(self.row("gnu")["profile"]["maker"], ESCAPES)  # for a program the text is unchanged
 
@@ -192,7 +192,7 @@ class Words(Case):
             self.assertIn("conflict", late.wait_goodbye())
             thief.put("goodbye", wire.pack(["bye"]))
             thief.seal()
-            self.fleet.wait("the owner comes in", lambda: self.comes_in("jay", 7), 15)
+            self.fleet.wait("the owner comes in", lambda: self.comes_in("jay", 7), 60)
 
     def comes_in(self, name, boot):
         one = Attacker(self, name)

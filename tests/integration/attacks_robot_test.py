@@ -136,7 +136,7 @@ class Robots(unittest.TestCase):
             cls.addClassCleanup(cls.robots[framework].stop)
         for node in cls.fleet.node_names:
             cls.fleet.start_node(node)
-        cls.fleet.wait("the nodes meet", lambda: len(cls.online()) == len(ROBOTS), 40)
+        cls.fleet.wait("the nodes meet", lambda: len(cls.online()) == len(ROBOTS), 60)
 
     @classmethod
     def online(cls):

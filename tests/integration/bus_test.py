@@ -66,7 +66,7 @@ class Bus(unittest.TestCase):
         robots = {"pioneer1": trb_fleet.ROBOTS["pioneer1"]}
         cls.fleet = support.make_fleet(cls, TcpFleet, block=BLOCK, udp_port=UDP_PORT, robots=robots)
         cls.fleet.start()
-        cls.fleet.wait_formed(20)
+        cls.fleet.wait_formed(60)
         cls.endpoint = cls.fleet.bus("cloud")
         cls.keys = cls.fleet.dir("cloud") / "keys" / "bus"
         cls.server_key = cls.public("router")
@@ -112,7 +112,7 @@ class Bus(unittest.TestCase):
         tap = trb_fleet.Process([support.PROGRAMS / "trb", "tap", "--node", self.fleet.dir("cloud"), "--all", "--json"],
                                 self.fleet.root / "tap.log")
         self.addCleanup(tap.stop)
-        tap.wait_line('"subtype"', 10)
+        tap.wait_line('"subtype"', 60)
         findings = self.fleet.json("doctor", node="cloud", check=False)["findings"]
         self.assertEqual([row for row in findings if row["cause"].startswith(("bus", "router", "service"))], [])
 
@@ -151,10 +151,10 @@ class Bus(unittest.TestCase):
         pid = self.before["pid"]
         os.kill(pid, signal.SIGSTOP)
         try:
-            self.fleet.wait("it is seen", lambda: "silent" in self.ask(folder, "doctor", "--service", "scheduler").stdout, 20)
+            self.fleet.wait("it is seen", lambda: "silent" in self.ask(folder, "doctor", "--service", "scheduler").stdout, 60)
         finally:
             os.kill(pid, signal.SIGCONT)
-        self.fleet.wait("it is up", lambda: self.ask(folder, "doctor", "--service", "scheduler").returncode == 0, 20)
+        self.fleet.wait("it is up", lambda: self.ask(folder, "doctor", "--service", "scheduler").returncode == 0, 60)
 
     # ---- refused connections
 

@@ -121,21 +121,21 @@ class Alone(unittest.TestCase):
         client.write("TRB_SUBTYPE[]", '"move"')
         client.write("TRB_NUMBER", "5")
         client.write("TRB_COMMAND", "TRUE")
-        self.robot.wait_line("done 5 move", 5)
+        self.robot.wait_line("done 5 move", 60)
         self.assertEqual(client.read("TRB_DONE"), "TRUE")
         self.assertEqual(client.read("TRB_DONE_NUMBER"), "5")
         self.assertNotEqual(client.read("$POS_ACT"), before)
 
     def test_a_fault_stops_the_program(self):
         self.robot.say("fault grab CRITICAL air lost")
-        self.robot.wait_line("fault grab", 5)
+        self.robot.wait_line("fault grab", 60)
         self.assertEqual(self.client.read("$STOPMESS"), "TRUE")
         self.assertEqual(self.client.read("TRB_ERROR[]"), '"grab CRITICAL air lost"')
         self.robot.say("fault reach FATAL")
-        self.robot.wait_line("fault reach", 5)
+        self.robot.wait_line("fault reach", 60)
         self.assertEqual(self.client.read("$ALARM_STOP"), "FALSE")
         self.robot.say("clear")
-        self.robot.wait_line("cleared", 5)
+        self.robot.wait_line("cleared", 60)
         self.assertEqual(self.client.read("$STOPMESS"), "FALSE")
 
 
@@ -151,7 +151,7 @@ class Node(arm_fleet.ArmTest, unittest.TestCase):
         def there():
             return json.loads(self.request("joints")["data"]) == [10, -80, 80, 0, 5, 0]
 
-        self.fleet.wait("the axes are there", there, 5)
+        self.fleet.wait("the axes are there", there, 60)
         self.assertEqual(len(json.loads(self.request("position")["data"])), 6)
 
     def test_an_unknown_word_goes_field_by_field_with_a_quote_and_a_newline(self):
@@ -216,7 +216,7 @@ class Node(arm_fleet.ArmTest, unittest.TestCase):
         self.said("start grasp_and_put_down")
         self.fleet.robot.say("fault grab CRITICAL gripper lost air")
         self.said("fault grab")
-        fault = json.loads(tap.wait_line('"robot_fault"', 10)[0])
+        fault = json.loads(tap.wait_line('"robot_fault"', 60)[0])
         self.assertIn("gripper lost air", json.dumps(fault))
         outcome, reason = self.end_of(run)
         self.assertEqual(outcome, "failed")
@@ -267,7 +267,7 @@ class Node(arm_fleet.ArmTest, unittest.TestCase):
         tap = self.start_tap(self.arm)
         text = "long " * 60
         self.fleet.robot.say(f'say information greeting {CLOUD} "hello" {text}')
-        message = json.loads(tap.wait_line('"subtype":"greeting","source":"kuka"', 10)[0])
+        message = json.loads(tap.wait_line('"subtype":"greeting","source":"kuka"', 60)[0])
         self.assertEqual((message["source"], message["data"]), (self.arm, f'"hello" {text}'))
 
 

@@ -148,7 +148,7 @@ class Renewed(Life):
         for node in NODES:
             self.watches[node].wait_logged("certificate_renewed serial")
             self.fleet.wait(f"{node} has it on disk",
-                            lambda: int(self.until(node)) > int(before[node]) + 300 * authority.DAY, 3)
+                            lambda: int(self.until(node)) > int(before[node]) + 300 * authority.DAY, 60)
             for other in set(NODES) - {node}:
                 certificate = bytes.fromhex(self.routes(node)[other]["certificate"]["payload"])
                 self.assertGreaterEqual(wire.unpack(certificate)[0][1], 6, "the serial that others know")
@@ -161,7 +161,7 @@ class Renewed(Life):
         self.fleet.nodes["cat"].stop()
         self.fleet.trb("fleet", "renew", self.fleet.authority_dir(), "cat", "--via", self.fleet.dir("ant"))
         self.fleet.bring_up("cat")
-        self.fleet.wait("cat is back", lambda: self.online("cat") == {"ant", "bee"}, 10)
+        self.fleet.wait("cat is back", lambda: self.online("cat") == {"ant", "bee"}, 60)
         self.assertIn("certificate_renewed serial 6", self.watches["cat"].log())
 
     def renew(self, node, days):

@@ -52,7 +52,7 @@ class Doctor(unittest.TestCase):
         self.assertEqual(done.returncode, 0 if report["well"] else 1)
         return [row for row in report["findings"] if row["cause"] not in OF_THE_MACHINE]
 
-    def find(self, cause, subject, *peer, severity="problem", timeout=12, **more):
+    def find(self, cause, subject, *peer, severity="problem", timeout=60, **more):
         """Runs the doctor until it names it; the cure is never empty."""
         seen = []
 
@@ -82,7 +82,7 @@ class Doctor(unittest.TestCase):
 
 class OfTheNode(Doctor):
     def test_all_is_well_and_said_so(self):
-        self.fleet.wait("ant is well", lambda: not self.examine(), 10)
+        self.fleet.wait("ant is well", lambda: not self.examine(), 60)
         done = self.fleet.trb("doctor", node="ant")
         self.assertIn("no problem found", done.stdout)
         self.assertIn("linked with 1 node", done.stdout)
@@ -97,13 +97,13 @@ class OfTheNode(Doctor):
         self.find("bus_socket_missing", "bus/probe.ipc", node="bee")
         self.fleet.nodes.pop("bee").stop()
         self.fleet.bring_up("bee")
-        self.fleet.wait("it is there again", lambda: [row["cause"] for row in self.examine(node="bee")] == ["no_way"], 10)
+        self.fleet.wait("it is there again", lambda: [row["cause"] for row in self.examine(node="bee")] == ["no_way"], 60)
 
     def test_neither_beacons_nor_seeds(self):
         self.find("no_way", "node.json", severity="note", node="bee")
         self.set_node("bee", seeds=[self.seed("ant")])
         self.addCleanup(self.set_node, "bee", seeds=[])
-        self.fleet.wait("bee is well", lambda: not self.examine(node="bee"), 10)
+        self.fleet.wait("bee is well", lambda: not self.examine(node="bee"), 60)
 
     def test_a_certificate_that_ends_soon_and_one_that_has_ended(self):
         folder = self.fleet.dir("short")
@@ -119,12 +119,12 @@ class OfTheNode(Doctor):
             with fleet:
                 fleet.make()
                 fleet.start_node("ur3")
-                fleet.nodes["ur3"].wait_line("ready", 20)
+                fleet.nodes["ur3"].wait_line("ready", 60)
                 row = self.find("robot_silent", "ur3", node="ur3", fleet=fleet)
                 self.assertIn(f"nothing listens at {fleet.robot_address('ur3')}:30002", row["cure"])
                 fleet.start_robot("ur3")
                 fleet.wait("the robot is there", lambda: not any(r["cause"] == "robot_silent" for r in self.examine(
-                    node="ur3", fleet=fleet)), 10)
+                    node="ur3", fleet=fleet)), 60)
 
 
 class OfPeers(Doctor):
@@ -139,7 +139,7 @@ class OfPeers(Doctor):
         self.assertIn("trb fleet show", row["cure"])
         self.set_node("ant", seeds=[self.seed("bee")])
         self.fleet.trb("reload", self.fleet.dir("ant"))
-        self.fleet.wait("ant is well", lambda: not self.examine(), 10)
+        self.fleet.wait("ant is well", lambda: not self.examine(), 60)
 
     def test_a_closed_port(self):
         address = f"127.0.{BLOCK}.77:45000"
@@ -165,15 +165,15 @@ class OfPeers(Doctor):
         self.addCleanup(lambda: self.fleet.nodes.pop("short").stop())
         self.fleet.wait("short is linked", lambda: any(
             row["id"] == "short" and row["state"] == "ONLINE"
-            for row in self.fleet.json("route", "list", node="ant")["routes"]), 8)
-        self.find("cert_expired", "short", "short", timeout=25)
+            for row in self.fleet.json("route", "list", node="ant")["routes"]), 60)
+        self.find("cert_expired", "short", "short")
 
     def test_a_revoked_node(self):
         """Named by those that stay, with or without its name, and by itself."""
         self.set_node("last", beacon=False, seeds=[self.seed("ant")])
         self.fleet.bring_up("last")
         self.addCleanup(lambda: self.fleet.nodes.pop("last").stop())
-        self.fleet.wait("last is linked", lambda: not self.examine(node="last"), 10)
+        self.fleet.wait("last is linked", lambda: not self.examine(node="last"), 60)
         self.fleet.trb("fleet", "revoke", self.fleet.authority_dir(), "last", "--reason", "stolen", "--via",
                        self.fleet.dir("ant"))
         for words in ((), ("last",)):
@@ -185,12 +185,12 @@ class OfPeers(Doctor):
 
     def test_a_clock_that_is_an_hour_off(self):
         self.member("cat", utc=time.time_ns() - HOUR_NS)
-        row = self.find("clock_off", "cat", severity="note", timeout=5)
+        row = self.find("clock_off", "cat", severity="note")
         self.assertIn("-3600 s", row["what"])
 
     def test_versions_apart(self):
         self.member("cat", version="0.0.1")
-        row = self.find("versions_apart", "cat", severity="note", timeout=5)
+        row = self.find("versions_apart", "cat", severity="note")
         self.assertIn("0.0.1", row["what"])
 
     def test_another_subnet_without_a_seed(self):

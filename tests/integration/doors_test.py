@@ -135,7 +135,7 @@ class Doors(Pressure):
         flood = Flood(hold)
         flood.start()
         try:
-            self.fleet.wait("the door is closed", lambda: self.descriptors() >= self.fds + MOST_UNPROVEN, 10)
+            self.fleet.wait("the door is closed", lambda: self.descriptors() >= self.fds + MOST_UNPROVEN, 60)
             shut_out = self.plain("127.0.138.77")
             self.addCleanup(shut_out.close)
             client = self.client(f"{HOME}:0;{self.address}:{PORT}", server_key=self.server_key,

@@ -98,7 +98,7 @@ class HandDrive(unittest.TestCase):
                 ended = time.monotonic()
                 driver.stop(signal.SIGKILL)
                 self.keep(name, "cease", robot.moves_on(ended), STANDS_S)
-                self.fleet.wait("control is free", lambda name=name: self.control(name) == "", 5)
+                self.fleet.wait("control is free", lambda name=name: self.control(name) == "", 60)
 
     def test_2_each_stands_when_its_node_has_lost_the_cloud_and_nothing_late_moves_it(self):
         router = self.fleet.pid("cloud", "router")

@@ -15,7 +15,7 @@ class DroneFleet(trb_fleet.Fleet):
 
     def start_drone(self, *more):
         super().start_robot("drone", *more)
-        self.virtual["drone"].wait_line("ready", 2)
+        self.virtual["drone"].wait_line("ready", 60)
         return self.virtual["drone"]
 
     def kill_drone(self):
@@ -25,7 +25,7 @@ class DroneFleet(trb_fleet.Fleet):
         routes = self.json("route", "list", node="drone")["routes"]
         return next(route for route in routes if route["id"] == "drone")["profile"]
 
-    def wait_robot(self, state, timeout=15):
+    def wait_robot(self, state, timeout=60):
         return self.wait(f"the drone is {state}", lambda: self.profile()["robot"] == state, timeout)
 
     def send(self, subtype, data="", *more):

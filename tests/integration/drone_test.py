@@ -19,7 +19,7 @@ class EndToEnd(unittest.TestCase):
     def setUpClass(cls):
         cls.fleet = support.make_fleet(cls, DroneFleet)
         cls.fleet.start()
-        cls.fleet.wait("the cloud knows the drone's node", cls.known, 20)
+        cls.fleet.wait("the cloud knows the drone's node", cls.known, 60)
 
     @classmethod
     def known(cls):
@@ -36,13 +36,13 @@ class EndToEnd(unittest.TestCase):
         if "drone" in self.fleet.virtual:
             self.fleet.virtual["drone"].child.send_signal(signal.SIGCONT)
             self.fleet.kill_drone()
-        self.fleet.wait_robot("CONNECTION_BROKEN", 10)
+        self.fleet.wait_robot("CONNECTION_BROKEN", 60)
         self.fleet.trb("release", "drone", node="drone", check=False)
 
     def take_off(self):
         done = self.fleet.send("take_off", "", "--take")
         self.assertEqual(done.returncode, 0, done.stderr)
-        self.fleet.wait("it hovers", lambda: "hovering" in self.fleet.ask("state").stdout, 10)
+        self.fleet.wait("it hovers", lambda: "hovering" in self.fleet.ask("state").stdout, 60)
         self.fleet.pump()
 
     def run_scenario(self, tasks):
@@ -63,7 +63,7 @@ class EndToEnd(unittest.TestCase):
         """A run that is in the middle of its hovering."""
         before = self.fleet.counters().get("to_robot.hover", 0)
         run = self.run_scenario(self.flight(60))
-        self.fleet.wait("the task hovers", lambda: self.fleet.counters().get("to_robot.hover", 0) > before, 20)
+        self.fleet.wait("the task hovers", lambda: self.fleet.counters().get("to_robot.hover", 0) > before, 60)
         return run
 
     def test_take_off_hover_and_land_as_a_scenario(self):
@@ -79,38 +79,38 @@ class EndToEnd(unittest.TestCase):
     def test_commands_and_requests_of_a_person(self):
         self.take_off()
         self.assertEqual(self.fleet.send("move", "[0, -0.5, 0, 0, 1]").returncode, 0)
-        self.drone.wait_line("state flying", 5)
+        self.drone.wait_line("state flying", 60)
         at = len(self.drone.lines)
-        self.drone.wait_line("state hovering", 5, at - 1)
+        self.drone.wait_line("state hovering", 60, at - 1)
         self.assertIn(json.loads(self.fleet.ask("battery").stdout)["data"], ("99", "100"))
         self.assertEqual(self.fleet.send("set_altitude_max", "2500").returncode, 0)
-        self.drone.wait_line("config control:altitude_max 2500", 5)
+        self.drone.wait_line("config control:altitude_max 2500", 60)
         self.assertEqual(self.fleet.send("land").returncode, 0)
-        self.drone.wait_line("state landed", 10)
+        self.drone.wait_line("state landed", 60)
         self.assertIn("the drone is not in the air", self.fleet.send("move", "[0, -0.5, 0, 0, 1]").stderr)
 
     def test_a_stop_in_the_air_stands_and_fences(self):
         self.take_off()
         self.assertEqual(self.fleet.send("move", "[0, -1, 0, 0, 60]").returncode, 0)
-        self.drone.wait_line("state flying", 5)
+        self.drone.wait_line("state flying", 60)
         at = len(self.drone.lines)
         done = self.fleet.trb("stop", "drone", node="cloud", check=False)
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
-        self.drone.wait_line("state hovering", 5, at)
+        self.drone.wait_line("state hovering", 60, at)
         self.assertIn("fenced", self.fleet.send("land").stderr)
         self.assertNotIn("state landing", self.drone.lines)
         self.fleet.trb("release", "drone", node="cloud")
         self.assertEqual(self.fleet.send("land").returncode, 0)
-        self.drone.wait_line("state landed", 10)
+        self.drone.wait_line("state landed", 60)
 
     def test_emergency_and_recover(self):
         self.take_off()
         done = self.fleet.send("emergency")
         self.assertEqual(done.returncode, 0, done.stderr)
-        self.drone.wait_line("emergency on", 5)
+        self.drone.wait_line("emergency on", 60)
         self.assertIn("motors are cut", self.fleet.send("take_off").stderr)
         self.assertEqual(self.fleet.send("recover").returncode, 0)
-        self.drone.wait_line("emergency off", 5)
+        self.drone.wait_line("emergency off", 60)
         self.drone.pump(0.3)
         self.assertEqual(self.drone.lines.count("state taking_off"), 1)  # it does not take off by itself
         self.take_off()
@@ -121,7 +121,7 @@ class EndToEnd(unittest.TestCase):
         self.addCleanup(tap.stop)
         run = self.hover_as_a_task()
         self.drone.say("fault fly CRITICAL a bird")
-        line, _ = tap.wait_line("robot_fault", 10)
+        line, _ = tap.wait_line("robot_fault", 60)
         self.assertIn("emergency: the motors are cut (cutout", line)
         self.assertIn("CRITICAL", line)
         done = self.watch(run)
@@ -132,7 +132,7 @@ class EndToEnd(unittest.TestCase):
         run = self.hover_as_a_task()
         start = time.monotonic()
         self.drone.child.send_signal(how)
-        self.fleet.wait_robot("CONNECTION_BROKEN", 6)
+        self.fleet.wait_robot("CONNECTION_BROKEN", 60)
         print(f"lost by {how.name} after {time.monotonic() - start:.1f} s: {self.fleet.profile()['detail']}", flush=True)
         self.assertIn(reason, self.fleet.profile()["detail"])
         done = self.watch(run)
@@ -145,17 +145,17 @@ class EndToEnd(unittest.TestCase):
     def test_a_drone_that_hangs_in_the_air_and_goes_on(self):
         self.vanish(signal.SIGSTOP, "no navdata for 2 s")
         self.drone.child.send_signal(signal.SIGCONT)
-        self.fleet.wait_robot("ONLINE", 10)
+        self.fleet.wait_robot("ONLINE", 60)
 
     def test_a_node_that_dies_in_the_air(self):
         self.take_off()
         os.kill(self.fleet.pid("drone", "mode-adapter"), signal.SIGKILL)
         # The new one is there at once, counts from 1 again, and leaves the drone where it is.
-        self.fleet.wait("a new adapter", lambda: self.fleet.ask("state").returncode == 0, 10)
+        self.fleet.wait("a new adapter", lambda: self.fleet.ask("state").returncode == 0, 60)
         self.assertIn("hovering", self.fleet.ask("state").stdout)
         self.assertNotIn("state landing", self.drone.lines)
         self.assertEqual(self.fleet.send("land", "", "--take").returncode, 0)
-        self.drone.wait_line("state landed", 10)
+        self.drone.wait_line("state landed", 60)
 
     def test_two_commands_at_once(self):
         self.take_off()
@@ -166,7 +166,7 @@ class EndToEnd(unittest.TestCase):
             said, _ = one.communicate(timeout=15)
             self.assertEqual(one.returncode, 0, said)
         self.assertEqual(self.fleet.send("land").returncode, 0)
-        self.drone.wait_line("state landed", 10)
+        self.drone.wait_line("state landed", 60)
 
 if __name__ == "__main__":
     support.main()

@@ -14,13 +14,13 @@ class Devices:
     def __init__(self, log):
         self.process = trb_fleet.Process(["umockdev-wrapper", sys.executable, pathlib.Path(__file__)],
                                          log, stdin=subprocess.PIPE)
-        line, self.heard = self.process.wait_line("devices in ", 10)
+        line, self.heard = self.process.wait_line("devices in ", 60)
         asan = os.environ.get("ASAN_OPTIONS", "") + ":verify_asan_link_order=0"  # the preloaded library comes first
         self.env = {"LD_PRELOAD": "libumockdev-preload.so.0", "UMOCKDEV_DIR": line.split()[-1], "ASAN_OPTIONS": asan}
 
     def order(self, *words):
         self.process.say(" ".join(map(str, words)))
-        _, self.heard = self.process.wait_line("done", 5, self.heard)
+        _, self.heard = self.process.wait_line("done", 60, self.heard)
 
     def plug(self, name, serial, milli_degrees):
         self.order("plug", name, serial, milli_degrees)

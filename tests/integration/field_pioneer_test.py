@@ -35,15 +35,15 @@ class Channel(unittest.TestCase):
         address = "127.0.207.8"
         robot = trb_fleet.Process([support.PROGRAMS / "trb-virtual-pioneer", "--address", address, "--die-with-parent"], root / "robot.log")
         self.addCleanup(robot.stop)
-        robot.wait_line("8101", 10)
+        robot.wait_line("8101", 60)
         with socket.create_connection((address, 8101), timeout=10) as gone:
             for number in range(3):
                 gone.sendall(bytes([0xfa, 0xfb, 3, number, 0, number]))
                 self.assertTrue(gone.recv(256))
-        robot.wait_line("disconnected", 10)
+        robot.wait_line("disconnected", 60)
         program = trb_fleet.Process([PROGRAM, "127.0.206.8", "40000", address, "8101", address], root / "program.log")
         self.addCleanup(program.stop)
-        robot.wait_line("command 1", 20)  # OPEN
+        robot.wait_line("command 1", 60)  # OPEN
 
 
 class InAFleet(unittest.TestCase):
@@ -51,7 +51,7 @@ class InAFleet(unittest.TestCase):
     def setUpClass(cls):
         cls.fleet = support.make_fleet(cls, block=206, robots={"pioneer2": trb_fleet.DEMO_ROBOTS["pioneer2"]}, speed=SPEED)
         cls.fleet.start()
-        cls.fleet.wait_formed(30)
+        cls.fleet.wait_formed(60)
 
     def setUp(self):
         self.robot = self.fleet.virtual["pioneer2"]
@@ -76,14 +76,14 @@ class InAFleet(unittest.TestCase):
         """To the farther one of two places, until it drives."""
         x, y, _ = self.position()
         run = self.go("dock" if abs(x - 3000) + abs(y + 2000) < 1500 else "ur3_front")
-        self.robot.wait_line("command 8 ", 20, self.start)
+        self.robot.wait_line("command 8 ", 60, self.start)
         return run
 
     def state(self, run):
         return self.fleet.json("scenario", "watch", run, "--once", node="cloud", check=False)["tasks"][0]
 
     def wait_state(self, run, wanted):
-        self.fleet.wait(f"the task is {wanted}", lambda: self.state(run)["state"] == wanted, 30)
+        self.fleet.wait(f"the task is {wanted}", lambda: self.state(run)["state"] == wanted, 60)
         return self.state(run)
 
     def test_it_is_reached_in_the_interpreter_mode_and_goes_where_the_hall_s_places_are(self):
@@ -101,45 +101,45 @@ class InAFleet(unittest.TestCase):
     def test_words_by_hand_call_functions_that_drive_it_and_a_way_behind_its_origin_is_behind(self):
         heading = self.position()[2]
         self.send("turn", "90")
-        self.robot.wait_line("command 13 90", 10, self.start)
-        self.fleet.wait("it has turned", lambda: abs((self.position()[2] - heading + 180) % 360 - 270) < 2, 20)
+        self.robot.wait_line("command 13 90", 60, self.start)
+        self.fleet.wait("it has turned", lambda: abs((self.position()[2] - heading + 180) % 360 - 270) < 2, 60)
         before = self.position()
         self.send("move", "-300")
-        self.robot.wait_line("command 8 -300", 10, self.start)
-        self.fleet.wait("it has moved", lambda: sum(abs(a - b) for a, b in zip(before, self.position())) > 250, 20)
+        self.robot.wait_line("command 8 -300", 60, self.start)
+        self.fleet.wait("it has moved", lambda: sum(abs(a - b) for a, b in zip(before, self.position())) > 250, 60)
         self.assertTrue(all(abs(number) < 16_000 for number in self.position()))
 
     def test_a_stop_on_the_way_stands_and_is_confirmed(self):
         run = self.go_far()
         self.assertIn("confirmed", self.trb("stop", "pioneer2").stdout)
-        self.robot.wait_line("command 55", 10, self.start)
+        self.robot.wait_line("command 55", 60, self.start)
         self.assertIn("confirmed", self.trb("release", "pioneer2").stdout)
         self.trb("scenario", "abort", run, check=False)
 
     def test_a_fault_is_told_by_the_program_and_its_end_too(self):
         run = self.go_far()
         self.trb("robot", "fault", "pioneer2", "mobile", "--text", "a box")
-        self.fleet.wait("the task has failed", lambda: self.state(run)["state"] == "FAILED", 20)
+        self.fleet.wait("the task has failed", lambda: self.state(run)["state"] == "FAILED", 60)
         listed = self.trb("robot", "list").stdout
         self.assertIn("mobile out of use, CRITICAL", listed)
         self.assertIn("the motors are off", listed)
         self.trb("robot", "fault", "pioneer2", "--clear")
         self.trb("release", "pioneer2")
-        self.fleet.wait("it is over", lambda: "out of use," not in self.trb("robot", "list").stdout, 20)
+        self.fleet.wait("it is over", lambda: "out of use," not in self.trb("robot", "list").stdout, 60)
         self.trb("scenario", "abort", run, check=False)
 
     def test_who_has_lost_its_robot_is_offline_until_it_is_back(self):
         self.robot.stop(signal.SIGKILL)
-        self.fleet.wait("it is gone", lambda: not self.fleet.formed(), 20)
+        self.fleet.wait("it is gone", lambda: not self.fleet.formed(), 60)
         self.fleet.start_robot("pioneer2")
-        self.fleet.wait("it is back", self.fleet.formed, 30)
+        self.fleet.wait("it is back", self.fleet.formed, 60)
         self.assertLess(abs(self.position()[0]), 1)
 
     def test_who_has_lost_its_node_stands(self):
         run = self.go_far()
         os.kill(self.fleet.pid("pioneer2", "mode-adapter"), signal.SIGKILL)
-        self.robot.wait_line("command 55", 20, self.start)
-        self.fleet.wait("it is served again", self.fleet.formed, 30)
+        self.robot.wait_line("command 55", 60, self.start)
+        self.fleet.wait("it is served again", self.fleet.formed, 60)
         self.trb("scenario", "abort", run, check=False)
 
 

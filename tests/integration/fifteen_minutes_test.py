@@ -63,7 +63,7 @@ class FifteenMinutes(unittest.TestCase):
                                   capture_output=True, text=True, timeout=20)
             return re.search(r"^mine +ONLINE +ONLINE", done.stdout, re.MULTILINE)
         fleet = trb_fleet.Fleet(self.root / "none", support.PROGRAMS, robots={}, cloud=False)
-        fleet.wait("the robot is connected", online, 15)
+        fleet.wait("the robot is connected", online, 60)
 
     def test_a_robot_that_speaks_a_known_transport(self):
         listener = socket.create_server(("127.0.157.12", 30100))

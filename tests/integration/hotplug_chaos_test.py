@@ -112,7 +112,7 @@ class Chaos:
         for device in self.plugged:
             self.repair(device)
         wanted = self.expected()
-        self.node.wait(f"{wanted} sensors", lambda there: len(there) == wanted, 20)
+        self.node.wait(f"{wanted} sensors", lambda there: len(there) == wanted, 60)
 
     def unplug_all(self):
         while self.plugged:
@@ -128,7 +128,7 @@ def few(node, idle):
 def run(node, rounds, seed):
     chaos = Chaos(node, seed)
     node.start()
-    node.fleet.wait("what is plugged in at the start is found", lambda: node.logged("welcomed"), 5)
+    node.fleet.wait("what is plugged in at the start is found", lambda: node.logged("welcomed"), 60)
     idle = node.figures()
     started = time.monotonic()
     figures = []
@@ -147,7 +147,7 @@ def run(node, rounds, seed):
     node.wait_state("temperature", "ok")
     device.unplug()
     node.wait("nothing is left", lambda there: not there)
-    node.fleet.wait("threads and descriptors are those of the start", lambda: few(node, idle), 5)
+    node.fleet.wait("threads and descriptors are those of the start", lambda: few(node, idle), 60)
     figures.append(node.figures())
     print(f"{chaos.plugs} plugged in, {chaos.unplugs} out in {time.monotonic() - started:.1f} s: {figures[-1]}")
     assert node.bus.child.poll() is None, "the sensor-bus has ended"

@@ -117,13 +117,13 @@ class Hotplug(unittest.TestCase):
 
     def test_a_hundred_at_once(self):
         devices = [self.hall.plug_temperature(20) for _ in range(100)]
-        took = self.node.wait("a hundred are read", lambda there: len([s for s in there.values() if s["state"] == "ok"]) == 100, 20)
+        took = self.node.wait("a hundred are read", lambda there: len([s for s in there.values() if s["state"] == "ok"]) == 100, 60)
         _, threads, _ = self.node.figures()
         self.assertLess(threads, 110)
         for device in devices:
             device.unplug()
-        gone = self.node.wait("none is left", lambda there: not there, 20)
-        self.node.fleet.wait("their threads have ended", lambda: self.node.figures()[1] < 10, 5)
+        gone = self.node.wait("none is left", lambda there: not there, 60)
+        self.node.fleet.wait("their threads have ended", lambda: self.node.figures()[1] < 10, 60)
         print(f"a hundred plugged in at once: all read {took:.2f} s after the last; unplugged: gone {gone:.2f} s after")
 
     def test_a_device_keeps_its_identity_wherever_it_is_plugged_in(self):
@@ -175,7 +175,7 @@ class Hotplug(unittest.TestCase):
         self.hall.stop_udevd()
         before = len(self.node.logged("no_udevd")), self.heard_udevd()
         self.node.start()
-        self.node.fleet.wait("it says so", lambda: len(self.node.logged("no_udevd")) > before[0], 5)
+        self.node.fleet.wait("it says so", lambda: len(self.node.logged("no_udevd")) > before[0], 60)
         self.plug(self.hall.plug_temperature(20))  # without an event
         self.hall.start_udevd()
         took = self.node.wait("what was not said is found", lambda there: set(there) == {"temperature"})
@@ -194,7 +194,7 @@ class Hotplug(unittest.TestCase):
         self.hall.start_udevd()
         self.plug(self.hall.plug_temperature(22))
         self.node.wait("all three are there", lambda there: len(there) == 3)
-        self.node.fleet.wait("it has noticed", lambda: self.heard_udevd() > before, 5)
+        self.node.fleet.wait("it has noticed", lambda: self.heard_udevd() > before, 60)
         last = self.hall.plug_temperature(23)
         self.node.wait("a fourth one", lambda there: len(there) == 4)
         last.unplug()
@@ -203,7 +203,7 @@ class Hotplug(unittest.TestCase):
     def test_an_unknown_device_comes_with_a_rule_that_makes_it_known(self):
         device = self.plug(self.hall.plug_serial(model="Uno", serial="U1"))
         found = []
-        self.node.fleet.wait("it is listed", lambda: found or found.extend(self.node.table(unknown=True)["unknown"]), 5)
+        self.node.fleet.wait("it is listed", lambda: found or found.extend(self.node.table(unknown=True)["unknown"]), 60)
         self.assertEqual(found[0]["device"], "/sys" + device.path)
         self.assertIn("ID_MODEL=Uno", found[0]["properties"])
         self.assertEqual(self.node.sensors(), {})

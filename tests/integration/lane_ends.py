@@ -31,7 +31,7 @@ class Probe:
         self.ids = itertools.count(1)
         self.next_alive = 0
 
-    def receive(self, timeout=5):
+    def receive(self, timeout=20):
         while self.bus.poll(int(timeout * 1000)):
             frame = wire.decode(self.bus.recv())
             if frame.subtype != "service_alive_seen":
@@ -106,14 +106,14 @@ class Listener:
             zmq.EVENT_HANDSHAKE_SUCCEEDED | zmq.EVENT_DISCONNECTED | zmq.EVENT_HANDSHAKE_FAILED_AUTH)
         self.socket.connect(f"tcp://{address}:{LANE_PORT}")
 
-    def wait_event(self, wanted, timeout=5):
+    def wait_event(self, wanted, timeout=60):
         end = time.monotonic() + timeout
         while self.events.poll(max(0, int((end - time.monotonic()) * 1000))):
             if parse_monitor_message(self.events.recv_multipart())["event"] == wanted:
                 return
         raise TimeoutError(f"no event {wanted} in {timeout} s")
 
-    def receive(self, timeout=3):
+    def receive(self, timeout=20):
         if not self.socket.poll(int(timeout * 1000)):
             raise TimeoutError(f"nothing heard in {timeout} s")
         topic, frame = self.socket.recv_multipart()

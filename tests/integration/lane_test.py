@@ -37,18 +37,18 @@ class Lane(unittest.TestCase):
         cls.sensors = Probe(cls.context, cls.fleet, "arm", "sensor-bus", ["sensor_read"])
         cls.addClassCleanup(cls.sensors.bus.close)
         for node in (TARGET, "arm"):
-            cls.fleet.nodes[node].wait_line("ready", 20)
+            cls.fleet.nodes[node].wait_line("ready", 60)
         cls.address = cls.fleet.address(TARGET)
         cls.server_key = Member(cls.fleet, TARGET).public
         cls.belt, cls.crane = Member(cls.fleet, "belt"), Member(cls.fleet, "crane")
 
     def setUp(self):
-        self.fleet.wait("arm is linked", lambda: self.route("arm")["state"] == "ONLINE", 10)
+        self.fleet.wait("arm is linked", lambda: self.route("arm")["state"] == "ONLINE", 60)
         self.cloud, self.arm = self.probe(TARGET), self.probe("arm")
         self.cloud_asked, self.arm_asked = self.cloud.asks("arm"), self.arm.asks(TARGET)
         self.watch = support.Watch(self.fleet, TARGET)
         self.watch_arm = support.Watch(self.fleet, "arm")
-        self.fleet.wait("each hears the other's lane", lambda: self.lane_is_there(), 10)
+        self.fleet.wait("each hears the other's lane", lambda: self.lane_is_there(), 60)
 
     def tearDown(self):
         for node in (TARGET, "arm"):
@@ -100,7 +100,7 @@ class Lane(unittest.TestCase):
             self.cloud.stream("belt")
             return listener.socket.poll(50)
 
-        self.fleet.wait("belt hears its own", one, 5)
+        self.fleet.wait("belt hears its own", one, 60)
         topic, frame = listener.receive()
         self.assertEqual((topic, frame.source, frame.target), (b"belt\0", TARGET, "belt"))
 
@@ -114,7 +114,7 @@ class Lane(unittest.TestCase):
             values += [self.cloud.receive() for _ in range(40)]
         self.assertEqual({(value.subtype, value.source, value.flags, value.data) for value in values},
                          {("temperature", "arm", LOSSY, b"21.5")})
-        self.fleet.wait("all are counted", lambda: self.sent(self.watch_arm) == before + 200, 3)
+        self.fleet.wait("all are counted", lambda: self.sent(self.watch_arm) == before + 200, 60)
         self.assertEqual(self.watch.rise(("refused.", "dropped.")), {})
 
     def test_a_picture_goes_by_the_lane(self):
@@ -153,7 +153,7 @@ class Lane(unittest.TestCase):
         def gone():
             return self.sent(self.watch_arm) - before + where(self.watch_arm, "dropped.lane_full", "dropped.")
 
-        self.fleet.wait("each was sent or counted", lambda: gone() == FLOOD, 10)
+        self.fleet.wait("each was sent or counted", lambda: gone() == FLOOD, 60)
         ratio = statistics.median(loaded) / statistics.median(idle)
         print(f"{FLOOD} lossy messages beside {len(loaded)} questions: idle p50 {1e6 * statistics.median(idle):.0f} us, under "
               f"them p50 {1e6 * statistics.median(loaded):.0f} us (x {ratio:.1f}), max {1e3 * max(loaded):.0f} ms; "
@@ -231,7 +231,7 @@ class Lane(unittest.TestCase):
         self.assertTrue(talker.hears_nothing(0))
         again = self.of_belt(b"belt\0")
         again.wait_event(zmq.EVENT_HANDSHAKE_FAILED_AUTH)
-        self.fleet.wait("arm's lane is there", lambda: self.lane_is_there(), 5)
+        self.fleet.wait("arm's lane is there", lambda: self.lane_is_there(), 60)
 
     def test_a_peer_that_stops_reading(self):
         """Others' messages and streams go on, its own control too; what it does not take is dropped and counted."""
@@ -244,7 +244,7 @@ class Lane(unittest.TestCase):
             self.cloud.stream("belt", 500, b"x" * 4000)
             return self.watch.rise(("dropped.",)).get("dropped.lane_full", 0) > 100
 
-        self.fleet.wait("its queue is full", full, 8)
+        self.fleet.wait("its queue is full", full, 60)
         self.assertTrue(self.lane_is_there())
         loaded = [self.cloud.ask("arm") for _ in range(100)]
         self.assertLess(statistics.median(loaded), MOST_RATIO * statistics.median(idle))

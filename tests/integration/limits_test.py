@@ -135,7 +135,7 @@ class Limits(Pressure):
     def test_few_descriptors(self):
         """Strangers get fewer of them, so that some are left for the fleet."""
         child = self.start_router("belt", FEW)
-        self.fleet.wait("a member comes in", lambda: self.comes_in_at("belt"), 10)
+        self.fleet.wait("a member comes in", lambda: self.comes_in_at("belt"), 60)
         self.assertIn(f"few_descriptors at most {FEW} open files: strangers get 68 of them", self.log("belt"))
         held = []
         for source in sources(60):
@@ -154,7 +154,7 @@ class Limits(Pressure):
         self.assertLess(most, FEW - 100)
         for one in held:
             one.close()
-        self.fleet.wait("a member comes in again", lambda: self.comes_in_at("belt"), 10)
+        self.fleet.wait("a member comes in again", lambda: self.comes_in_at("belt"), 60)
         self.assertNotIn("no_descriptor", self.log("belt"))
         self.assertIsNone(child.poll())
 
@@ -170,9 +170,9 @@ class Limits(Pressure):
         seeds = [{"address": f"{one}:{port}", "key": os.urandom(32).hex()} for one in sources(200)]
         path.write_text(json.dumps(dict(json.loads(before), seeds=seeds)))
         child = self.start_router("belt", 256)
-        self.fleet.wait("no descriptor is left", lambda: "no_descriptor" in self.log("belt"), 10)
+        self.fleet.wait("no descriptor is left", lambda: "no_descriptor" in self.log("belt"), 60)
         deaf.close()
-        self.fleet.wait("a member comes in", lambda: self.comes_in_at("belt"), 20)
+        self.fleet.wait("a member comes in", lambda: self.comes_in_at("belt"), 60)
         self.assertIsNone(child.poll())
 
 

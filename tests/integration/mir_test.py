@@ -49,7 +49,7 @@ class MirFleet(trb_fleet.Fleet):
         self.virtual[node] = trb_fleet.Process(
             [VIRTUAL_MIR, "--address", self.robot_address(node), "--port", "auto", "--speed", "10", "--die-with-parent",
              "--position", "dock=4,0,90", "--position", "far=400,0,0"], self.root / "mir.log", stdin=subprocess.PIPE)
-        self.port = int(self.virtual[node].wait_line("ready", 10)[0].split()[1])
+        self.port = int(self.virtual[node].wait_line("ready", 60)[0].split()[1])
         path = self.dir(node) / "commands.json"
         path.write_text(path.read_text().replace('"port": 80,', f'"port": {self.port},'))
 
@@ -74,7 +74,7 @@ class MirFleet(trb_fleet.Fleet):
             done = self.trb("scenario", "watch", run, "--once", "--json", node="mir", check=False)
             view = json.loads(done.stdout.splitlines()[-1])
             return view["tasks"][0] if view.get("tasks") else {"state": ""}
-        self.wait(f"the task is {states}", lambda: task()["state"] in states, 30)
+        self.wait(f"the task is {states}", lambda: task()["state"] in states, 60)
         return task()
 
 
@@ -83,13 +83,13 @@ class Mir(unittest.TestCase):
     def setUpClass(cls):
         cls.fleet = support.make_fleet(cls, MirFleet)
         cls.fleet.start()
-        cls.fleet.wait("the robot is ONLINE", lambda: cls.fleet.profile()["robot"] == "ONLINE", 15)
+        cls.fleet.wait("the robot is ONLINE", lambda: cls.fleet.profile()["robot"] == "ONLINE", 60)
         cls.missions = {row["name"]: row["guid"] for row in cls.fleet.client().ask("GET", "/missions")[1]}
 
     def test_a_mission_is_carried_out_as_a_task_and_its_values_are_told(self):
         run = self.fleet.submit(self.missions["Go to dock"])
         self.assertEqual(self.fleet.wait_task(run, "FINISHED", "FAILED")["state"], "FINISHED")
-        self.fleet.wait("it is at the dock", lambda: self.fleet.ask("position")[:2] == [4, 0], 5)
+        self.fleet.wait("it is at the dock", lambda: self.fleet.ask("position")[:2] == [4, 0], 60)
         self.assertGreater(self.fleet.ask("battery"), 80)
         self.assertEqual(self.fleet.ask("state"), 3)
 
@@ -97,20 +97,20 @@ class Mir(unittest.TestCase):
         run = self.fleet.submit(self.missions["Go to far"])
         self.fleet.wait_task(run, "RUNNING")
         client = self.fleet.client()
-        self.fleet.wait("it drives", lambda: client.ask("GET", "/status")[1]["state_id"] == 5, 5)
+        self.fleet.wait("it drives", lambda: client.ask("GET", "/status")[1]["state_id"] == 5, 60)
         done = self.fleet.trb("stop", "mir", node="mir")
         self.assertIn("confirmed", done.stdout)
         status = client.ask("GET", "/status")[1]
         self.assertEqual((status["state_id"], status["mission_queue_id"]), (4, None))
         self.fleet.trb("release", "mir", node="mir")
-        self.fleet.wait("it is ready", lambda: client.ask("GET", "/status")[1]["state_id"] == 3, 5)
+        self.fleet.wait("it is ready", lambda: client.ask("GET", "/status")[1]["state_id"] == 3, 60)
         self.fleet.trb("scenario", "abort", run, node="mir", check=False)
 
     def test_b2_after_a_run_that_was_aborted_the_robot_takes_the_next_mission(self):
         run = self.fleet.submit(self.missions["Go to far"])
         self.fleet.wait_task(run, "RUNNING")
         client = self.fleet.client()
-        self.fleet.wait("it drives", lambda: client.ask("GET", "/status")[1]["state_id"] == 5, 5)
+        self.fleet.wait("it drives", lambda: client.ask("GET", "/status")[1]["state_id"] == 5, 60)
         self.fleet.trb("scenario", "abort", run, node="mir")
         following = self.fleet.submit(self.missions["Go to dock"])
         self.assertEqual(self.fleet.wait_task(following, "FINISHED", "FAILED")["state"], "FINISHED")
@@ -124,10 +124,10 @@ class Mir(unittest.TestCase):
     def test_d_an_error_of_the_robot_is_a_fault_of_the_fleet_and_ends_when_it_is_cleared(self):
         robot = self.fleet.virtual["mir"]
         robot.say("fault mobile CRITICAL left motor")
-        self.fleet.wait("it is out of use", lambda: self.fleet.profile().get("out_of_use"), 10)
+        self.fleet.wait("it is out of use", lambda: self.fleet.profile().get("out_of_use"), 60)
         self.assertIn("left motor", self.fleet.ask("errors")[0]["description"])
         self.fleet.trb("send", "mir", "command", "clear_error", "--take", node="mir")
-        self.fleet.wait("it is in use", lambda: not self.fleet.profile().get("out_of_use"), 10)
+        self.fleet.wait("it is in use", lambda: not self.fleet.profile().get("out_of_use"), 60)
 
     def test_e_a_sign_in_that_is_wrong_is_refused(self):
         self.assertEqual(self.fleet.client(password="x").ask("GET", "/status")[0], 401)
@@ -139,13 +139,13 @@ class Alone(unittest.TestCase):
     def test_it_is_offline_and_comes_back(self):
         fleet = support.make_fleet(self, lambda root, programs: MirFleet(root, programs, block=118))
         fleet.start()
-        fleet.wait("the robot is ONLINE", lambda: fleet.profile()["robot"] == "ONLINE", 15)
+        fleet.wait("the robot is ONLINE", lambda: fleet.profile()["robot"] == "ONLINE", 60)
         fleet.virtual.pop("mir").stop()
-        fleet.wait("the robot is gone", lambda: fleet.profile()["robot"] != "ONLINE", 10)
+        fleet.wait("the robot is gone", lambda: fleet.profile()["robot"] != "ONLINE", 60)
         fleet.virtual["mir"] = trb_fleet.Process(
             [VIRTUAL_MIR, "--address", fleet.robot_address("mir"), "--port", str(fleet.port), "--die-with-parent"],
             os.devnull, stdin=subprocess.PIPE)
-        fleet.wait("the robot is back", lambda: fleet.profile()["robot"] == "ONLINE", 15)
+        fleet.wait("the robot is back", lambda: fleet.profile()["robot"] == "ONLINE", 60)
 
 
 if __name__ == "__main__":

@@ -80,7 +80,7 @@ class Vendor(unittest.TestCase):
     def test_its_skill_runs_and_ends(self):
         run = self.fleet.submit({"name": "up", "tasks": [{"id": "up", "robot": "conveyor", "skill": "lift",
                                                           "data": {"height": 0.1}}]})
-        self.fleet.wait("the goal is written", lambda: self.device.memory[HOLDING, 11] == 0x3DCC, 15)
+        self.fleet.wait("the goal is written", lambda: self.device.memory[HOLDING, 11] == 0x3DCC, 60)
         self.assertEqual(self.device.writes[-2:], [(COIL, 3, 0), (HOLDING, 10, 0xCCCD, 0x3DCC)])
         self.device.memory[DISCRETE, 7] = 1
         self.assertEqual(self.fleet.wait_task(run, "FINISHED", "FAILED")["state"], "FINISHED")
@@ -104,7 +104,7 @@ class Vendor(unittest.TestCase):
         self.assertIn(f"the connection was lost while load (holding 30) was written, and nobody knows whether the device "
                       f"took it: {reason}", done.stderr)
         self.assertIn("look at the device before you send it again", done.stderr)
-        self.fleet.wait("it is dialled again", lambda: self.device.connections > connections, 10)
+        self.fleet.wait("it is dialled again", lambda: self.device.connections > connections, 60)
         self.fleet.wait_robot("ONLINE")
         self.assertEqual(len(self.device.writes), before + 1)
         done = self.fleet.send("tare", "25", "--take")

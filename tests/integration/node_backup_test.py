@@ -34,7 +34,7 @@ def has_processes(folder):
 
 def lose(fleet, node):
     """The node's folder goes, once the last of its processes has ended."""
-    fleet.wait("its processes end", lambda: not has_processes(fleet.dir(node)), 20)
+    fleet.wait("its processes end", lambda: not has_processes(fleet.dir(node)), 60)
     shutil.rmtree(fleet.dir(node))
 
 
@@ -58,8 +58,8 @@ class Backup(unittest.TestCase):
 
     def start_node(self, node):
         self.fleet.start_node(node)
-        self.fleet.nodes[node].wait_line("ready", 30)
-        self.fleet.wait_formed(30)
+        self.fleet.nodes[node].wait_line("ready", 60)
+        self.fleet.wait_formed(60)
 
     def boot(self, folder):
         return int((folder / "state" / "boot").read_text())
@@ -94,7 +94,7 @@ class Backup(unittest.TestCase):
         # What the backup does not know: a certificate, a list of revocations, further starts, half of a run.
         old = self.serial_of(self.fleet.dir(ROBOT))
         self.fleet.trb("fleet", "renew", self.fleet.authority_dir(), ROBOT, "--via", self.fleet.dir(CLOUD))
-        self.fleet.wait("it is renewed", lambda: self.serial_of(self.fleet.dir(ROBOT)) != old, 30)
+        self.fleet.wait("it is renewed", lambda: self.serial_of(self.fleet.dir(ROBOT)) != old, 60)
         serial = self.serial_of(self.fleet.dir(ROBOT))
         self.fleet.trb("stop", OTHER, node=CLOUD)
         path = self.folder / "s.json"
@@ -110,10 +110,10 @@ class Backup(unittest.TestCase):
         self.assertEqual(self.serial_of(self.fleet.dir(ROBOT)), old)
         self.start_node(ROBOT)
         self.assertGreater(self.boot(self.fleet.dir(ROBOT)), before)
-        self.fleet.wait("its newest certificate comes back", lambda: self.serial_of(self.fleet.dir(ROBOT)) == serial, 30)
+        self.fleet.wait("its newest certificate comes back", lambda: self.serial_of(self.fleet.dir(ROBOT)) == serial, 60)
 
         # Nothing is begun before a person has looked: neither what was done, nor what is new to it.
-        self.fleet.wait("out of use", self.out_of_use, 30)
+        self.fleet.wait("out of use", self.out_of_use, 60)
         self.assertIn("journal was lost", self.out_of_use()[0]["text"])
         self.release(OTHER)
         self.wait_task(run, "away", "FINISHED")
@@ -174,16 +174,16 @@ class Cloud(gateway_case.GatewayCase):
         self.fleet.nodes.pop(CLOUD).stop(signal.SIGKILL)
         file = support.temporary_folder(self) / "cloud.backup"
         folder = self.fleet.dir(CLOUD)
-        self.fleet.wait("its router ends", lambda: self.fleet.trb("node", "backup", folder, file, check=False).returncode == 0, 20)
+        self.fleet.wait("its router ends", lambda: self.fleet.trb("node", "backup", folder, file, check=False).returncode == 0, 60)
         lose(self.fleet, CLOUD)
         self.fleet.trb("node", "restore", file, folder)
         self.fleet.start_node(CLOUD)
-        self.fleet.wait("the gateway is ready", self.is_ready, 30)
+        self.fleet.wait("the gateway is ready", self.is_ready, 60)
         self.assertEqual(self.admin.ask("GET", "/api/v1/robots").status, 401)
         self.assertEqual(self.client(token).ask("GET", "/api/v1/robots").status, 401)
         self.assertEqual(self.admin.sign_in("admin", ADMIN).status, 201)
         self.assertEqual(self.client().sign_in("olga", gateway_case.GOOD).status, 201)
-        self.fleet.wait("the robot is shown online", self.is_online, 30)
+        self.fleet.wait("the robot is shown online", self.is_online, 60)
 
 
 if __name__ == "__main__":

@@ -76,7 +76,7 @@ class NodeLife(unittest.TestCase):
                     return False  # its router restarts
                 states = {name: one["state"] for name, one in table.items() if name != "router"}
                 return states == {name: "up" for name in services if name != "router"}
-            fleet.wait(f"{services} are up", as_wanted, 20)
+            fleet.wait(f"{services} are up", as_wanted, 60)
         reload_with(["router", "scheduler", "resilience"])
         reload_with(["router", "scheduler"])
         gone = subprocess.run(["pgrep", "-f", f"trb-resilience {fleet.dir('cloud')}"], capture_output=True)

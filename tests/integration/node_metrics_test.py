@@ -45,7 +45,7 @@ class Metrics(unittest.TestCase):
     def setUpClass(cls):
         cls.fleet = support.make_fleet(cls, Fleet, block=104, udp_port=50104)
         cls.fleet.bring_up(*NODES)
-        cls.fleet.wait("they are linked", lambda: cls.value("ant", 'trb_node_peers{state="ONLINE"}') == 1, 30)
+        cls.fleet.wait("they are linked", lambda: cls.value("ant", 'trb_node_peers{state="ONLINE"}') == 1, 60)
 
     @classmethod
     def told(cls, node):
@@ -61,7 +61,7 @@ class Metrics(unittest.TestCase):
     def test_services_peers_and_counters(self):
         text = self.told("ant")
         self.assertIn('trb_node_info{node="ant",role="cloud",version="', text)
-        self.fleet.wait("its scheduler is up", lambda: self.value("ant", 'trb_node_service_up{service="scheduler"}') == 1, 30)
+        self.fleet.wait("its scheduler is up", lambda: self.value("ant", 'trb_node_service_up{service="scheduler"}') == 1, 60)
         self.assertGreater(self.value("ant", 'trb_node_events_total{event="sent",about="hello"}'), 0)
         self.assertGreater(self.value("ant", "trb_node_certificate_ends_seconds"), 1_700_000_000)
         self.assertEqual(self.value("ant", "trb_node_boot"), int((self.fleet.dir("ant") / "state/boot").read_text()))

@@ -201,11 +201,11 @@ class Folder(unittest.TestCase):
             self.read_until(master, question)
             os.write(master, (answer + "\n").encode())
         self.read_until(master, "trb fleet invite")
-        self.assertEqual(child.wait(15), 0)
+        self.assertEqual(child.wait(60), 0)
         self.assertEqual(json.loads((self.folder / "arm" / "node.json").read_text())["framework"], "kuka")
 
     def read_until(self, terminal, wanted):
-        end = time.monotonic() + 15
+        end = time.monotonic() + 60
         while wanted not in self.shown:
             ready, _, _ = select.select([terminal], [], [], max(0, end - time.monotonic()))
             self.assertTrue(ready, f"no {wanted!r} in {self.shown!r}")

@@ -19,7 +19,7 @@ class Rights(Life):
         fleet = support.make_fleet(self, block=116, udp_port=50116, cloud=False,
                                    robots={"ur3": trb_fleet.ROBOTS["ur3"]})
         fleet.start_node("ur3")
-        fleet.nodes["ur3"].wait_line("ready", 20)
+        fleet.nodes["ur3"].wait_line("ready", 60)
         bus = self.context.socket(zmq.DEALER)
         self.addCleanup(bus.close, 0)
         bus.connect(f"ipc://{fleet.dir('ur3')}/bus/probe.ipc")

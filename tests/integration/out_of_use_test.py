@@ -33,7 +33,7 @@ class OutOfUse(unittest.TestCase):
     def wait_out_of_use(self, *wanted):
         self.fleet.wait(f"out of use: {wanted}",
                         lambda: [one["capability"] or ("retired" if one["retired"] else "all") for one in self.out_of_use()]
-                        == list(wanted), 10)
+                        == list(wanted), 60)
 
     def fault(self, *words):
         self.fleet.trb("robot", "fault", ROBOT, *words, node=CLOUD)
@@ -43,10 +43,10 @@ class OutOfUse(unittest.TestCase):
         before = self.fleet.services(ROBOT)["mode-adapter"]["instance"]
         os.kill(self.fleet.pid(ROBOT, "mode-adapter"), signal.SIGKILL)
         self.fleet.wait("another mode-adapter", lambda: (now := self.fleet.services(ROBOT)["mode-adapter"])["state"] == "up"
-                        and now["instance"] != before, 20)
+                        and now["instance"] != before, 60)
         # It tells what is out of use once its robot is connected, and then answers, on the same way.
         self.fleet.wait("its robot answers the cloud", lambda: self.fleet.trb(
-            "request", ROBOT, "position", "--timeout", "1", node=CLOUD, check=False).returncode == 0, 20)
+            "request", ROBOT, "position", "--timeout", "1", node=CLOUD, check=False).returncode == 0, 60)
         self.fleet.wait_formed()
 
     def test_a_fault_stands_over_a_kill_until_the_robot_takes_it_back(self):
@@ -108,11 +108,11 @@ class OutOfUse(unittest.TestCase):
 
         def view():
             return self.fleet.json("run", "show", run, node=ROBOT)
-        self.fleet.wait("the task waits for its robot", lambda: "out of use" in json.dumps(view()), 10)
+        self.fleet.wait("the task waits for its robot", lambda: "out of use" in json.dumps(view()), 60)
         self.assertEqual(view()["tasks"][0]["attempt"] <= 1, True)
         self.assertEqual(view()["priority"], 4)
         self.fleet.trb("robot", "repaired", ROBOT, node=CLOUD)
-        self.fleet.wait("the run has FINISHED", lambda: view()["state"] == "FINISHED", 20)
+        self.fleet.wait("the run has FINISHED", lambda: view()["state"] == "FINISHED", 60)
         listed = self.fleet.trb("run", "list", "--all", node=ROBOT).stdout
         self.assertIn(run[:8], listed)
         shown = self.fleet.trb("run", "show", run[:8], node=ROBOT).stdout

@@ -140,7 +140,7 @@ class Package(unittest.TestCase):
         for of, asked_at in ((CLOUD, ROBOT), (ROBOT, CLOUD), (CLOUD, CLOUD)):
             with self.subTest(of=of, asked_at=asked_at):
                 self.fleet.wait("the fault is counted", lambda: self.tally(of, asked_at).get(ROBOT, {}).get(
-                    "faults", {}).get("mobile") == before + 1, 10)
+                    "faults", {}).get("mobile") == before + 1, 60)
         self.assertIn("wheel is off", (self.fleet.dir(CLOUD) / "log" / f"{NAME}.log").read_text())
 
     def test_a_word_that_it_does_not_know_in_that_way_is_refused_with_a_cure(self):
@@ -153,13 +153,13 @@ class Package(unittest.TestCase):
             return row["pid"] if row["state"] == "up" else None
         first = pid()
         os.kill(first, 9)
-        self.fleet.wait("it is up again", lambda: pid() not in (None, first), 10)
+        self.fleet.wait("it is up again", lambda: pid() not in (None, first), 60)
         last = pid()
         self.assertEqual(pathlib.Path(f"/proc/{last}/exe").resolve(), self.fleet.program)
         self.fleet.nodes[CLOUD].stop()
         self.assertFalse(pathlib.Path(f"/proc/{last}").exists())
         self.fleet.start_node(CLOUD)
-        self.fleet.nodes[CLOUD].wait_line("ready", 20)
+        self.fleet.nodes[CLOUD].wait_line("ready", 60)
         self.fleet.wait_formed()
 
 

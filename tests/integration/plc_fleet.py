@@ -34,13 +34,13 @@ class PlcFleet(trb_fleet.Fleet):
         command = [self.programs / "trb-virtual-plc", "--address", self.robot_address("conveyor"), "--port", str(port),
                    "--bring-boxes", "--speed", str(self.speed), "--die-with-parent"]
         self.virtual["conveyor"] = trb_fleet.Process(command, self.root / "plc.log", stdin=subprocess.PIPE)
-        self.plc_port = int(self.virtual["conveyor"].wait_line("ready", 10)[0].split()[1])
+        self.plc_port = int(self.virtual["conveyor"].wait_line("ready", 60)[0].split()[1])
 
     def profile(self):
         routes = self.json("route", "list", node="conveyor")["routes"]
         return next(route for route in routes if route["id"] == "conveyor")["profile"]
 
-    def wait_robot(self, state, timeout=15):
+    def wait_robot(self, state, timeout=60):
         return self.wait(f"the robot is {state}", lambda: self.profile()["robot"] == state, timeout)
 
     def send(self, subtype, *data):
@@ -64,10 +64,10 @@ class PlcFleet(trb_fleet.Fleet):
         view = json.loads(done.stdout.splitlines()[-1])
         return view["tasks"][0] if view.get("tasks") else {"state": ""}
 
-    def wait_task(self, run, *states, timeout=30):
+    def wait_task(self, run, *states, timeout=60):
         self.wait(f"the task is {states}", lambda: self.task(run)["state"] in states, timeout)
         return self.task(run)
 
-    def wait_idle(self, timeout=15):
+    def wait_idle(self, timeout=60):
         """Waits until the last command's lease is over and any node may command the robot."""
         self.wait("nobody holds the robot", lambda: not self.profile().get("control"), timeout)

@@ -25,7 +25,7 @@ class Plc:
         self.process = trb_fleet.Process([VIRTUAL_PLC, "--address", address, "--port", "auto", "--die-with-parent", *arguments],
                                          os.devnull, stdin=subprocess.PIPE)
         case.addCleanup(self.process.stop)
-        self.port = int(self.process.wait_line("ready", 10)[0].split()[1])
+        self.port = int(self.process.wait_line("ready", 60)[0].split()[1])
 
     def client(self):
         return modbus_peer.Client(self.address, self.port)
@@ -57,33 +57,33 @@ class VirtualPlc(unittest.TestCase):
     def test_the_belt_carries_the_box_to_the_exit_and_stops_there(self):
         plc = Plc(self, "--speed", "20")
         plc.process.say("box")
-        plc.process.wait_line("box entry", 5)
+        plc.process.wait_line("box entry", 60)
         with plc.client() as client:
             self.assertEqual(client.pdu("02 00 00 00 02"), "02 01 02")
             client.pdu("05 00 00 ff 00")
             self.assertEqual(client.pdu("04 00 00 00 01"), "04 02 00 01")
-            plc.process.wait_line("belt off exit", 5)
+            plc.process.wait_line("belt off exit", 60)
             self.assertEqual(client.pdu("02 00 00 00 02"), "02 01 01")
             self.assertEqual(client.pdu("04 00 00 00 02"), "04 04 00 02 07 d0")
             self.assertEqual(client.pdu("01 00 00 00 01"), "01 01 00")
 
     def test_faults_come_by_word_and_by_datagram_and_stop_the_belt(self):
         plc = Plc(self, "--control", "127.0.143.9:auto")
-        port = int(plc.process.wait_line("control", 5)[0].split()[1])
+        port = int(plc.process.wait_line("control", 60)[0].split()[1])
         with plc.client() as client, socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as control:
             client.pdu("05 00 00 ff 00")
             control.sendto(b"fault convey", (plc.address, port))
-            plc.process.wait_line("belt off motor_overload", 5)
+            plc.process.wait_line("belt off motor_overload", 60)
             self.assertEqual(client.pdu("02 00 02 00 02"), "02 01 01")
             self.assertEqual(client.pdu("04 00 00 00 04"), "04 08 00 03 00 00 00 00 00 01")
             self.assertEqual(client.pdu("05 00 00 ff 00"), "85 04")
             client.pdu("05 00 01 ff 00")
             self.assertEqual(client.pdu("05 00 00 ff 00"), "05 00 00 ff 00")
             plc.process.say("fault convey FATAL somebody pressed it")
-            plc.process.wait_line("belt off emergency_stop", 5)
+            plc.process.wait_line("belt off emergency_stop", 60)
             self.assertEqual(client.pdu("02 00 02 00 02"), "02 01 02")
             plc.process.say("clear")
-            plc.process.wait_line("clear", 5)
+            plc.process.wait_line("clear", 60)
 
     def test_a_slow_client_and_one_that_talks_nonsense_disturb_nobody(self):
         plc = Plc(self)
@@ -91,7 +91,7 @@ class VirtualPlc(unittest.TestCase):
             half.peer.sendall(bytes.fromhex("00 01 00 00 00 06 01"))
             nonsense.peer.sendall(b"GET / HTTP/1.1\r\n\r\n")
             self.assertEqual(nonsense.peer.recv(100), b"")
-            plc.process.wait_line("client_dropped no_modbus", 5)
+            plc.process.wait_line("client_dropped no_modbus", 60)
             self.assertEqual(client.pdu("03 00 00 00 01"), "03 02 01 f4")
             self.assertEqual(half.ask("03 00 00 00 01"), "00 01 00 00 00 05 01 03 02 01 f4")
 
@@ -112,7 +112,7 @@ class VirtualPlc(unittest.TestCase):
                 plc.process.pump(0)
                 return "client_dropped does_not_read" in plc.process.lines
 
-            wait("it is dropped", dropped, 20)
+            wait("it is dropped", dropped, 60)
             self.assertEqual(client.pdu("03 00 00 00 01"), "03 02 01 f4")
 
 
@@ -164,7 +164,7 @@ class Conveyor(unittest.TestCase):
         start = self.here()
         task = self.fleet.wait_task(self.fleet.submit(), "FINISHED", "FAILED")
         self.assertEqual(task["state"], "FINISHED", task)
-        self.plc.wait_line("belt off exit", 5, start)
+        self.plc.wait_line("belt off exit", 60, start)
         self.assertIn("true", self.fleet.ask("box_at_exit"))
 
     def test_a_value_that_the_plc_refuses_is_told_with_its_register(self):
@@ -197,10 +197,10 @@ class Conveyor(unittest.TestCase):
         start = self.here()
         run = self.fleet.submit({"name": "belt", "tasks": [{"id": "run", "robot": "conveyor", "skill": "run",
                                                             "data": {"speed": 0.1}}]})
-        self.plc.wait_line("belt on", 15, start)
+        self.plc.wait_line("belt on", 60, start)
         done = self.fleet.trb("stop", "conveyor", node="conveyor")
         self.assertIn("confirmed", done.stdout)
-        self.plc.wait_line("belt off command", 5, start)
+        self.plc.wait_line("belt off command", 60, start)
         self.assertIn("fenced", self.fleet.send("set_speed", "0.2", "--take").stderr)
         self.fleet.trb("scenario", "abort", run, node="conveyor", check=False)
 
@@ -208,37 +208,37 @@ class Conveyor(unittest.TestCase):
         start = self.here()
         run = self.wait_running(start)
         self.plc.say("overload")
-        self.plc.wait_line("belt off motor_overload", 5, start)
-        self.fleet.wait("the task has failed", lambda: self.fleet.task(run)["state"] in ("RETRIABLE", "FAILED"), 10)
+        self.plc.wait_line("belt off motor_overload", 60, start)
+        self.fleet.wait("the task has failed", lambda: self.fleet.task(run)["state"] in ("RETRIABLE", "FAILED"), 60)
         self.assertIn("belt_state", json.dumps(self.fleet.task(run)))
         self.fleet.trb("scenario", "abort", run, node="conveyor", check=False)
 
     def test_an_overload_is_told_by_the_next_command(self):
         start = self.here()
         self.plc.say("overload")
-        self.plc.wait_line("fault motor_overload", 5, start)
+        self.plc.wait_line("fault motor_overload", 60, start)
         done = self.fleet.send("run", "0.5", "--take")
         self.assertIn("running (coil 0): the device answered 'server device failure' (exception 4)", done.stderr)
         self.assertIn("the 1 writes before it were done", done.stderr)
         done = self.fleet.send("reset", "--take")
         self.assertEqual(done.returncode, 0, done.stderr)
-        self.plc.wait_line("clear", 5, start)
+        self.plc.wait_line("clear", 60, start)
 
     def wait_running(self, start):
         run = self.fleet.submit({"name": "belt", "tasks": [{"id": "run", "robot": "conveyor", "skill": "run",
                                                             "data": {"speed": 0.1}}]})
-        self.plc.wait_line("belt on", 15, start)
+        self.plc.wait_line("belt on", 60, start)
         return run
 
     def test_a_plc_that_is_killed_in_the_middle_of_a_skill(self):
         run = self.wait_running(self.here())
         self.plc.stop(signal.SIGKILL)
-        self.fleet.wait_robot("CONNECTION_BROKEN", 5)
+        self.fleet.wait_robot("CONNECTION_BROKEN", 60)
         self.assertIn("robot_offline", self.fleet.send("set_speed", "0.2", "--take").stderr)
-        self.fleet.wait("the run says so", lambda: self.fleet.task(run)["state"] != "RUNNING", 10)
+        self.fleet.wait("the run says so", lambda: self.fleet.task(run)["state"] != "RUNNING", 60)
         self.fleet.start_plc(self.fleet.plc_port)
         self.plc = self.fleet.virtual["conveyor"]
-        self.fleet.wait_robot("ONLINE", 10)
+        self.fleet.wait_robot("ONLINE", 60)
         done = self.fleet.send("set_speed", "0.2", "--take")
         self.assertEqual(done.returncode, 0, done.stderr)
         self.plc.pump(0)
@@ -257,7 +257,7 @@ class Conveyor(unittest.TestCase):
         self.assertIn("robot_offline", refused.stderr)
         self.assertLess(time.monotonic() - began, 5)
         self.plc.child.send_signal(signal.SIGCONT)
-        self.fleet.wait_robot("ONLINE", 15)
+        self.fleet.wait_robot("ONLINE", 60)
         self.assertEqual(sum(line.startswith("belt on") for line in self.plc.lines[start:]), 1)
         self.fleet.trb("scenario", "abort", run, node="conveyor", check=False)
 

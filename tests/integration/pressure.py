@@ -40,7 +40,7 @@ class Talk:
         self.bus.connect(f"ipc://{fleet.dir('arm')}/bus/probe.ipc")
         hello = wire.pack(["cli", [], 1, os.getpid(), "independent"])
         self.bus.send(wire.Frame("service_hello", "", "", type=wire.COMMAND, id=1, data=hello).encode())
-        self.slot = self.receive(4).body()[2]
+        self.slot = self.receive(20).body()[2]
         self.ids = itertools.count(1)
 
     def receive(self, timeout):
@@ -108,10 +108,10 @@ class Pressure(unittest.TestCase):
         return sum(row[1].endswith(ends) and row[3] == "01" for row in rows)
 
     def setUp(self):
-        self.fleet.wait("arm is linked", lambda: self.route("arm")["state"] == "ONLINE", 10)
-        self.fleet.wait("the lanes are up", lambda: self.lanes() == 2, 10)
+        self.fleet.wait("arm is linked", lambda: self.route("arm")["state"] == "ONLINE", 60)
+        self.fleet.wait("the lanes are up", lambda: self.lanes() == 2, 60)
         # The previous test's connections have 4 s.
-        self.fleet.wait("the door is quiet", lambda: self.descriptors() < 60, 15)
+        self.fleet.wait("the door is quiet", lambda: self.descriptors() < 60, 60)
         self.link = self.route("arm")["link"]
         self.fds, self.memory = self.descriptors(), self.resident_mb()
         self.watch = support.Watch(self.fleet, TARGET)
@@ -120,9 +120,9 @@ class Pressure(unittest.TestCase):
         """Everything is as before: the same process, the same link, no descriptor kept, a good node comes in."""
         self.assertEqual(self.route("arm")["link"], self.link, "the good link was dropped")
         # A node that the test has started may still be linked: its link, and its lane's connections.
-        self.fleet.wait("the descriptors are free", lambda: self.descriptors() <= self.fds + 10, 15)
+        self.fleet.wait("the descriptors are free", lambda: self.descriptors() <= self.fds + 10, 60)
         self.assertNotIn("router ended", "\n".join(self.fleet.nodes[TARGET].lines))
-        self.fleet.wait("a good node comes in", lambda: self.comes_in(self.crane), 14)  # 10 s if its key was refused
+        self.fleet.wait("a good node comes in", lambda: self.comes_in(self.crane), 60)  # 10 s if its key was refused
 
     def comes_in(self, member):
         client = self.client(server_key=self.server_key, keys=(member.public, member.secret))

@@ -22,7 +22,7 @@ class Log(Case):
         client.answer_to(self.ask_router(client))
         link = client.link
         client.close()
-        self.watch.wait_logged("open_end 3 messages of cat from sequence 12 on are authenticated, not provable", 15)
+        self.watch.wait_logged("open_end 3 messages of cat from sequence 12 on are authenticated, not provable", 60)
         folder = self.fleet.root / f"third-{secrets.token_hex(4)}"
         folder.mkdir()
         source = self.fleet.dir(TARGET) / "log" / "proof"

@@ -49,7 +49,7 @@ class Alone(unittest.TestCase):
     def test_a_move_blocks_its_answer_and_the_service_task_does_not(self):
         self.assertEqual(self.program.ask("4 #"), "4 1 0.00 0.00 0.00 0.00 30.00 0.00")
         self.program.send("2 30 0 0 0 30 0 #")
-        self.robot.wait_line("start 2", 5)
+        self.robot.wait_line("start 2", 60)
         self.assertEqual(self.service.ask("90 #"), "90 1 0 1 1 0")
         self.assertEqual(self.program.answer(), "2 1")
         self.assertEqual(self.service.ask("4 #"), "4 1 30.00 0.00 0.00 0.00 30.00 0.00")
@@ -67,7 +67,7 @@ class Alone(unittest.TestCase):
 
     def test_a_stop_ends_the_move(self):
         self.program.send("2 160 0 0 0 30 0 #")
-        self.robot.wait_line("start 2", 5)
+        self.robot.wait_line("start 2", 60)
         self.assertEqual(self.service.ask("91 #"), "91 1")
         self.assertEqual(self.program.answer(), "2 0 stopped")
         self.assertEqual(self.program.ask("2 0 0 0 0 30 0 #"), "2 0 stopped")
@@ -75,7 +75,7 @@ class Alone(unittest.TestCase):
 
     def test_a_fault_ends_the_move_and_switches_the_motors_off(self):
         self.program.send("2 160 0 0 0 30 0 #")
-        self.robot.wait_line("start 2", 5)
+        self.robot.wait_line("start 2", 60)
         self.robot.say("fault grab CRITICAL collision")
         self.assertEqual(self.program.answer(), "2 0 collision")
         self.assertEqual(self.service.ask("90 #"), "90 1 0 0 0 50204 grab%20CRITICAL%20collision")
@@ -101,7 +101,7 @@ class Node(arm_fleet.ArmTest, unittest.TestCase):
         def there():
             return json.loads(self.request("joints")["data"]) == [10, 5, 5, 0, 35, 0]
 
-        self.fleet.wait("the joints are there", there, 5)
+        self.fleet.wait("the joints are there", there, 60)
         self.assertEqual(len(json.loads(self.request("position")["data"])), 3)
         self.assertEqual(self.request("motors")["data"], "1")
 
@@ -158,11 +158,11 @@ class Node(arm_fleet.ArmTest, unittest.TestCase):
         run = self.run_skill("grasp_and_put_down")
         self.said("start 2")
         self.fleet.robot.say("fault grab CRITICAL gripper lost air")
-        self.assertIn("gripper lost air", tap.wait_line('"robot_fault"', 10)[0])
+        self.assertIn("gripper lost air", tap.wait_line('"robot_fault"', 60)[0])
         outcome, reason = self.end_of(run)
         self.assertEqual(outcome, "failed")
         self.assertIn("gripper lost air", reason)
-        self.fleet.wait("the motors are off", lambda: self.request("motors")["data"] == "0", 5)
+        self.fleet.wait("the motors are off", lambda: self.request("motors")["data"] == "0", 60)
         self.assertIn("panel", self.refusal("go_home")["cure"])
 
     def test_a_robot_that_is_killed_in_the_middle(self):

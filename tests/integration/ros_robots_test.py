@@ -29,7 +29,7 @@ class RosRobots(unittest.TestCase):
     def setUpClass(cls):
         cls.fleet = support.make_fleet(cls, block=158, robots=ROBOTS, speed=2.0)
         cls.fleet.start()
-        cls.fleet.wait_formed(30)
+        cls.fleet.wait_formed(60)
         cls.env = dict(os.environ, ROS_MASTER_URI=cls.fleet.ros_uri(), ROS_IP="127.0.159.9",
                        ROS_HOME=str(cls.fleet.root / "ros"), PYTHONUNBUFFERED="1")
 
@@ -64,7 +64,7 @@ class RosRobots(unittest.TestCase):
         robot = self.fleet.virtual["ridgeback"]
         start = len(robot.lines)
         self.run_tasks({"id": "f", "robot": "ridgeback", "skill": "fetch", "data": {"from": "table1", "to": "conveyor_entry"}})
-        line, at = robot.wait_line("fetch", 1, start)
+        line, at = robot.wait_line("fetch", 60, start)
         self.assertEqual(line, "fetch 2.000 1.000 0.000 3.000 2.000 1.571")
         self.assertEqual([l for l in robot.lines[start:] if l.startswith("task")], ["task 1", "task 0"])
         self.assertEqual(len(self.request("ridgeback", "joints")), 7)
@@ -75,15 +75,15 @@ class RosRobots(unittest.TestCase):
         path = self.fleet.root / "load.json"
         path.write_text(json.dumps({"name": "load", "tasks": [{"id": "l", "robot": "ridgeback", "skill": "load_out"}]}))
         self.fleet.trb("scenario", "run", path, node="cloud")
-        robot.wait_line("load_out", 5, start)
+        robot.wait_line("load_out", 60, start)
         robot.say("fault carry CRITICAL gripper lost the box")
         self.addCleanup(robot.say, "clear")
-        robot.wait_line("task 2", 5, start)
+        robot.wait_line("task 2", 60, start)
 
         def failed():
             view = self.fleet.json("scenario", "watch", "--once", node="cloud", check=False)
             return [task for task in view["tasks"] if task["state"] == "FAILED"]
-        self.fleet.wait("the task has failed", failed, 10)
+        self.fleet.wait("the task has failed", failed, 60)
         self.assertIn("task", failed()[0]["reason"])
 
     def test_a_task_that_takes_too_long_is_stopped_and_its_late_word_harms_nobody(self):
@@ -94,8 +94,8 @@ class RosRobots(unittest.TestCase):
                                expect="PAUSED")
         self.assertEqual(tasks["late"]["state"], "FAILED")
         self.assertIn("timed out after 1 s", tasks["late"]["reason"])
-        robot.wait_line("cancelled", 5, start)
-        robot.wait_line("task 2", 5, start)  # no task waits for it any more
+        robot.wait_line("cancelled", 60, start)
+        robot.wait_line("task 2", 60, start)  # no task waits for it any more
         self.run_tasks({"id": "next", "robot": "ridgeback", "skill": "go_to", "data": {"place": "loading_area"}})
 
     def test_a_command_beside_a_skill_is_refused_and_the_skill_goes_on(self):
@@ -104,11 +104,11 @@ class RosRobots(unittest.TestCase):
         path = self.fleet.root / "beside.json"
         path.write_text(json.dumps({"name": "beside", "tasks": [{"id": "l", "robot": "ridgeback", "skill": "load_out"}]}))
         run = self.fleet.json("scenario", "run", path, node="cloud")["run"]
-        robot.wait_line("task 1", 5, start)
+        robot.wait_line("task 1", 60, start)
         done = self.fleet.trb("send", "ridgeback", "command", "move", '{"linear":{"x":0.25}}', node="cloud", check=False)
         self.assertIn("control_held", done.stderr)
         self.fleet.wait("the skill ends", lambda: self.fleet.json("scenario", "watch", run, "--once", node="cloud",
-                                                                  check=False)["state"] == "FINISHED", 15)
+                                                                  check=False)["state"] == "FINISHED", 60)
         self.assertFalse([line for line in robot.lines[start:] if line.startswith("twist 0.25")])
 
     def test_a_fault_comes_back_over_its_topic_as_the_capability_s_with_the_robot_s_own_words(self):
@@ -125,21 +125,21 @@ class RosRobots(unittest.TestCase):
         self.addCleanup(self.fleet.trb, "release", "ridgeback", node="cloud")
         start = len(robot.lines)
         self.fleet.trb("stop", "ridgeback", node="cloud")
-        robot.wait_line("twist 0.000 0.000 0.000", 5, start)
-        robot.wait_line("cancelled", 5, start)
+        robot.wait_line("twist 0.000 0.000 0.000", 60, start)
+        robot.wait_line("cancelled", 60, start)
 
     def client(self, robot):
         client = trb_fleet.Process([sys.executable, pathlib.Path(__file__).parent / "ros_client.py", robot],
                                    self.fleet.root / "ros_client.log", stdin=subprocess.PIPE, env=self.env)
         self.addCleanup(client.stop)
-        client.wait_line("ready", 30)
+        client.wait_line("ready", 60)
         return client
 
     def ask(self, client, *lines):
         for line in lines:
             start = len(client.lines)
             client.say(line)
-            said, _ = client.wait_line("", 30, start)
+            said, _ = client.wait_line("", 60, start)
         return json.loads(said)
 
     def test_a_ros_client_s_bad_goals_and_speeds_are_refused_and_odometry_stays_a_number(self):
@@ -154,13 +154,13 @@ class RosRobots(unittest.TestCase):
                 ("twist nan 0", "refused cmd_vel a number is not finite"),
                 ("twist 0.1 -inf", "refused cmd_vel a number is not finite")):
             self.ask(client, line)
-            _, start = robot.wait_line(wanted, 10, start)
+            _, start = robot.wait_line(wanted, 60, start)
         before = self.ask(client, "odom")
         self.assertTrue(all(math.isfinite(number) for number in before), before)
         self.ask(client, "goal base_link 0.5 0 0 1")
         x, y, qz, qw = before
         yaw = 2 * math.atan2(qz, qw)
-        robot.wait_line(f"goal {x + 0.5 * math.cos(yaw):.3f} {y + 0.5 * math.sin(yaw):.3f}", 10, start)
+        robot.wait_line(f"goal {x + 0.5 * math.cos(yaw):.3f} {y + 0.5 * math.sin(yaw):.3f}", 60, start)
 
     def test_a_battery_s_voltage_is_told_and_what_is_not_measured_is_nan_there_and_null_here(self):
         battery = self.ask(self.client("turtlebot"), "battery")
@@ -179,7 +179,7 @@ class RosRobots(unittest.TestCase):
 
     def test_rostopic_echo_hears_a_command(self):
         echo = self.rostopic("echo", "/turtlebot/cmd_vel")
-        self.fleet.wait("the command is heard", lambda: self.heard(echo), 20)
+        self.fleet.wait("the command is heard", lambda: self.heard(echo), 60)
         text = "\n".join(echo.lines)
         self.assertIn("linear: \n  x: 0.25", text)
         self.assertIn("angular: \n  x: 0.0\n  y: 0.0\n  z: -0.5", text)
@@ -195,7 +195,7 @@ class RosRobots(unittest.TestCase):
         def told():
             done = self.fleet.trb("request", "turtlebot", "error", node="turtlebot", check=False)
             return r"wheel \"3\" blocked" in done.stdout
-        self.fleet.wait("the answer", told, 20)
+        self.fleet.wait("the answer", told, 60)
 
 
 if __name__ == "__main__":

@@ -34,7 +34,7 @@ class RosFleet(trb_fleet.Fleet):
     def start(self):
         """The master and the robot's node are for the tests to start."""
         self.start_node("ridgeback")
-        self.nodes["ridgeback"].wait_line("ready", 20)
+        self.nodes["ridgeback"].wait_line("ready", 60)
 
     def stop_master(self):
         self.ros_master.child.send_signal(signal.SIGCONT)
@@ -43,7 +43,7 @@ class RosFleet(trb_fleet.Fleet):
 
     def start_ros_robot(self):
         self.robot = trb_fleet.Process(["/usr/bin/python3", HERE / "ros_robot.py"], self.root / "ros_robot.log", env=self.env)
-        self.robot.wait_line("ready", 15)
+        self.robot.wait_line("ready", 60)
 
     def stop_ros_robot(self):
         if self.robot:
@@ -54,7 +54,7 @@ class RosFleet(trb_fleet.Fleet):
         routes = self.json("route", "list", node="ridgeback")["routes"]
         return next(route for route in routes if route["id"] == "ridgeback")["profile"]
 
-    def wait_robot(self, state, timeout=15):
+    def wait_robot(self, state, timeout=60):
         return self.wait(f"the robot is {state}", lambda: self.profile()["robot"] == state, timeout)
 
     def send(self, *words):
@@ -88,14 +88,14 @@ class Ros(unittest.TestCase):
         start = len(self.fleet.robot.lines)
         done = self.fleet.send("command", "move", json.dumps([x, 0, 0, 0, 0, 0.25]))
         self.assertEqual(done.returncode, 0, done.stderr)
-        self.fleet.robot.wait_line("twist " + json.dumps([float(x), 0.0, 0.0, 0.0, 0.0, 0.25]), 5, start)
+        self.fleet.robot.wait_line("twist " + json.dumps([float(x), 0.0, 0.0, 0.0, 0.0, 0.25]), 60, start)
 
     def test_a_command_arrives_as_the_message_that_rospy_expects(self):
         self.move(0.5)
         start = len(self.fleet.robot.lines)
         done = self.fleet.send("command", "move", '{"linear":{"x":-1.5},"angular":{"z":0.125}}')
         self.assertEqual(done.returncode, 0, done.stderr)
-        self.fleet.robot.wait_line("twist [-1.5, 0.0, 0.0, 0.0, 0.0, 0.125]", 5, start)
+        self.fleet.robot.wait_line("twist [-1.5, 0.0, 0.0, 0.0, 0.0, 0.125]", 60, start)
 
     def test_a_request_is_answered_with_what_rospy_published(self):
         done = self.fleet.trb("request", "ridgeback", "odometry", node="ridgeback")
@@ -119,7 +119,7 @@ class Ros(unittest.TestCase):
     def test_a_stop_is_the_zero_of_the_topic(self):
         start = len(self.fleet.robot.lines)
         self.fleet.trb("stop", "ridgeback", node="ridgeback")
-        self.fleet.robot.wait_line("twist [0.0, 0.0, 0.0, 0.0, 0.0, 0.0]", 5, start)
+        self.fleet.robot.wait_line("twist [0.0, 0.0, 0.0, 0.0, 0.0, 0.0]", 60, start)
         self.assertIn("fenced", self.fleet.send("command", "move", "[1,0,0,0,0,0]").stderr)
         self.fleet.trb("release", "ridgeback", node="ridgeback")
         self.move(0.75)
@@ -154,7 +154,7 @@ class Ros(unittest.TestCase):
         self.fleet.stop_master()
         self.fleet.start_ros_master()
         self.fleet.start_ros_robot()
-        self.fleet.wait("a command arrives", self.arrives, 20)
+        self.fleet.wait("a command arrives", self.arrives, 60)
 
     def test_a_master_with_the_pid_of_the_one_before_is_noticed(self):
         """As in a container, whose first process is always 1."""
@@ -168,7 +168,7 @@ class Ros(unittest.TestCase):
             self.fleet.stop_master()
             self.fleet.start_ros_master()
             self.fleet.start_ros_robot()
-            self.fleet.wait("a command arrives", self.arrives, 20)
+            self.fleet.wait("a command arrives", self.arrives, 60)
 
     def arrives(self):
         return self.fleet.send("command", "move", "[2,0,0,0,0,0]").returncode == 0
@@ -180,7 +180,7 @@ class Ros(unittest.TestCase):
         self.assertIn("does not answer", self.fleet.profile()["detail"])
         self.assertEqual(self.fleet.services("ridgeback")["ros-bridge"]["state"], "up")
         self.fleet.ros_master.child.send_signal(signal.SIGCONT)
-        self.fleet.wait_robot("ONLINE", 20)
+        self.fleet.wait_robot("ONLINE", 60)
         self.move(1.5)
         self.assertEqual(self.pids(), before)
 
@@ -191,7 +191,7 @@ class Late(unittest.TestCase):
     def test_a_node_comes_up_before_its_master(self):
         fleet = support.make_fleet(self, RosFleet)
         fleet.start()
-        fleet.wait("the reason", lambda: "no ROS master at" in fleet.profile()["detail"], 10)
+        fleet.wait("the reason", lambda: "no ROS master at" in fleet.profile()["detail"], 60)
         fleet.start_ros_master()
         fleet.wait_robot("ONLINE")
         unknown = fleet.send("command", "move", "[1,0,0,0,0,0]")

@@ -24,7 +24,7 @@ class ScenarioLanguage(unittest.TestCase):
 
     def setUp(self):
         self.addCleanup(self.release)
-        self.fleet.wait("the resilience answers", lambda: self.fleet.trb("alert", "list", node="cloud", check=False).returncode == 0, 15)
+        self.fleet.wait("the resilience answers", lambda: self.fleet.trb("alert", "list", node="cloud", check=False).returncode == 0, 60)
 
     def release(self):
         self.fleet.trb("release", "--all", node="cloud")
@@ -39,7 +39,7 @@ class ScenarioLanguage(unittest.TestCase):
         def fenced():
             routes = self.fleet.json("route", "list", node="cloud")["routes"]
             return sorted(route["id"] for route in routes if route["profile"]["fenced"])
-        self.fleet.wait(f"fenced are {robots}", lambda: fenced() == sorted(robots), 10)
+        self.fleet.wait(f"fenced are {robots}", lambda: fenced() == sorted(robots), 60)
 
     def scenario(self, *tasks, **more):
         self.path.write_text(json.dumps({"name": "n", "tasks": tasks, **more}))
@@ -70,7 +70,7 @@ class ScenarioLanguage(unittest.TestCase):
     def view(self, run, node="cloud"):
         return self.fleet.json("scenario", "watch", run, "--once", node=node, check=False)
 
-    def wait_view(self, run, what, found, timeout=30):
+    def wait_view(self, run, what, found, timeout=60):
         self.fleet.wait(f"{what}: {run}", lambda: found(self.view(run)), timeout)
         return self.view(run)
 
@@ -104,18 +104,18 @@ class ScenarioLanguage(unittest.TestCase):
         text = self.fleet.trb("scenario", "run", self.scenario(MOVE), node="pioneer1").stdout
         self.assertIn("task move: cloud chooses its robot when it is due\n", text)
         run = text.split("run ")[1].split()[0]
-        self.fleet.wait("the cloud knows the run", lambda: self.view(run).get("run") == run, 10)
+        self.fleet.wait("the cloud knows the run", lambda: self.view(run).get("run") == run, 60)
         view = self.wait_view(run, "PAUSED", lambda view: view["state"] == "PAUSED")
         self.assertEqual(view["waits_for"], "a robot for task 'move', to be chosen by 'cloud'; see: trb alert list")
         def unfit():
             return [{one["robot"]: one["why"] for one in alert["unfit"]}
                     for alert in self.fleet.json("alert", "list", node="cloud")["alerts"]]
         self.fleet.wait("one alert that says why neither can", lambda: unfit() == [
-            {robot: "is stopped until it is released" for robot in ROBOTS}], 10)
+            {robot: "is stopped until it is released" for robot in ROBOTS}], 60)
         for service in ("scheduler", "resilience"):
             os.kill(self.fleet.pid("cloud", service), signal.SIGKILL)
         self.fleet.trb("release", "pioneer2", node="cloud")
-        view = self.wait_view(run, "ends", lambda view: view.get("state") == "FINISHED", 40)
+        view = self.wait_view(run, "ends", lambda view: view.get("state") == "FINISHED", 60)
         self.assertEqual(self.task_of(view, "move")["robot"], "pioneer2")
 
     def test_without_a_node_that_decides_the_first_is_taken_at_once(self):

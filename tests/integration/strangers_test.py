@@ -35,7 +35,7 @@ class Door(unittest.TestCase):
         cls.crane = Member(cls.fleet, "crane")
 
     def setUp(self):
-        self.fleet.wait("arm is linked", lambda: self.route("arm")["state"] == "ONLINE", 10)
+        self.fleet.wait("arm is linked", lambda: self.route("arm")["state"] == "ONLINE", 60)
         self.watch = support.Watch(self.fleet, TARGET)
         self.assertTrue(self.watch.log_path.exists())
 
@@ -43,7 +43,7 @@ class Door(unittest.TestCase):
         """After any stranger: a good node that starts now is linked, and the router is the same process."""
         boot = self.route("arm")["boot"]
         self.fleet.trb("reload", self.fleet.dir("arm"))
-        self.fleet.wait("a good node joins again", lambda: self.good_after(boot), 8)
+        self.fleet.wait("a good node joins again", lambda: self.good_after(boot), 60)
         self.assertIn("peer_joined arm", self.watch.log())
         self.assertNotIn("router ended", "\n".join(self.fleet.nodes[TARGET].lines))
 
@@ -79,7 +79,7 @@ class Door(unittest.TestCase):
 
     def assert_closed_by_the_router(self, plain):
         """Within the handshake's two seconds; the router first sends its own greeting."""
-        plain.settimeout(WAIT)
+        plain.settimeout(4)
         try:
             while plain.recv(1000):
                 pass
@@ -308,7 +308,7 @@ class Strangers(Door):
                 return datagram
 
     def test_beacons(self):
-        plain = support.beacon_listener(self, UDP_PORT, 7)
+        plain = support.beacon_listener(self, UDP_PORT, 60)
         sender = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self.addCleanup(sender.close)
         sender.setsockopt(socket.SOL_SOCKET, socket.SO_BROADCAST, 1)
@@ -319,7 +319,7 @@ class Strangers(Door):
         boot = self.route("arm")["boot"]
         self.fleet.trb("reload", self.fleet.dir("arm"))
         good = self.beacon_from(plain, self.fleet.address("arm"))
-        self.fleet.wait("arm is linked", lambda: self.good_after(boot), 8)
+        self.fleet.wait("arm is linked", lambda: self.good_after(boot), 60)
         with self.subTest("replayed"):
             shout(good)
             self.assert_refused("beacon.replayed", "beacon_refused replayed: of 'arm'")
@@ -366,7 +366,7 @@ class Strangers(Door):
         second.wait()
         with self.subTest("one that is started again"):
             os.kill(int(first["pid"]), signal.SIGKILL)
-            self.fleet.wait("the scheduler is back", lambda: self.is_back(first), 8)
+            self.fleet.wait("the scheduler is back", lambda: self.is_back(first), 60)
 
     def test_a_crowd_of_probes_that_have_ended(self):
         """More in a few seconds than the bus has room for: each is accepted, because the ones before it are gone."""
@@ -380,7 +380,7 @@ class Strangers(Door):
                 self.assertTrue(bus.poll(WAIT * 1000))
                 self.assertEqual(wire.decode(bus.recv()).subtype, "service_welcome", f"probe {count + 1}")
         os.kill(int(first["pid"]), signal.SIGKILL)
-        self.fleet.wait("the scheduler is back", lambda: self.is_back(first), 8)
+        self.fleet.wait("the scheduler is back", lambda: self.is_back(first), 60)
         self.assertEqual(self.watch.rise(), {})
 
     def is_back(self, first):

@@ -84,7 +84,7 @@ class RouterFleet(trb_fleet.Fleet):
         for node in nodes:
             self.start_node(node)
         for node in nodes:
-            self.nodes[node].wait_line("ready", 20)
+            self.nodes[node].wait_line("ready", 60)
 
 
 class Watch:
@@ -111,10 +111,10 @@ class Watch:
             file.seek(self.start)
             return file.read().decode()
 
-    def wait_counted(self, name, count=1, timeout=6, prefixes=("refused.", "beacon.")):
+    def wait_counted(self, name, count=1, timeout=60, prefixes=("refused.", "beacon.")):
         self.fleet.wait(f"{name} >= {count}", lambda: self.rise(prefixes).get(name, 0) >= count, timeout)
 
-    def wait_logged(self, text, timeout=3):
+    def wait_logged(self, text, timeout=60):
         self.fleet.wait(f"{text!r} in {self.log_path}", lambda: text in self.log(), timeout)
 
 
@@ -125,7 +125,7 @@ class Tap:
         command = [PROGRAMS / "trb", "tap", "--all", "--json", "--node", fleet.dir(node)]
         self.fleet = fleet
         self.child = trb_fleet.Process(command, fleet.root / f"tap-{node}.log")
-        self.child.wait_line("{", 10)
+        self.child.wait_line("{", 60)
         self.start = 0
 
     def bodies(self, subtype):
@@ -133,6 +133,6 @@ class Tap:
         messages = [json.loads(line) for line in self.child.lines[self.start:] if f'"subtype":"{subtype}"' in line]
         return [message["body"] for message in messages]
 
-    def wait(self, subtype, what, found, timeout=10):
+    def wait(self, subtype, what, found, timeout=60):
         self.fleet.wait(f"{subtype}: {what}", lambda: any(found(body) for body in self.bodies(subtype)), timeout)
         return next(body for body in self.bodies(subtype) if found(body))

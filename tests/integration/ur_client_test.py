@@ -24,7 +24,7 @@ class Controller(unittest.TestCase):
             [support.PROGRAMS / "trb-virtual-ur", "--address", ADDRESS, "--port-base", "auto", "--speed", str(SPEED),
              *self.options()], pathlib.Path("/dev/null"), stdin=subprocess.PIPE)
         self.addCleanup(self.robot.stop)
-        ready, _ = self.robot.wait_line("ready", 10)
+        ready, _ = self.robot.wait_line("ready", 60)
         self.ports = list(map(int, ready.split()[1:]))
 
     def options(self):
@@ -288,7 +288,7 @@ class Exchange(Controller):
     def test_a_text_a_wrong_package_and_a_lost_border(self):
         client = self.rtde()
         client.send("M", b"\x05hello\x02me\x03")
-        self.robot.wait_line("rtde_text hello", 10)
+        self.robot.wait_line("rtde_text hello", 60)
         client.send("U", b"\x09")
         self.assertIn(b"no input recipe 9", client.answer("M"))
         client.link.sendall(b"\0\1v")

@@ -26,7 +26,7 @@ class ByRtde(ur_test.Case):
     def test_a_move_is_seen_at_the_rate_and_its_end_is_where_it_should_be(self):
         run = self.run_skill("move_joints", joints=[1.0, -1.57, 0, -1.57, 0, 0])
         self.assert_finished(run)
-        self.fleet.wait("the joints are there", lambda: abs(self.joints()[0] - 1.0) < 0.01, 5)
+        self.fleet.wait("the joints are there", lambda: abs(self.joints()[0] - 1.0) < 0.01, 60)
         self.assertIn("robot_connected", self.log())
         self.assertRegex(self.log(), r"robot_connected.*data")
 

@@ -53,7 +53,7 @@ class UrFleet(trb_fleet.Fleet):
         routes = self.json("route", "list", node="ur3")["routes"]
         return next(route for route in routes if route["id"] == "ur3")["profile"]
 
-    def wait_robot(self, state, timeout=15):
+    def wait_robot(self, state, timeout=60):
         return self.wait(f"the robot is {state}", lambda: self.profile()["robot"] == state, timeout)
 
     def mode(self):
@@ -68,7 +68,7 @@ class Case(unittest.TestCase):
     def setUpClass(cls):
         cls.fleet = support.make_fleet(cls, cls.FLEET)
         cls.fleet.start()
-        cls.fleet.wait_formed(30)
+        cls.fleet.wait_formed(60)
         cls.tap = support.Tap(cls.fleet, "ur3")
         cls.addClassCleanup(cls.tap.child.stop)
 
@@ -80,7 +80,7 @@ class Case(unittest.TestCase):
         self.fleet.ur("robot", "fault", "ur3", "--clear")
         for subtype in ("power_on", "run_mode"):
             self.fleet.send(subtype)
-        self.fleet.wait("the arm can move", lambda: self.fleet.mode() == "7", 5)
+        self.fleet.wait("the arm can move", lambda: self.fleet.mode() == "7", 60)
         self.start = len(self.lines())
         self.tap.child.pump(0)
         self.tap.start = len(self.tap.child.lines)
@@ -93,7 +93,7 @@ class Case(unittest.TestCase):
         """What the controller has printed since the test began."""
         return self.lines()[self.start:]
 
-    def wait_line(self, text, timeout=10):
+    def wait_line(self, text, timeout=60):
         line, _ = self.fleet.robot.wait_line(text, timeout, self.start)
         return line
 
@@ -117,7 +117,7 @@ class Case(unittest.TestCase):
         view = self.fleet.json("scenario", "watch", run, "--once", node="ur3", check=False)
         return next(iter(view.get("tasks", [])), {"outcome": "none"})
 
-    def wait_end(self, run, timeout=20):
+    def wait_end(self, run, timeout=60):
         self.fleet.wait("the task has an outcome", lambda: self.task(run)["outcome"] != "none", timeout)
         return self.task(run)
 
@@ -213,8 +213,8 @@ class Stops(Case):
         self.assertEqual(len(self.programs()), 1)  # nothing was repeated
         self.abort(run)
         # The controller refuses it for 5 s of its own time.
-        self.fleet.wait("it is unlocked", lambda: self.fleet.send("unlock", check=True) and "safety normal" in self.said(), 15)
-        self.fleet.wait("it moves", lambda: self.fleet.send("move", json.dumps(HOME)).returncode == 0, 5)
+        self.fleet.wait("it is unlocked", lambda: self.fleet.send("unlock", check=True) and "safety normal" in self.said(), 60)
+        self.fleet.wait("it moves", lambda: self.fleet.send("move", json.dumps(HOME)).returncode == 0, 60)
 
     def test_an_emergency_stop_is_fatal_and_a_warning_stops_nothing(self):
         self.fleet.ur("robot", "fault", "ur3", "reach", "--severity", "WARNING", "--text", "joint 3 is warm")
@@ -273,7 +273,7 @@ class Vanished(Case):
         self.fleet.start_robot("ur3")
         self.start = 0
         self.fleet.wait_robot("ONLINE")
-        self.fleet.wait("it moves", lambda: self.fleet.send("move", json.dumps(HOME)).returncode == 0, 15)
+        self.fleet.wait("it moves", lambda: self.fleet.send("move", json.dumps(HOME)).returncode == 0, 60)
         self.assertEqual(len(self.programs()), 1)  # the one just sent: nothing was repeated
 
     def test_a_controller_that_hangs_in_the_middle_of_a_program(self):
@@ -286,7 +286,7 @@ class Vanished(Case):
         self.abort(run)
         self.fleet.robot.child.send_signal(signal.SIGCONT)
         self.fleet.wait_robot("ONLINE")
-        self.fleet.wait("it moves", lambda: self.fleet.send("move", json.dumps(HOME)).returncode == 0, 15)
+        self.fleet.wait("it moves", lambda: self.fleet.send("move", json.dumps(HOME)).returncode == 0, 60)
         self.assertEqual(len(self.programs()), 2)
 
     def test_of_a_skill_that_times_out_while_the_controller_hangs_nobody_knows_and_the_arm_is_halted_once_it_is_back(self):

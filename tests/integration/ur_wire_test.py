@@ -18,7 +18,7 @@ class Wire(unittest.TestCase):
         self.robot = trb_fleet.Process([support.PROGRAMS / "trb-virtual-ur", "--address", "127.0.155.9", "--port-base",
                                         "auto", "--speed", "5"], log, stdin=subprocess.PIPE)
         self.addCleanup(self.robot.stop)
-        ready, _ = self.robot.wait_line("ready", 10)
+        ready, _ = self.robot.wait_line("ready", 60)
         self.primary, self.secondary, self.dashboard = map(int, ready.split()[1:4])
 
     def dial(self, port):

@@ -56,7 +56,7 @@ class SensorNode:
         before = len(self.logged("welcomed"))
         command = self.hall.inside([support.PROGRAMS / "trb-sensor-bus", self.dir])
         self.bus = trb_fleet.Process(command, self.fleet.root / "sensor-bus.log")
-        self.fleet.wait("the sensor-bus is up", lambda: len(self.logged("welcomed")) > before, 20)
+        self.fleet.wait("the sensor-bus is up", lambda: len(self.logged("welcomed")) > before, 60)
 
     def stop(self):
         if self.bus:
@@ -76,7 +76,7 @@ class SensorNode:
         """name: what the node reports about it."""
         return {each["name"]: each for each in self.table()["sensors"] if state in (None, each["state"])}
 
-    def wait(self, what, holds, timeout=10):
+    def wait(self, what, holds, timeout=60):
         """Waits until the table of sensors is as given; returns how long it took."""
         last = {}
 
@@ -89,7 +89,7 @@ class SensorNode:
         except TimeoutError as late:
             raise TimeoutError(f"{late}; there is {last['seen']}") from None
 
-    def wait_state(self, name, state, timeout=10):
+    def wait_state(self, name, state, timeout=60):
         return self.wait(f"{name} is {state}", lambda there: there.get(name, {}).get("state") == state, timeout)
 
     # ---- the process
