@@ -37,7 +37,7 @@ class Late(support.FleetTest):
                          {"ridgeback": ["fetch"], "conveyor": ["run"], "ur3": ["program"]})
 
     def wait_robot_state(self, robot, state, node=CLOUD):
-        self.fleet.wait(f"{robot} is {state}", lambda: self.robot_state(robot, node) == state, support.HEAL_S)
+        self.fleet.wait(f"{robot} is {state}", lambda: self.robot_state(robot, node) == state, support.LONG_S)
 
     def start_robot(self, robot):
         self.fleet.start_robot(robot)
@@ -83,7 +83,7 @@ class Late(support.FleetTest):
         self.assertEqual(view["state"], "PAUSED")
         self.assertIn("'convey' was interrupted on 'conveyor'", view["waits_for"])
         os.kill(pid, signal.SIGCONT)
-        self.fleet.wait("it is back", lambda: self.works("conveyor"), support.HEAL_S)
+        self.fleet.wait("it is back", lambda: self.works("conveyor"), support.LONG_S)
         self.assertLessEqual(len(self.commanded(mark, "conveyor")), 1)
         self.assertEqual(self.commanded(mark, "ur3"), [])
         self.fleet.trb("scenario", "abort", run, node=CLOUD)
@@ -121,7 +121,7 @@ class Late(support.FleetTest):
                     self.fleet.virtual.pop("conveyor").stop()
                     self.fleet.start_robot("conveyor")
                 self.wait_robot(mark, "conveyor", "connected")
-                self.fleet.wait("messages go again", lambda: self.works("conveyor"), support.HEAL_S)
+                self.fleet.wait("messages go again", lambda: self.works("conveyor"), support.LONG_S)
                 self.wait_robot_state("conveyor", "ONLINE", "ur3")
 
     def test_a_robot_that_leaves_while_it_moves(self):
@@ -186,7 +186,7 @@ class Join(support.FleetTest):
         fleet.make_node("pioneer1")
         fleet.trb("fleet", "sign", fleet.authority_dir(), fleet.dir("pioneer1") / "keys" / "request.json")
         self.start_node("pioneer1")
-        self.fleet.wait("its node is known", lambda: self.robot_state("pioneer1") == "OFFLINE", support.HEAL_S)
+        self.fleet.wait("its node is known", lambda: self.robot_state("pioneer1") == "OFFLINE", support.LONG_S)
         run = self.submit(scenario)
         self.fleet.wait("its node says what it waits for", lambda: "OFFLINE" in self.view(run, "pioneer1")["waits_for"],
                         support.LONG_S)

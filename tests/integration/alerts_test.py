@@ -9,7 +9,8 @@ import support
 import trb_fleet
 from trb_fleet import CLOUD
 
-ROBOTS = {name: trb_fleet.ROBOTS[name] for name in ("ridgeback", "pioneer1")}
+# A box is fetched for so long that somebody can say meanwhile who is to do what follows.
+ROBOTS = {"ridgeback": ("lines", "ridgeback", ["--skill", "fetch=8", "--skill", "load_out=2"]), "pioneer1": trb_fleet.ROBOTS["pioneer1"]}
 
 
 class Alerts(unittest.TestCase):

@@ -225,6 +225,11 @@ class InAFleet(unittest.TestCase):
         self.fleet.wait(f"the task is {states}", there, LONG_S)
         return seen
 
+    def wait_unfinished(self, run):
+        """What ends its task is told to the scheduler, which has it signed and stored: that the robot stands is known before."""
+        self.fleet.wait("the task does not go on", lambda: self.view(run)["tasks"][0]["state"] != "RUNNING", LONG_S)
+        self.assertNotEqual(self.view(run)["tasks"][0]["state"], "FINISHED")
+
     def tap(self):
         tap = trb_fleet.Process([support.PROGRAMS / "trb", "tap", "--all", "--json", "--node", self.fleet.dir("pioneer1")],
                                 self.fleet.root / "tap.log")
@@ -258,22 +263,24 @@ class InAFleet(unittest.TestCase):
         self.wait_at(0, 3, 2, math.pi / 2)
 
     def test_a_stop_in_the_middle_of_a_way(self):
+        mark = self.mark()
         run = self.submit("loading_area")
-        self.robot.wait_line("command 8", LONG_S, self.mark())
+        self.robot.wait_line("command 8", LONG_S, mark)
         done = self.fleet.trb("stop", "pioneer1", node="pioneer2")
         self.assertIn("confirmed", done.stdout)
         self.assertEqual(self.fleet.ask("speeds"), [0, 0])
-        self.assertNotIn(self.view(run)["tasks"][0]["state"], ("RUNNING", "FINISHED"))
+        self.wait_unfinished(run)
         self.assertIn("fenced", self.fleet.send("speed", "100").stderr)
         self.fleet.trb("scenario", "abort", run, node="pioneer1", check=False)
 
     def test_a_robot_that_hangs_is_told_of_and_does_not_go_on_when_it_is_back(self):
+        mark = self.mark()
         run = self.submit("dock")
-        self.robot.wait_line("command 8", LONG_S, self.mark())
+        self.robot.wait_line("command 8", LONG_S, mark)
         self.robot.child.send_signal(signal.SIGSTOP)
         self.fleet.wait_robot("CONNECTION_BROKEN", 60)
         self.assertIn("said nothing for 3 s", self.fleet.profile()["detail"])
-        self.assertNotIn(self.view(run)["tasks"][0]["state"], ("RUNNING", "FINISHED"))
+        self.wait_unfinished(run)
         self.assertIn("robot_offline", self.fleet.send("speed", "100").stderr)
         self.robot.child.send_signal(signal.SIGCONT)
         self.fleet.wait_robot("ONLINE")
@@ -281,11 +288,12 @@ class InAFleet(unittest.TestCase):
         self.fleet.trb("scenario", "abort", run, node="pioneer1", check=False)
 
     def test_a_robot_that_is_killed_and_one_in_its_place(self):
+        mark = self.mark()
         run = self.submit("dock")
-        self.robot.wait_line("command 1", LONG_S, self.mark())
+        self.robot.wait_line("command 1", LONG_S, mark)
         self.fleet.virtual.pop("pioneer1").stop(signal.SIGKILL)
         self.fleet.wait_robot("CONNECTION_BROKEN", 60)
-        self.assertNotIn(self.view(run)["tasks"][0]["state"], ("RUNNING", "FINISHED"))
+        self.wait_unfinished(run)
         self.fleet.trb("scenario", "abort", run, node="pioneer1", check=False)
         self.fleet.start_robot("pioneer1")
         self.fleet.wait_robot("ONLINE")
@@ -327,7 +335,10 @@ class InAFleet(unittest.TestCase):
         mark = self.mark()
         os.kill(self.fleet.pid("pioneer1", "mode-adapter"), signal.SIGTERM)
         self.robot.wait_line("command 2", 60, mark)
-        self.fleet.wait_robot("ONLINE")
+        # The table goes on with the last word of the process that has ended.
+        self.robot.wait_line("synced", 60, mark)
+        self.fleet.wait("the robot answers", lambda: self.fleet.trb(
+            "request", "pioneer1", "motors", node="pioneer1", check=False).returncode == 0, LONG_S)
 
 
 if __name__ == "__main__":

@@ -147,12 +147,12 @@ class Attacker(sealer.Sealer):
         self.say("keep_alive", wire.keep_alive(self.heard))
         self.seal()
 
-    def nacks(self, wait=0.5):
-        """The codes of what came back."""
+    def nacks(self, wait=0.5, least=0):
+        """The codes of what came back, until nothing more comes for so long; for the first ones there is more time."""
         codes = []
         while True:
             try:
-                frame = self.receive(wait)
+                frame = self.receive(20 if len(codes) < least else wait)
             except TimeoutError:
                 return codes
             if frame.subtype == "nack":

@@ -37,9 +37,10 @@ class Bus(Case):
         self.service.hello("sensor-bus", ["sensor_list"])
         self.service.slot = self.service.hear(lambda frame: frame.subtype == "service_welcome", 20).body()[2]
 
-    def codes(self, wait=0.3):
+    def codes(self, least=0):
+        """The codes of the Nacks, until nothing more comes for 0.3 s; for the first ones there is more time."""
         out = []
-        while self.service.socket.poll(int(wait * 1000)):
+        while self.service.socket.poll(20_000 if len(out) < least else 300):
             frame = wire.decode(self.service.socket.recv())
             if frame.subtype == "nack":
                 out.append(wire.nack(frame)["code"])
@@ -50,7 +51,7 @@ class Bus(Case):
         with self.attempt("refused.not_permitted"):
             for name in ("scheduler", "mode-adapter", "router", "resilience"):
                 self.service.hello(name, ["stop", "execute", "baton"])
-            self.assertEqual(len(self.codes()), 4)
+            self.assertEqual(len(self.codes(least=4)), 4)
 
     def test_it_says_the_words_of_the_others(self):
         words = ("execute", "outcome", "adapter_state", "bridge_command", "execution_state", "cancel_execution", "release_tasks",
@@ -59,7 +60,7 @@ class Bus(Case):
         with self.attempt("refused.not_permitted"):
             for word in words:
                 self.service.say(TARGET, TARGET, word, wire.pack([]))
-            self.assertEqual(set(self.codes()), {"not_permitted"})
+            self.assertEqual(set(self.codes(least=1)), {"not_permitted"})
 
     def test_it_wants_the_records_of_others_signed(self):
         kinds = ("result", "choice", "run_start", "run_abort", "run_pause", "decision", "beacon", "seal", "relayed", "certificate",
@@ -111,7 +112,7 @@ class Bus(Case):
         with self.attempt("dropped.source_mismatch"):
             for target in (TARGET, FRIEND):
                 self.service.say(FRIEND, target, "stop", wire.pack([""]))
-            self.assertEqual(set(self.codes()), {"source_mismatch"})
+            self.assertEqual(set(self.codes(least=1)), {"source_mismatch"})
 
     def test_it_speaks_as_another_connection(self):
         with self.attempt("dropped.malformed"):
@@ -125,7 +126,7 @@ class Bus(Case):
                          "node_profile"):
                 self.service.say(TARGET, FRIEND, word, wire.pack(["bye"]))
                 self.service.say(TARGET, "*", word, wire.pack(["bye"]), wire.INFORMATION)
-            self.assertEqual(set(self.codes()), {"not_permitted"})
+            self.assertEqual(set(self.codes(least=1)), {"not_permitted"})
 
     def test_it_tells_every_node_without_end(self):
         with self.attempt():
@@ -139,7 +140,7 @@ class Bus(Case):
         """There is no command for all: each node is named."""
         with self.attempt("dropped.bad_value"):
             self.service.say(TARGET, "*", "stop", wire.pack([""]))
-            self.assertEqual(self.codes(), ["bad_value"])
+            self.assertEqual(self.codes(least=1), ["bad_value"])
 
     def test_it_asks_its_router_with_a_megabyte(self):
         with self.attempt():

@@ -125,7 +125,7 @@ class Dates(Life):
     def test_a_certificate_that_ends_while_connected(self):
         key, dog = self.authority(), Member(self.fleet, "dog")
         client = self.client(dog)
-        self.hello(client, dog, key.certificate(dog.certificate, serial=90, ends=2 * authority.SECOND))
+        self.hello(client, dog, key.certificate(dog.certificate, serial=90, ends=4 * authority.SECOND))
         self.assertEqual(client.receive().subtype, "hello")
         self.assertIn("certificate has ended", client.wait_goodbye())
         self.watch.wait_logged("link_closed dog: its certificate has ended")

@@ -159,7 +159,7 @@ class OfPeers(Doctor):
     def test_a_peer_whose_certificate_ends_while_it_is_linked(self):
         folder = self.fleet.dir("short")
         self.fleet.trb("fleet", "sign", self.fleet.authority_dir(), folder / "keys/request.json", "--days",
-                       str(9 / 86400))
+                       str(20 / 86400))  # it has to be linked by then
         self.set_node("short", beacon=False, seeds=[self.seed("ant")])
         self.fleet.start_node("short")
         self.addCleanup(lambda: self.fleet.nodes.pop("short").stop())

@@ -147,7 +147,7 @@ class Relays(unittest.TestCase):
     def test_what_a_relay_hands_over(self):
         belt = self.relay_to_crane()
         with self.subTest("good: delivered, and its answer goes back by the relay"):
-            good = self.signed("crane")
+            good = self.signed("crane", ends=60 * SECOND)  # replayed, it is still in its time
             self.hand(belt, good)
             inner, answered = self.answer(belt, TARGET)
             self.assertEqual(inner[:3], ["crane", 1, self.boot(TARGET)])

@@ -66,6 +66,7 @@ class RosRobots(unittest.TestCase):
         self.run_tasks({"id": "f", "robot": "ridgeback", "skill": "fetch", "data": {"from": "table1", "to": "conveyor_entry"}})
         line, at = robot.wait_line("fetch", 60, start)
         self.assertEqual(line, "fetch 2.000 1.000 0.000 3.000 2.000 1.571")
+        robot.wait_line("task 0", 60, at)
         self.assertEqual([l for l in robot.lines[start:] if l.startswith("task")], ["task 1", "task 0"])
         self.assertEqual(len(self.request("ridgeback", "joints")), 7)
 

@@ -160,6 +160,7 @@ class Sensors(unittest.TestCase):
     # ---- tests
 
     def test_a_line_of_shell_is_a_sensor_that_a_remote_node_reads_and_no_rule_is_left(self):
+        self.wait_no_rule()  # of the test before
         self.assertEqual([OBSERVER in rule for rule in self.buses["hall"].rules()], [True])
         self.feed("humidity", "double:47", "string:percent")
         self.wait_listed("hall", "humidity")

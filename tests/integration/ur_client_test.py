@@ -17,11 +17,11 @@ HOME = "movej([0, -1.57, 0, -1.57, 0, 0])"
 
 
 class Controller(unittest.TestCase):
-    OPTIONS = []
+    SPEED = SPEED
 
     def setUp(self):
         self.robot = trb_fleet.Process(
-            [support.PROGRAMS / "trb-virtual-ur", "--address", ADDRESS, "--port-base", "auto", "--speed", str(SPEED),
+            [support.PROGRAMS / "trb-virtual-ur", "--address", ADDRESS, "--port-base", "auto", "--speed", str(self.SPEED),
              *self.options()], pathlib.Path("/dev/null"), stdin=subprocess.PIPE)
         self.addCleanup(self.robot.stop)
         ready, _ = self.robot.wait_line("ready", 60)
@@ -80,6 +80,10 @@ class Power(Controller):
         self.assertEqual(dashboard.ask("robotmode"), "Robotmode: POWER_OFF")
         self.assertEqual(dashboard.ask("power on"), "Powering on")
         self.assertEqual(dashboard.ask("robotmode"), "Robotmode: IDLE")
+
+
+class Protection(Controller):
+    SPEED = 1  # its 5 s are ours: what it refuses in them is asked in time
 
     def test_a_protective_stop_is_unlocked_after_5_s_and_not_before(self):
         dashboard, primary = self.dashboard(), self.primary()
