@@ -161,7 +161,6 @@ void Supervisor::signal_all(int signal) const {
 
 void Supervisor::end_all() {
   signal_all(SIGTERM);
-  const MonotonicTime end = read_clocks().mono + kGrace;
   const auto any_left = [this] {
     int status = 0;
     for (Child& child : children_) {
@@ -169,8 +168,14 @@ void Supervisor::end_all() {
     }
     return std::any_of(children_.begin(), children_.end(), [](const Child& child) { return child.pid > 0; });
   };
-  while (any_left() && read_clocks().mono < end) wait_signal(std::chrono::milliseconds(20));
+  const auto wait_for_ends = [&] {
+    const MonotonicTime end = read_clocks().mono + kGrace;
+    while (any_left() && read_clocks().mono < end) wait_signal(std::chrono::milliseconds(20));
+  };
+  wait_for_ends();
   signal_all(SIGKILL);
+  // Whoever has waited for this process takes the services for gone, too: their ports, their files.
+  wait_for_ends();
 }
 
 }  // namespace trb::supervisor

@@ -80,6 +80,18 @@ TEST_CASE("all services are started, 'ready' is said once, and they end with the
   CHECK(is_gone(node.pids("b")[0]));
 }
 
+TEST_CASE("a service that does not end in its time is killed, and has ended when the supervisor does") {
+  Node node;
+  const ServiceProgram deaf = node.program("a", "while :; do sleep 0.1; done", "trap '' TERM");
+  Supervisor supervisor(node.dir, {deaf}, [&](const std::string& note) {
+    node.notes.push_back(note);
+    send_self(SIGTERM);
+  });
+  CHECK(supervisor.run(no_reload, [&] { return !node.pids("a").empty() || node.late(); }) == 0);
+  REQUIRE(node.pids("a").size() == 1);
+  CHECK(is_gone(node.pids("a")[0]));
+}
+
 TEST_CASE("a service that ends is started again, the second time with a wait; one that asks for it at once") {
   Node node;
   std::vector<MonotonicTime> ends;
