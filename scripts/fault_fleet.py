@@ -71,7 +71,7 @@ class FaultFleet(trb_fleet.Fleet):
         super().start()
         self.wait_formed(WHOLE_S)
         self.side.plug_temperature(TEMPERATURE)
-        self.wait("the cloud knows the thermometer", self.knows_sensor, 15)
+        self.wait("the cloud knows the thermometer", self.knows_sensor, WHOLE_S)
 
     def knows_sensor(self):
         routes = self.ask("route", "list").get("routes", [])
