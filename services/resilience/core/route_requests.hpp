@@ -18,7 +18,8 @@ class RouteRequests {
 
   /// Requests a table as soon as `pause` has passed since the last request.
   void want(Now now, Duration pause);
-  /// At once, and once more after that: what a robot reports is here a moment before its node's profile.
+  /// At once, and once more after that: what a robot reports, or that its node has joined, is here a moment before its
+  /// node's profile.
   void want_with_next(Now now);
   /// Sends the request that is due; the next follows after `again`, or earlier if want() is called.
   void tick(const std::string& router, Duration again, Now now, Outbox& out);

@@ -42,7 +42,7 @@ void Situation::receive(const RobotConnection& connection, const std::string& ro
 }
 
 void Situation::receive(const PeerJoined& peer, Now now, Outbox& out) {
-  routes_.want(now, RouteRequests::kAtOnce);
+  routes_.want_with_next(now);
   if (fleet_.find(peer.id) == nullptr) return;  // the table shows whether it has a robot
   if (const Status known = fleet_.on_joined(peer.id, now.utc); !known) out.count("dropped.peer_joined");
   note_robot(peer.id, now);

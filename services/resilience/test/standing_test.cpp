@@ -117,6 +117,20 @@ TEST_CASE("a fault that comes again at once is not ended by the profile of the t
   CHECK(fixture->alerts().size() == 1);
 }
 
+TEST_CASE("a node that has joined tells of its robot a moment later: the next table has it, not the one in 30 s") {
+  auto fixture = paper();
+  for (TaskView& task : fixture->view.tasks) task.state = TaskState::finished;
+  fixture->view.state = RunState::finished;
+  fixture->changed();
+  fixture->wait(seconds(31));  // nothing goes on
+  fixture->silence("pioneer2");
+  fixture->wait(seconds(5));
+  fixture->back("pioneer2");  // the table that it leads to is still without the fault
+  fixture->routes["pioneer2"].profile.out_of_use = {{"mobile", Severity::critical, "a wheel is off", 1, false, ""}};
+  fixture->wait(seconds(4));
+  CHECK(fixture->alerts().size() == 1);
+}
+
 TEST_CASE("a fault of the whole robot is told of each capability, too: it is one alert, and they end with it") {
   auto fixture = paper();
   fixture->routes["ridgeback"].profile.out_of_use = {{"", Severity::critical, "no power", 1, false, ""}};
