@@ -126,9 +126,12 @@ Status Fleet::restore(RobotRecord robot) {
   return Done{};
 }
 
+/// A node that has just begun, or whose Hello was too long for it, has not told of its robot yet: that ends no fault,
+/// and brings nobody back.
 bool Fleet::take_profile(RobotRecord& robot, const NodeProfile& told, UtcTime now) {
-  const NodeProfile profile = cleaned(told);
+  NodeProfile profile = cleaned(told);
   const NodeProfile& before = robot.profile.is;
+  if (profile.robot.empty() && profile.out_of_use.empty()) profile.out_of_use = before.out_of_use;
   if (before == profile) return false;
   if (before.robot != profile.robot) note(robot, "connection", profile.robot + " " + profile.detail, now);
   if (before.fenced != profile.fenced) note(robot, profile.fenced ? "fenced" : "released", "", now);

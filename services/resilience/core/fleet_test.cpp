@@ -2,6 +2,8 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
+
 #include "services/resilience/core/robot_state.hpp"
 #include "services/resilience/test/fleet_fixture.hpp"
 
@@ -88,6 +90,26 @@ TEST_CASE("who is off, stopped, behind a broken connection or without a route is
   CHECK(why(found, "d") == "its node is not reached");
   CHECK(why(found, "e") == "is CONNECTION_BROKEN: cable");
   CHECK(found.others == 1);
+}
+
+TEST_CASE("a node that has not told of its robot yet ends no fault, and brings no retired robot back") {
+  NodeProfile told = mobile_robot();
+  told.out_of_use = {{"mobile", Severity::critical, "a wheel is off", 1, false, ""},
+                     {"", Severity::warning, "maintenance", 1, true, "ann"}};
+  Fleet fleet;
+  REQUIRE(fleet.on_route(route_of("a", told), at_second(0)));
+  REQUIRE(fleet.on_route(route_of("a", NodeProfile{}), at_second(1)));  // its router has begun anew
+  CHECK(fault_of(*fleet.find("a"), "mobile") != nullptr);
+  CHECK(fleet.has_retired());
+  REQUIRE(fleet.on_route(route_of("a", told), at_second(2)));
+  const Ids said = kinds(fleet);
+  CHECK(std::count(said.begin(), said.end(), "fault") == 1);
+  CHECK(std::count(said.begin(), said.end(), "fault_ended") == 0);
+  CHECK(std::count(said.begin(), said.end(), "retired") == 1);
+  CHECK(std::count(said.begin(), said.end(), "returned") == 0);
+  REQUIRE(fleet.on_route(route_of("a", mobile_robot()), at_second(3)));
+  CHECK(fault_of(*fleet.find("a"), "mobile") == nullptr);
+  CHECK_FALSE(fleet.has_retired());
 }
 
 TEST_CASE("a plugged sensor gives its kind as a capability while one of that kind works") {
@@ -186,8 +208,8 @@ TEST_CASE("a robot whose texts change with every message has a share of what is 
 
 TEST_CASE("what people do with a robot that talks too much is in its history, and no robot has others' room by it") {
   Fleet fleet;
-  NodeProfile in_use;
-  NodeProfile retired;
+  const NodeProfile in_use = mobile_robot();
+  NodeProfile retired = in_use;
   retired.out_of_use = {{"", Severity::warning, "maintenance", 1, true, "ann"}};
   REQUIRE(tell_profile(fleet, "a", in_use, at_second(0)));
   for (int i = 0; i < 1000; ++i)
