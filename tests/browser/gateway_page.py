@@ -37,7 +37,7 @@ def client(fleet):
 
 def open_to_people(fleet):
     """Waits for the gateway, and makes its users. The policy under which it serves its page."""
-    fleet.wait("the page is served", lambda: demo_page.is_ready(fleet), 20)
+    fleet.wait("the page is served", lambda: demo_page.is_ready(fleet), 60)
     made = fleet.json("cloud", "password", fleet.dir(CLOUD))["password"]
     admin = client(fleet)
     asked = [("POST", "/api/v1/session", {"user": "admin", "password": made}),

@@ -36,7 +36,7 @@ class Judge:
         self.child = subprocess.Popen(command, env=dict(os.environ, NODE_EXTRA_CA_CERTS=str(certificate), NO_COLOR="1"),
                                       stdin=subprocess.DEVNULL, stdout=self.log, stderr=self.log,
                                       preexec_fn=trb_fleet.end_with_parent)
-        support.wait_until("prism listens", lambda: trb_fleet.answers(("127.0.0.1", self.port)), 30)
+        support.wait_until("prism listens", lambda: trb_fleet.answers(("127.0.0.1", self.port)), 60)
 
     def refused(self):
         """What the description does not allow, of requests and of answers. That nobody was signed in is no fault."""

@@ -39,7 +39,7 @@ ORDER_S = 60
 SOON_S = 3  # a robot that is driven is seen to move within this
 MOVES_M = 0.002
 STILL_S = 0.4  # a robot that has not moved for so long stands
-STORIES_S = 600
+STORIES_S = 1500
 
 
 class Orders:
@@ -163,7 +163,7 @@ class Preview:
         self.log = open(log, "wb")
         self.child = subprocess.Popen(command, cwd=gateway_page.WEB, env=dict(os.environ, TRB_GATEWAY=gateway, TRB_POLICY=policy, **env),
                                       stdout=self.log, stderr=self.log, stdin=subprocess.DEVNULL, preexec_fn=trb_fleet.end_with_parent)
-        support.wait_until("the page is served", lambda: trb_fleet.answers(("localhost", self.port)), 20)
+        support.wait_until("the page is served", lambda: trb_fleet.answers(("localhost", self.port)), 60)
 
     def stop(self):
         self.child.terminate()
@@ -235,7 +235,7 @@ def main():
         fleet.make()
         demo_fault.Fault(fleet, "ask", STORIES_S, print).configure()
         fleet.start()
-        fleet.wait_formed(40)
+        fleet.wait_formed(60)
         policy = gateway_page.open_to_people(fleet)
         gateway = f"https://localhost:{fleet.gateway_port}"
         prism = judge.Judge(gateway, fleet.dir(CLOUD) / "keys/gateway.crt", root / "prism.log") if arguments.prism else None
