@@ -20,7 +20,7 @@ export class Person {
     person.name = name;
     person.settings = settings;
     person.context = await browser.newContext({ ignoreHTTPSErrors: true, locale: 'en-GB', viewport: { width: 1280, height: 800 }, ...more });
-    person.context.setDefaultTimeout(15000);
+    person.context.setDefaultTimeout(60000);
     person.page = await person.context.newPage();
     person.watch();
     await person.page.goto(settings.url);
@@ -93,7 +93,7 @@ export class Person {
 
   /** Until two pictures have been drawn, whatever is still being loaded. */
   async drawn() {
-    await this.page.waitForLoadState('networkidle').catch(() => undefined);
+    await this.page.waitForLoadState('networkidle', { timeout: 15000 }).catch(() => undefined);
     await this.page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
   }
 

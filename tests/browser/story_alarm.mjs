@@ -3,7 +3,7 @@ import { look } from './look.mjs';
 import { Person } from './person.mjs';
 import { order } from './starter.mjs';
 
-const ALERT_MS = 20000;
+const ALERT_MS = 60000;
 
 export async function alarms(browser, settings, people) {
   const olga = await Person.arrive(browser, settings, 'olga');

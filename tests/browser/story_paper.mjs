@@ -6,7 +6,7 @@ import { order } from './starter.mjs';
 import { draw } from './story_draw.mjs';
 
 const RUN_MS = 60000;
-const SENSOR_MS = 20000;
+const SENSOR_MS = 60000;
 
 export async function paper(browser, settings, people) {
   const olga = await Person.arrive(browser, settings, 'olga');
@@ -141,7 +141,7 @@ async function weighUntilAnotherIsFirst(olga, first, best) {
   for (let i = 0; i < (await sliders.count()); i++) {
     await sliders.nth(i).press('End');
     const changed = await page.waitForFunction(
-      (was) => document.querySelector('ol > li:first-child strong')?.textContent !== was, best, { timeout: 4000 }).catch(() => null);
+      (was) => document.querySelector('ol > li:first-child strong')?.textContent !== was, best, { timeout: 10000 }).catch(() => null);
     if (changed) return first();
   }
   throw new Error(`${best} stays first, whatever counts`);

@@ -88,13 +88,13 @@ export async function connectionLost(browser, settings, people) {
   person.expected.push(/Failed to load resource|WebSocket connection to/);
   await order('kill_gateway');
   const killed = Date.now();
-  await page.waitForSelector('[role=alert]:has-text("Connection lost")', { timeout: 10000 });
+  await page.waitForSelector('[role=alert]:has-text("Connection lost")', { timeout: 60000 });
   await page.waitForSelector('main.stale');
   const lost = Date.now() - killed;
   await page.waitForTimeout(2500);
   const aged = await page.textContent('.lost:has-text("old")');
   const ready = await order('revive_gateway');
-  await page.waitForSelector('.connection:not(.lost)', { state: 'attached', timeout: 15000 });
+  await page.waitForSelector('.connection:not(.lost)', { state: 'attached', timeout: 60000 });
   await page.waitForSelector('main:not(.stale)');
   const back = Math.max(0, Date.now() - ready);
   if (lost > WITHIN_MS) person.faults.push(`the loss is told after ${lost} ms`);
