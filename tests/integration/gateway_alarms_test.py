@@ -3,7 +3,7 @@
 Addresses 127.0.214.x, 127.0.215.x.
 """
 import support
-from gateway_case import CLOUD, ROBOT, GatewayCase
+from gateway_case import CLOUD, ROBOT, WAIT_S, GatewayCase
 
 OTHER = "pioneer2"  # whose alarms come again and again
 TWICE = "ridgeback"  # which has two capabilities to lose
@@ -24,7 +24,7 @@ class Alarms(GatewayCase):
 
         def new():
             return [row for row in self.rows(robot=robot, state="OPEN") if row["name"] not in before]
-        self.fleet.wait("its alert", new, 20)
+        self.fleet.wait("its alert", new, WAIT_S)
         return new()[0]
 
     def fault(self, robot=ROBOT, capability="mobile"):
@@ -34,7 +34,7 @@ class Alarms(GatewayCase):
 
     def repair(self, robot=ROBOT, capability="mobile"):
         self.operator.ask("POST", f"/api/v1/robots/{robot}/repaired", {"capability": capability})
-        self.fleet.wait("the alert is closed", lambda: not self.rows(robot=robot, capability=capability, state="OPEN"), 20)
+        self.fleet.wait("the alert is closed", lambda: not self.rows(robot=robot, capability=capability, state="OPEN"), WAIT_S)
 
     def act(self, alert, what, body=None, client=None):
         return (client or self.operator).ask("POST", f"/api/v1/alerts/{alert}/{what}", body)
@@ -55,7 +55,7 @@ class Alarms(GatewayCase):
                                      for part in heard.get("blocks", []) for row in part["rows"] if "alarm" in row))
         self.assertEqual(self.act(alert["name"], "acknowledge", client=self.admin).json["acknowledged"], seen.json["acknowledged"])
         self.kill_gateway()
-        self.fleet.wait("the alert is shown again", lambda: self.rows(id=alert["name"]), 20)
+        self.fleet.wait("the alert is shown again", lambda: self.rows(id=alert["name"]), WAIT_S)
         self.assertEqual(self.alarm(alert["name"])["acknowledged"], seen.json["acknowledged"])
         record = next(one for one in self.admin.ask("GET", "/api/v1/audit?limit=20&who=olga").json["records"]
                       if one["action"].endswith("/acknowledge"))
@@ -71,7 +71,7 @@ class Alarms(GatewayCase):
         self.assertNotEqual(again["name"], alert["name"])
         self.assertEqual(again["alarm"]["shelved"], shelved.json["shelved"])
         self.kill_gateway()
-        self.fleet.wait("the alert is shown again", lambda: self.rows(id=again["name"]), 20)
+        self.fleet.wait("the alert is shown again", lambda: self.rows(id=again["name"]), WAIT_S)
         self.assertEqual(self.alarm(again["name"])["shelved"], shelved.json["shelved"])
         back = self.act(again["name"], "unshelve")
         self.assertEqual((back.status, "shelved" in back.json), (200, False))
@@ -85,7 +85,7 @@ class Alarms(GatewayCase):
             self.fault(OTHER)
             self.repair(OTHER)
         third = self.fault(OTHER)
-        self.fleet.wait("it chatters", lambda: self.alarm(third["name"])["chatters"], 10)
+        self.fleet.wait("it chatters", lambda: self.alarm(third["name"])["chatters"], WAIT_S)
         self.assertGreaterEqual(self.alarm(third["name"])["times"], 3)
         self.act(third["name"], "acknowledge")
         self.repair(OTHER)

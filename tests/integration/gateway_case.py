@@ -18,6 +18,7 @@ ROBOT = "pioneer1"
 SCENARIO = {"name": "short", "tasks": [{"id": "go", "robot": ROBOT, "skill": "go_to", "data": {"place": "dock"}}]}
 GOOD = "a good long password"
 ADMIN = "another good long password"
+WAIT_S = 60  # where no figure applies: a deadline, not a measurement
 
 
 class GatewayCase(unittest.TestCase):
@@ -38,7 +39,7 @@ class GatewayCase(unittest.TestCase):
         cls.fleet.start()
         cls.fleet.wait_formed()
         cls.certificate = cls.fleet.dir(CLOUD) / "keys/gateway.crt"
-        cls.fleet.wait("the gateway is ready", cls.is_ready, 20)
+        cls.fleet.wait("the gateway is ready", cls.is_ready, WAIT_S)
         made = cls.fleet.json("cloud", "password", cls.fleet.dir(CLOUD))
         cls.secrets = [made["password"]]
         cls.admin = cls.client()
@@ -46,7 +47,7 @@ class GatewayCase(unittest.TestCase):
         changed = cls.admin.ask("PUT", "/api/v1/me/password", {"old": made["password"], "new": ADMIN})
         assert changed.status == 204, changed.bytes
         assert cls.admin.sign_in("admin", ADMIN).status == 201
-        cls.fleet.wait("the robot is shown online", cls.is_online, 20)
+        cls.fleet.wait("the robot is shown online", cls.is_online, WAIT_S)
         for name, role in (("vic", "viewer"), ("olga", "operator")):
             answer = cls.admin.ask("POST", "/api/v1/users", {"name": name, "role": role, "password": GOOD})
             assert answer.status == 201, answer.bytes
@@ -74,7 +75,7 @@ class GatewayCase(unittest.TestCase):
         pid = self.fleet.pid(CLOUD, "cloud-gateway")
         os.kill(pid, signal.SIGKILL)
         self.fleet.wait("another gateway", lambda: self.fleet.pid(CLOUD, "cloud-gateway") not in (None, pid) and
-                        self.is_ready(), 20)
+                        self.is_ready(), WAIT_S)
 
     def assert_problem(self, answer, status, code=None):
         self.assertEqual(answer.status, status, answer.bytes)

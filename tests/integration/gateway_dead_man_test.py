@@ -11,7 +11,7 @@ import time
 
 import support
 from driven_robots import MAKERS, MARGIN_S, PARTS, STANDS_S, Robot
-from gateway_case import CLOUD, GatewayCase
+from gateway_case import CLOUD, WAIT_S, GatewayCase
 
 PERIOD_S = 0.1
 WAYS = ("page", "gateway", "link", "node")
@@ -26,7 +26,7 @@ class Page:
         self.robot, self.part, self.speeds = robot, part, list(speeds)
         self.sent, self.trips, self.threads = {}, [], []
         self.silent, self.ends = threading.Event(), threading.Event()
-        case.fleet.wait("the robot can be driven (a drone first reports that it is in the air)", self.begins, 5)
+        case.fleet.wait("the robot can be driven (a drone first reports that it is in the air)", self.begins, WAIT_S)
         self.threads = [threading.Thread(target=run, daemon=True) for run in (self.repeat, self.listen)]
         for thread in self.threads:
             thread.start()
@@ -129,7 +129,7 @@ class DeadMan(GatewayCase):
                 finally:
                     page.die()
                     os.kill(router, signal.SIGCONT)
-                self.fleet.wait("the robots are back", self.all_online, 30)
+                self.fleet.wait("the robots are back", self.all_online, WAIT_S)
 
     def test_3_the_gateway_is_killed(self):
         for name in PARTS:
@@ -138,9 +138,9 @@ class DeadMan(GatewayCase):
                 os.kill(self.fleet.pid(CLOUD, "cloud-gateway"), signal.SIGKILL)
                 self.keep(name, "gateway", robot.moves_on(time.monotonic()))
                 page.die()
-                self.fleet.wait("another gateway", self.is_ready, 20)
+                self.fleet.wait("another gateway", self.is_ready, WAIT_S)
                 self.fleet.wait("the fleet is known", lambda: len(self.viewer.ask(
-                    "GET", "/api/v1/robots").json["items"]) == len(MAKERS), 20)
+                    "GET", "/api/v1/robots").json["items"]) == len(MAKERS), WAIT_S)
 
     def test_4_the_node_dies(self):
         """Nothing there orders the robot to stand, nor starts anything again: the robot's own watchdog decides."""
@@ -155,7 +155,7 @@ class DeadMan(GatewayCase):
                 finally:
                     page.die()
                     supervisor.send_signal(signal.SIGCONT)
-                self.fleet.wait("the robots are back", self.all_online, 30)
+                self.fleet.wait("the robots are back", self.all_online, WAIT_S)
 
 
 if __name__ == "__main__":

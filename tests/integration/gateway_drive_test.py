@@ -7,7 +7,7 @@ import time
 
 import support
 import trb_fleet
-from gateway_case import CLOUD, GOOD, ROBOT, GatewayCase
+from gateway_case import CLOUD, GOOD, ROBOT, WAIT_S, GatewayCase
 
 PERIOD_S = 0.1
 PART = "base"
@@ -77,7 +77,7 @@ class Drive(GatewayCase):
         assert answer.status == 201, answer.bytes
         cls.other = cls.client()
         assert cls.other.sign_in("otto", GOOD).status == 201
-        cls.fleet.wait("the robot can be driven", lambda: cls.drives() != [], 20)
+        cls.fleet.wait("the robot can be driven", lambda: cls.drives() != [], WAIT_S)
         cls.tap = support.Tap(cls.fleet, ROBOT)
         cls.addClassCleanup(cls.tap.child.stop)
 
@@ -95,7 +95,7 @@ class Drive(GatewayCase):
         return [body for body in self.tap.bodies("velocity") if "speeds" in body]
 
     def wait_velocity(self, what, found):
-        self.fleet.wait(what, lambda: any(found(body) for body in self.velocities()), 10)
+        self.fleet.wait(what, lambda: any(found(body) for body in self.velocities()), WAIT_S)
 
     def wait_over(self, hand, by="olga"):
         """The robot's node is told that this person lets go. A drive's number is the time at which it began."""
@@ -106,7 +106,7 @@ class Drive(GatewayCase):
                 for one in self.admin.ask("GET", f"/api/v1/audit?limit={count}").json["records"]]
 
     def wait_record(self, record):
-        self.fleet.wait(f"{record} in the audit log", lambda: record in self.records(6), 5)
+        self.fleet.wait(f"{record} in the audit log", lambda: record in self.records(6), WAIT_S)
 
     def teleop(self, live, found):
         """The row of the robot's driver, once it is so; None: it is removed."""
@@ -117,7 +117,7 @@ class Drive(GatewayCase):
 
     def wait_free(self):
         self.fleet.wait("nobody commands the robot", lambda: self.viewer.ask(
-            "GET", f"/api/v1/robots/{ROBOT}").json["content"]["control"] == "", 15)
+            "GET", f"/api/v1/robots/{ROBOT}").json["content"]["control"] == "", WAIT_S)
 
     # ---- stories
 

@@ -12,7 +12,7 @@ import threading
 import time
 
 import support
-from gateway_case import ADMIN, CLOUD, GOOD, ROBOT, GatewayCase
+from gateway_case import ADMIN, CLOUD, GOOD, ROBOT, WAIT_S, GatewayCase
 
 CONNECTIONS = 10_000
 HOSTILE = ("..", "%2e%2e", "a%2fb", "%00", "x" * 300, "%0d%0aSet-Cookie:%20a=b", "'%3BDROP%20TABLE%20users--", "%22%3E%3Cscript%3E",
@@ -254,7 +254,7 @@ class Hostile(GatewayCase):
                 self.assertEqual(self.operator.ask("GET", "/api/v1/robots").status, 200)
                 slowest = max(slowest, time.monotonic() - begin)
             stop.set()
-            sending.result(20)
+            sending.result(WAIT_S)
         self.assertLess(slowest, 2)
         print(f"slowest of 20 requests beside the flood: {slowest * 1000:.0f} ms")
 
@@ -274,7 +274,7 @@ class Hostile(GatewayCase):
                     if one["action"] == "refusals" and one["number"] > before]
         pid = self.fleet.pid(CLOUD, "cloud-gateway")
         os.kill(pid, signal.SIGTERM)
-        self.fleet.wait("another gateway", lambda: self.fleet.pid(CLOUD, "cloud-gateway") not in (None, pid) and self.is_ready(), 20)
+        self.fleet.wait("another gateway", lambda: self.fleet.pid(CLOUD, "cloud-gateway") not in (None, pid) and self.is_ready(), WAIT_S)
         self.assertGreater(sum(int(one.split()[0]) for one in numbers()), 1150)
 
     # ---- gzip

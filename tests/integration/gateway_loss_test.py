@@ -9,7 +9,7 @@ import signal
 import own_world
 import support
 import trb_fleet
-from gateway_case import CLOUD, ROBOT, SCENARIO, GatewayCase
+from gateway_case import CLOUD, ROBOT, SCENARIO, WAIT_S, GatewayCase
 
 SCENARIOS = "/api/v1/scenarios"
 
@@ -58,7 +58,7 @@ class Loss(GatewayCase):
                 self.assertIn(answer and answer.status, (None, 503))
         self.assertGreater(refused, 0, "the disk was not full")
         self.fleet.disk.room()
-        self.fleet.wait("the gateway is back by itself", self.is_ready, 30)
+        self.fleet.wait("the gateway is back by itself", self.is_ready, WAIT_S)
         self.assertLessEqual(set(kept + acknowledged), set(self.names()))
         self.assertEqual(self.operator.ask("POST", SCENARIOS, {"name": "room again", "tasks": []}).status, 201)
         records = self.admin.ask("GET", "/api/v1/audit?limit=1000").json["records"]
@@ -78,11 +78,11 @@ class Loss(GatewayCase):
                 keys.append(f"{name}-{len(keys)}")
             return answer.status == 201
 
-        self.fleet.wait("the start is taken", is_taken, 30)
+        self.fleet.wait("the start is taken", is_taken, WAIT_S)
         return tries[-1], keys[-1]
 
     def test_a_start_that_is_refused_for_now_may_be_sent_again_with_its_key(self):
-        self.fleet.wait("the robot is online", self.is_online, 30)
+        self.fleet.wait("the robot is online", self.is_online, WAIT_S)
         start = {"scenario": {**SCENARIO, "name": "again"}}
         scheduler = self.fleet.pid(CLOUD, "scheduler")
         supervisor = self.fleet.nodes[CLOUD].child
@@ -90,7 +90,7 @@ class Loss(GatewayCase):
         self.addCleanup(supervisor.send_signal, signal.SIGCONT)
         os.kill(scheduler, signal.SIGKILL)
 
-        self.fleet.wait("the router has noticed", lambda: self.operator.ask("POST", "/api/v1/runs", start).status == 503, 20)
+        self.fleet.wait("the router has noticed", lambda: self.operator.ask("POST", "/api/v1/runs", start).status == 503, WAIT_S)
         for _ in range(2):
             refused = self.operator.ask("POST", "/api/v1/runs", start, Idempotency_Key="again-0")
             self.assertEqual((refused.status, "Idempotent-Replay" in refused.headers), (503, False), refused.bytes)
@@ -111,16 +111,16 @@ class Loss(GatewayCase):
             refused = self.tried("POST", "/api/v1/runs", start, Idempotency_Key=f"meanwhile-{i}")
             if refused is not None and refused.status == 201:
                 started.append((start["scenario"]["name"], refused.json["run"]))
-            self.fleet.wait("the fleet is whole", self.is_online, 30)
+            self.fleet.wait("the fleet is whole", self.is_online, WAIT_S)
         for _, run in started:
-            self.fleet.wait("the run is over", lambda r=run: self.viewer.ask("GET", f"/api/v1/runs/{r}").json.get("state") == "FINISHED", 60)
+            self.fleet.wait("the run is over", lambda r=run: self.viewer.ask("GET", f"/api/v1/runs/{r}").json.get("state") == "FINISHED", WAIT_S)
         archive = self.viewer.ask("GET", "/api/v1/archive").json["runs"]
         for name in {name for name, _ in started}:
             acknowledged = {run for of, run in started if of == name}
             self.assertEqual({one["run"] for one in archive if one["name"] == name}, acknowledged)
 
     def test_a_cut_link_loses_no_run_that_was_acknowledged(self):
-        self.fleet.wait("the robot is online", self.is_online, 30)
+        self.fleet.wait("the robot is online", self.is_online, WAIT_S)
         started = self.operator.ask("POST", "/api/v1/runs", {"scenario": {**SCENARIO, "name": "cut"}})
         self.assertEqual(started.status, 201, started.bytes)
         router = self.fleet.pid(ROBOT, "router")
@@ -129,11 +129,11 @@ class Loss(GatewayCase):
         stopped = self.operator.ask("POST", f"/api/v1/robots/{ROBOT}/stop")
         self.assertNotEqual(stopped.json["robots"][0]["state"], "confirmed", "nothing confirms over a link that is cut")
         os.kill(router, signal.SIGCONT)
-        self.fleet.wait("the link is back", self.is_online, 40)
+        self.fleet.wait("the link is back", self.is_online, WAIT_S)
         self.operator.ask("POST", f"/api/v1/robots/{ROBOT}/release")
         run = started.json["run"]
         self.fleet.wait("the run goes on and ends", lambda: self.viewer.ask("GET", f"/api/v1/runs/{run}").json.get("state") in
-                        ("FINISHED", "PAUSED"), 60)
+                        ("FINISHED", "PAUSED"), WAIT_S)
 
 
 if __name__ == "__main__":

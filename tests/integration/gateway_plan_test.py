@@ -10,7 +10,7 @@ import time
 import unittest
 
 import support
-from gateway_case import CLOUD, ROBOT, GatewayCase
+from gateway_case import CLOUD, ROBOT, WAIT_S, GatewayCase
 
 SIMULATIONS = "/api/v1/simulations"
 SMALL = {"protocol": "talkrobots", "robots": 5, "tasks": 9, "link": "wifi", "seed": 3}
@@ -21,7 +21,6 @@ THERE = {"id": "there", "robot": ROBOT, "skill": "go_to", "data": {"place": "doc
 SCENARIO = {"name": "there and back", "tasks": [THERE, {**THERE, "id": "look"}, {**THERE, "id": "back", "after": ["there"]}]}
 TRIED = {"protocol": "talkrobots", "scenario": SCENARIO, "link": "wifi", "seed": 3, "times": {"go_to": {"mean": 2, "deviation": 0.1}}}
 OVER = ("done", "failed", "cancelled")
-WAIT_S = 60
 GIBIBYTE = 1 << 30
 
 
@@ -251,7 +250,7 @@ class Simulations(GatewayCase):
         self.started(LARGE)
         pid = self.wait_simulator()
         self.kill_gateway()
-        self.fleet.wait("the simulator's end", lambda: not is_alive(pid), 10)
+        self.fleet.wait("the simulator's end", lambda: not is_alive(pid), WAIT_S)
         self.assertEqual(self.viewer.ask("GET", SIMULATIONS).json["items"], [])
 
     def test_a_gateway_that_is_told_to_end_ends_its_child_and_waits_for_nothing(self):
@@ -259,10 +258,10 @@ class Simulations(GatewayCase):
         gateway, pid = self.fleet.pid(CLOUD, "cloud-gateway"), self.wait_simulator()
         began = time.monotonic()
         os.kill(gateway, signal.SIGTERM)
-        self.fleet.wait("the simulator's end", lambda: not is_alive(pid), 10)
-        self.fleet.wait("the gateway's end", lambda: not is_alive(gateway), 10)
+        self.fleet.wait("the simulator's end", lambda: not is_alive(pid), WAIT_S)
+        self.fleet.wait("the gateway's end", lambda: not is_alive(gateway), WAIT_S)
         self.assertLess(time.monotonic() - began, 2, "it has waited for the simulation")
-        self.fleet.wait("another gateway", lambda: self.fleet.pid(CLOUD, "cloud-gateway") not in (None, gateway) and self.is_ready(), 20)
+        self.fleet.wait("another gateway", lambda: self.fleet.pid(CLOUD, "cloud-gateway") not in (None, gateway) and self.is_ready(), WAIT_S)
 
     # ---- what is wrong
 

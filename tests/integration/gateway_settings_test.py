@@ -8,7 +8,7 @@ import select
 import signal
 
 import support
-from gateway_case import CLOUD, GatewayCase
+from gateway_case import CLOUD, WAIT_S, GatewayCase
 
 FILE = '{\n  "_comment": "ask the shift leader",\n  "policy": {"mode": "ask"},\n  "_comment": "ten minutes",\n  "expires_s": 600\n}\n'
 POLICY = {"mode": "automatic", "bind": "ask", "max_moves": 3, "expires_s": 120,
@@ -137,7 +137,7 @@ class Settings(GatewayCase):
             self.assertIn(json.loads(text)["policy"]["mode"], ("ask", "automatic"))
             self.assertEqual(json.loads(text)["expires_s"] == 600, json.loads(text)["policy"]["mode"] == "ask")
             self.fleet.wait("another gateway", lambda p=pid: self.fleet.pid(CLOUD, "cloud-gateway") not in (None, p) and
-                            self.is_ready(), 20)
+                            self.is_ready(), WAIT_S)
         self.assertEqual(self.put("policy", POLICY).json, POLICY)
 
     def test_a_service_that_does_not_come_back_is_said_so(self):
@@ -149,7 +149,7 @@ class Settings(GatewayCase):
             os.kill(program, signal.SIGCONT)
         self.assert_problem(answer, 503, "not_in_force")
         self.assertEqual(json.loads(self.path.read_text())["policy"]["mode"], "automatic")
-        self.fleet.wait("the change is in force at last", lambda: self.resilience_pid() not in (None, program), 20)
+        self.fleet.wait("the change is in force at last", lambda: self.resilience_pid() not in (None, program), WAIT_S)
         self.assertEqual(self.put("policy", POLICY).status, 200)
 
 

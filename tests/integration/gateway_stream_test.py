@@ -13,7 +13,7 @@ import support
 import sensor_side
 import trb_fleet
 from feeder import Feeder
-from gateway_case import CLOUD, GOOD, ROBOT, SCENARIO, GatewayCase
+from gateway_case import CLOUD, GOOD, ROBOT, SCENARIO, WAIT_S, GatewayCase
 
 SENSOR = "humidity"
 TOPIC = f"sensor/{ROBOT}/{SENSOR}"
@@ -41,7 +41,7 @@ class Stream(GatewayCase):
         cls.feeder = Feeder(cls.fleet.side.bus, SENSOR, "double:$i", "string:percent")  # every value is another one
         cls.addClassCleanup(cls.feeder.stop)
         cls.fleet.wait("the sensor is listed", lambda: cls.viewer.ask(
-            "GET", f"/api/v1/sensors/{ROBOT}/{SENSOR}").status == 200, 20)
+            "GET", f"/api/v1/sensors/{ROBOT}/{SENSOR}").status == 200, WAIT_S)
         cls.tap = support.Tap(cls.fleet, ROBOT)
         cls.addClassCleanup(cls.tap.child.stop)
 
@@ -54,7 +54,7 @@ class Stream(GatewayCase):
     def wait_stream(self, running):
         """The last order on the bus starts the stream, or ends it."""
         self.fleet.wait(f"the stream runs: {running}", lambda: bool(self.leases()) and
-                        (self.leases()[-1] > 0) == running, 8)
+                        (self.leases()[-1] > 0) == running, WAIT_S)
 
     def open_live(self, client=None):
         live = (client or self.viewer).live()
@@ -161,7 +161,7 @@ class Stream(GatewayCase):
         before = len(self.messages("?subtype=greeting&limit=500")["items"])
         first, again = (self.send(key="greet", **greeting) for _ in range(2))
         self.assertEqual((first.status, again.status, again.headers["Idempotent-Replay"]), (200, 200, "true"))
-        self.fleet.wait("it is seen", lambda: len(self.messages("?subtype=greeting&limit=500")["items"]) > before, 5)
+        self.fleet.wait("it is seen", lambda: len(self.messages("?subtype=greeting&limit=500")["items"]) > before, WAIT_S)
         seen = {(row["id"]) for row in self.messages("?subtype=greeting&limit=500")["items"] if row["direction"] != "<"}
         self.assertEqual(len(seen) - before, 1)
         self.assert_problem(self.send(key="greet", **{**greeting, "data": "another"}), 409)
@@ -221,7 +221,7 @@ class Stream(GatewayCase):
 
     def wait_recorded(self, path, query, found):
         self.fleet.wait(f"{path} {query} in the history", lambda: any(
-            found(one) for one in self.history(path, query)["items"]), 10)
+            found(one) for one in self.history(path, query)["items"]), WAIT_S)
 
     def test_a_robots_history_has_its_stops_and_survives_kill_9(self):
         self.addCleanup(self.fleet.trb, "release", ROBOT, node=CLOUD)
@@ -246,7 +246,7 @@ class Stream(GatewayCase):
         live = self.open_live()
         self.watch(live)
         sensor = f"sensors/{ROBOT}/{SENSOR}"
-        self.fleet.wait("some readings", lambda: len(self.history(sensor)["items"]) >= 5, 10)
+        self.fleet.wait("some readings", lambda: len(self.history(sensor)["items"]) >= 5, WAIT_S)
         live.close()
         self.wait_stream(False)
         page = self.history(sensor, "?limit=3")
@@ -280,7 +280,7 @@ class Stream(GatewayCase):
         self.admin.ask("POST", "/api/v1/users", {"name": "lea", "role": "viewer", "password": GOOD})
         for i in range(12):  # four of an address may wait for their turn, 70 ms of a core each
             body = json.dumps({"user": f"gone{i}", "password": "wrong wrong wrong"})
-            raw = socket.create_connection(("localhost", self.port), timeout=20)
+            raw = socket.create_connection(("localhost", self.port), timeout=WAIT_S)
             with self.viewer.tls.wrap_socket(raw, server_hostname="localhost") as client:
                 client.sendall((f"POST /api/v1/session HTTP/1.1\r\nHost: localhost:{self.port}\r\n"
                                 f"Origin: {self.viewer.origin}\r\nContent-Type: application/json\r\n"
@@ -320,7 +320,7 @@ class Stream(GatewayCase):
         self.assertGreater(int(refused.headers["Retry-After"]), 0)
         self.assertIn(ROBOT, [one["subject"] for one in done.json["findings"]])
         self.assertFalse(done.json["well"])
-        self.fleet.wait("the robot is back", self.is_online, 20)
+        self.fleet.wait("the robot is back", self.is_online, WAIT_S)
 
     # ---- a decision without an alert
 
@@ -335,7 +335,7 @@ class Stream(GatewayCase):
         self.assert_problem(decide("POST", f"{task}/move", {"reason": "it is near"}), 400)
         self.assert_problem(decide("POST", f"/api/v1/runs/{'0' * 32}/tasks/go/skip"), 404)
         self.fleet.wait("who decides knows the run, and no such task", lambda: decide(
-            "POST", f"/api/v1/runs/{run}/tasks/none/skip").status == 422, 10)
+            "POST", f"/api/v1/runs/{run}/tasks/none/skip").status == 422, WAIT_S)
         self.assert_problem(decide("POST", f"{task}/skip", {"stands": "yes"}), 422)
         self.assert_problem(decide("POST", f"{task}/move", {"robot": "nobody", "reason": "it is near"}), 404)
         self.assert_problem(decide("POST", f"{task}/retry"), 409)
@@ -344,7 +344,7 @@ class Stream(GatewayCase):
         again = decide("POST", f"{task}/skip", {"reason": "not today"}, Idempotency_Key="skip-it")
         self.assertEqual((again.status, again.bytes), (200, skipped.bytes))
         self.fleet.wait("the run is over", lambda: self.viewer.ask(
-            "GET", f"/api/v1/runs/{run}").json["state"] == "FINISHED", 20)
+            "GET", f"/api/v1/runs/{run}").json["state"] == "FINISHED", WAIT_S)
         view = self.viewer.ask("GET", f"/api/v1/runs/{run}").json
         self.assertEqual([one["state"] for one in view["tasks"]], ["SKIPPED"])
         self.assertEqual([one["person"] for one in view["decisions"]], ["olga"])

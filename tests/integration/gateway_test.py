@@ -13,7 +13,7 @@ import time
 
 import jsonschema
 import support
-from gateway_case import CLOUD, GOOD, ROBOT, SCENARIO, GatewayCase
+from gateway_case import CLOUD, GOOD, ROBOT, SCENARIO, WAIT_S, GatewayCase
 
 FREE, LONG_S = 5, 4  # guesses without a wait; a wait that is not over before a busy machine's next word
 DIST = support.REPO / "services/cloud-gateway/web/dist"
@@ -220,7 +220,7 @@ class Gateway(GatewayCase):
         stopped = self.operator.ask("POST", f"/api/v1/robots/{ROBOT}/stop", {"reason": "a box on the way"})
         self.assertEqual([row["state"] for row in stopped.json["robots"]], ["confirmed"])
         self.fleet.wait("it is shown as stopped", lambda: self.viewer.ask(
-            "GET", f"/api/v1/robots/{ROBOT}").json["content"]["fenced"], 10)
+            "GET", f"/api/v1/robots/{ROBOT}").json["content"]["fenced"], WAIT_S)
         self.assertEqual(self.operator.ask("POST", f"/api/v1/robots/{ROBOT}/release").json["robots"][0]["state"], "confirmed")
         self.assertEqual(self.operator.ask("POST", "/api/v1/stop").json["robots"][0]["robot"], ROBOT)
 
@@ -239,7 +239,7 @@ class Gateway(GatewayCase):
         self.assertEqual((again.status, again.json["run"]), (201, run))
         other = self.operator.ask("POST", "/api/v1/runs", {"scenario": SCENARIO}, Idempotency_Key="one")
         self.assert_problem(other, 409)
-        self.fleet.wait("the run is over", lambda: self.viewer.ask("GET", f"/api/v1/runs/{run}").json["state"] == "FINISHED", 40)
+        self.fleet.wait("the run is over", lambda: self.viewer.ask("GET", f"/api/v1/runs/{run}").json["state"] == "FINISHED", WAIT_S)
         archive = self.viewer.ask("GET", "/api/v1/archive").json["runs"]
         self.assertEqual([one["run"] for one in archive].count(run), 1)
 
@@ -249,7 +249,7 @@ class Gateway(GatewayCase):
         with contextlib.closing(sqlite3.connect(self.fleet.dir(CLOUD) / "state/gateway.db")) as store, store:
             store.executemany(sql, rows)
         self.kill_gateway()
-        self.fleet.wait("the robot is shown online", self.is_online, 20)
+        self.fleet.wait("the robot is shown online", self.is_online, WAIT_S)
 
     def test_a_stop_is_ordered_though_no_further_key_is_kept(self):
         kept = [(who, f"filler-{i}") for who, count in (("a", 5000), ("b", 5000), ("c", 5000), ("d", 4980), ("olga", 20))
@@ -273,10 +273,10 @@ class Gateway(GatewayCase):
             self.assertEqual((stopped.status, stopped.json["robots"][0]["state"]), (200, "confirmed"), stopped.bytes)
             self.assertNotIn("Idempotent-Replay", stopped.headers)
             self.fleet.wait("it is shown as stopped", lambda: self.viewer.ask(
-                "GET", f"/api/v1/robots/{ROBOT}").json["content"]["fenced"], 10)
+                "GET", f"/api/v1/robots/{ROBOT}").json["content"]["fenced"], WAIT_S)
             self.assertEqual(self.operator.ask("POST", release).status, 200)
             self.fleet.wait("it is shown as released", lambda: not self.viewer.ask(
-                "GET", f"/api/v1/robots/{ROBOT}").json["content"]["fenced"], 10)
+                "GET", f"/api/v1/robots/{ROBOT}").json["content"]["fenced"], WAIT_S)
 
     def test_what_nobody_can_be_told_does_not_begin(self):
         for path, body, status in (("/api/v1/runs", {"scenario": SCENARIO, "priority": "high"}, 422),
@@ -309,7 +309,7 @@ class Gateway(GatewayCase):
         self.addCleanup(pool.shutdown)
         answer = pool.submit(ask)
         self.fleet.wait("that it begins is on record", lambda: len(self.orders(word)) > before, 2)
-        return (lambda: os.kill(adapter, signal.SIGCONT)), lambda: answer.result(20)
+        return (lambda: os.kill(adapter, signal.SIGCONT)), lambda: answer.result(WAIT_S)
 
     def orders(self, word):
         """What is on record of them, the newest first."""
@@ -328,9 +328,9 @@ class Gateway(GatewayCase):
             self.assertIsNotNone(told, "the connection was cut")
             self.assertEqual((told.status, told.json["robots"][0]["state"]), (200, "confirmed"), told.bytes)
             self.fleet.wait("another gateway", lambda: self.fleet.pid(CLOUD, "cloud-gateway") not in (None, pid) and
-                            self.is_ready(), 20)
+                            self.is_ready(), WAIT_S)
             self.assertEqual(self.orders(word)[:2], ["done", "begins"])
-            self.fleet.wait("the robot is shown online", self.is_online, 20)
+            self.fleet.wait("the robot is shown online", self.is_online, WAIT_S)
 
     def test_what_is_under_way_when_the_gateway_is_killed_is_on_record(self):
         for word, again in (("stop", 200), ("release", 503)):
@@ -340,7 +340,7 @@ class Gateway(GatewayCase):
             go_on()
             self.assertIsNone(answer())
             self.assertEqual(self.orders(word)[:2], ["not confirmed", "begins"])
-            self.fleet.wait("the robot is shown online", self.is_online, 20)
+            self.fleet.wait("the robot is shown online", self.is_online, WAIT_S)
             repeated = self.operator.ask("POST", f"/api/v1/robots/{ROBOT}/{word}", **more)
             self.assertEqual(repeated.status, again, "of a stop alone nothing has to be known")
         self.assertEqual(self.operator.ask("POST", f"/api/v1/robots/{ROBOT}/release").status, 200)
@@ -404,13 +404,13 @@ class Gateway(GatewayCase):
         self.viewer.ask("POST", f"/api/v1/robots/{ROBOT}/stop")
         refused = self.admin.ask("GET", "/api/v1/audit?limit=1").json["records"][0]
         self.assertEqual((refused["who"], refused["outcome"]), ("vic", "refused: 403"))
-        self.fleet.wait("a signed head", lambda: self.admin.ask("GET", "/api/v1/audit/head").json["signed_to"] > 0, 20)
+        self.fleet.wait("a signed head", lambda: self.admin.ask("GET", "/api/v1/audit/head").json["signed_to"] > 0, WAIT_S)
 
     def test_a_third_party_verifies_the_exported_log_with_the_fleets_public_key(self):
         self.assertEqual(self.viewer.ask("GET", "/api/v1/audit/export").status, 403)
         self.assert_problem(self.admin.ask("GET", "/api/v1/audit/export?from=x"), 422, "bad_value")
         self.operator.ask("POST", f"/api/v1/robots/{ROBOT}/release")
-        self.fleet.wait("a signed head", lambda: self.admin.ask("GET", "/api/v1/audit/head").json["signed_to"] > 0, 20)
+        self.fleet.wait("a signed head", lambda: self.admin.ask("GET", "/api/v1/audit/head").json["signed_to"] > 0, WAIT_S)
         export = self.admin.ask("GET", "/api/v1/audit/export")
         self.assertEqual(export.headers["Content-Type"], "application/x-ndjson")
         file = self.fleet.root / "audit.jsonl"

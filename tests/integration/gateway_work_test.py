@@ -6,7 +6,7 @@ import json
 import pathlib
 
 import support
-from gateway_case import CLOUD, ROBOT, SCENARIO, GatewayCase
+from gateway_case import CLOUD, ROBOT, SCENARIO, WAIT_S, GatewayCase
 
 SPARE = "pioneer2"
 SCENARIOS = "/api/v1/scenarios"
@@ -150,7 +150,7 @@ class Work(GatewayCase):
     def test_a_preflight_tells_what_would_keep_the_run_from_beginning(self):
         self.addCleanup(self.operator.ask, "POST", f"/api/v1/robots/{ROBOT}/release")
         self.operator.ask("POST", f"/api/v1/robots/{ROBOT}/stop")
-        self.fleet.wait("the stop is told", lambda: not self.preflight().json["ready"], 10)
+        self.fleet.wait("the stop is told", lambda: not self.preflight().json["ready"], WAIT_S)
         self.assertIn("stopped", self.preflight().json["robots"][0]["why"][0])
         condition = {"sensor": "temperature", "of": SPARE, "op": ">", "value": 20, "unit": "degC"}
         guarded = {**SCENARIO, "tasks": [{**SCENARIO["tasks"][0], "robot": SPARE, "when": condition}]}
@@ -184,7 +184,7 @@ class Work(GatewayCase):
         def of_run():
             return [row for row in self.viewer.ask("GET", "/api/v1/alerts").json["items"]
                     if row["content"]["run"] == run.json["run"] and len(row["content"]["proposals"]) == 2]
-        self.fleet.wait("the alert with two candidates", of_run, 20)
+        self.fleet.wait("the alert with two candidates", of_run, WAIT_S)
         return of_run()[0]["content"]
 
     def test_an_alerts_candidates_by_other_weights(self):
@@ -219,7 +219,7 @@ class Work(GatewayCase):
     def finished_run(self):
         run = self.operator.ask("POST", "/api/v1/runs", {"scenario": SCENARIO}).json["run"]
         self.fleet.wait("the run is over", lambda: self.viewer.ask("GET", f"/api/v1/runs/{run}").json["state"] == "FINISHED",
-                        40)
+                        WAIT_S)
         return run
 
     def verify(self, proof):

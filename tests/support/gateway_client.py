@@ -64,7 +64,7 @@ class Client:
             headers = {known: had for known, had in headers.items() if known.lower() != name.lower()}
             if value is not None:
                 headers[name] = value
-        connection = http.client.HTTPSConnection("localhost", self.port, context=self.tls, timeout=20)
+        connection = http.client.HTTPSConnection("localhost", self.port, context=self.tls, timeout=60)
         try:
             connection.request(method, path, data, headers)
         except OSError:
@@ -101,7 +101,7 @@ class Live:
     def __init__(self, client, more):
         self.lock = threading.Lock()  # OpenSSL takes one thread at a time
         self.contract = client.contract
-        raw = socket.create_connection(("localhost", client.port), timeout=20)
+        raw = socket.create_connection(("localhost", client.port), timeout=60)
         self.socket = client.tls.wrap_socket(raw, server_hostname="localhost")
         self.buffer = b""
         headers = {"Host": f"localhost:{client.port}", "Upgrade": "websocket", "Connection": "Upgrade",
