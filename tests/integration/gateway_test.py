@@ -298,9 +298,9 @@ class Gateway(GatewayCase):
         """An order that its robot hears and cannot answer, once it is on record; what lets the robot answer, and a function
         that waits for the order's answer: None if the connection was cut."""
         adapter = self.fleet.pid(ROBOT, "mode-adapter")
+        before = self.newest()
         os.kill(adapter, signal.SIGSTOP)
         self.addCleanup(os.kill, adapter, signal.SIGCONT)
-        before = len(self.orders(word))
 
         def ask():
             with contextlib.suppress(OSError, http.client.HTTPException):
@@ -308,8 +308,13 @@ class Gateway(GatewayCase):
         pool = concurrent.futures.ThreadPoolExecutor(1)
         self.addCleanup(pool.shutdown)
         answer = pool.submit(ask)
-        self.fleet.wait("that it begins is on record", lambda: len(self.orders(word)) > before, 2)
+        self.fleet.wait("that it begins is on record", lambda: self.newest() > before, 2)
         return (lambda: os.kill(adapter, signal.SIGCONT)), lambda: answer.result(WAIT_S)
+
+    def newest(self):
+        """The number of olga's last record. All of them take longer to be looked at than the gateway waits for a robot."""
+        records = self.admin.ask("GET", "/api/v1/audit?limit=1&who=olga").json["records"]
+        return records[0]["number"] if records else 0
 
     def orders(self, word):
         """What is on record of them, the newest first."""
