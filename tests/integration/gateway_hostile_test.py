@@ -280,10 +280,10 @@ class Hostile(GatewayCase):
     # ---- gzip
 
     def test_lists_come_gzipped_and_secrets_do_not(self):
-        plain = self.admin.ask("GET", "/api/v1/audit?limit=100")
-        packed = self.admin.ask("GET", "/api/v1/audit?limit=100&", Accept_Encoding="gzip")
+        plain = self.admin.ask("GET", "/api/v1/audit?limit=100&who=admin")
+        packed = self.admin.ask("GET", "/api/v1/audit?limit=100&who=admin&", Accept_Encoding="gzip")
         self.assertEqual((packed.headers["Content-Encoding"], packed.headers["Vary"]), ("gzip", "Accept-Encoding"))
-        self.assertEqual(packed.json["records"][5:], plain.json["records"][5:])
+        self.assertEqual(packed.json["records"], plain.json["records"])
         self.assertLess(len(packed.bytes), len(plain.bytes) / 2)
         for path in ("/api/v1/session", "/api/v1/me", "/api/v1/tokens"):
             self.assertIsNone(self.admin.ask("GET", path, Accept_Encoding="gzip").headers["Content-Encoding"])
