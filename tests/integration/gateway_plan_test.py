@@ -21,6 +21,7 @@ THERE = {"id": "there", "robot": ROBOT, "skill": "go_to", "data": {"place": "doc
 SCENARIO = {"name": "there and back", "tasks": [THERE, {**THERE, "id": "look"}, {**THERE, "id": "back", "after": ["there"]}]}
 TRIED = {"protocol": "talkrobots", "scenario": SCENARIO, "link": "wifi", "seed": 3, "times": {"go_to": {"mean": 2, "deviation": 0.1}}}
 OVER = ("done", "failed", "cancelled")
+MOST_ENDED = 3
 GIBIBYTE = 1 << 30
 
 
@@ -254,14 +255,24 @@ class Simulations(GatewayCase):
         self.assertEqual(self.viewer.ask("GET", SIMULATIONS).json["items"], [])
 
     def test_a_gateway_that_is_told_to_end_ends_its_child_and_waits_for_nothing(self):
+        """What the machine adds comes and goes; what the gateway waits for comes each time."""
+        for _ in range(MOST_ENDED):
+            took = self.ended()
+            if took < 2:
+                return
+        self.fail(f"it has waited for the simulation: {took:.1f} s, as {MOST_ENDED - 1} times before")
+
+    def ended(self):
+        """How long a gateway takes to end, and its child with it."""
         self.started(LARGE)
         gateway, pid = self.fleet.pid(CLOUD, "cloud-gateway"), self.wait_simulator()
         began = time.monotonic()
         os.kill(gateway, signal.SIGTERM)
         self.fleet.wait("the simulator's end", lambda: not is_alive(pid), WAIT_S)
         self.fleet.wait("the gateway's end", lambda: not is_alive(gateway), WAIT_S)
-        self.assertLess(time.monotonic() - began, 2, "it has waited for the simulation")
+        took = time.monotonic() - began
         self.fleet.wait("another gateway", lambda: self.fleet.pid(CLOUD, "cloud-gateway") not in (None, gateway) and self.is_ready(), WAIT_S)
+        return took
 
     # ---- what is wrong
 
