@@ -37,7 +37,7 @@ def is_ready(fleet):
 
 def open_to_people(fleet, say):
     """Waits for the gateway, and tells how to sign in; the password is new with each demonstration."""
-    fleet.wait("the page is served", lambda: is_ready(fleet), 20)
+    fleet.wait("the page is served", lambda: is_ready(fleet), 60)
     made = fleet.json("cloud", "password", fleet.dir(CLOUD))
     say(f"\n== the page: https://localhost:{fleet.gateway_port}/   sign in as {made['user']}, password {made['password']}")
     say("  The page asks for a password of your own first.")
