@@ -165,10 +165,23 @@ async function moved({ page }, from, metres) {
   throw new Error(`it has not moved by ${metres} m from ${from}: ${said.map((text) => text.trim()).join(' ')}`);
 }
 
+/** Until the driver is told of it; one whose drive has ended for want of a word begins anew. */
+async function asks(other, driver) {
+  const told = driver.page.getByText(`${other.name} asks for this robot`);
+  for (let tries = 1; ; ++tries) {
+    if (await wasSilent(driver.page)) await begin(driver);
+    try {
+      if (!(await told.isVisible())) await other.page.getByRole('button', { name: 'Ask for it' }).press('Enter', { timeout: 5000 });
+      return await told.waitFor({ timeout: 5000 });
+    } catch (late) {
+      if (tries === 3) throw late;
+    }
+  }
+}
+
 /** Somebody asks, the driver hands over, the other one begins. */
 async function handOver(driver, other) {
-  await other.page.getByRole('button', { name: 'Ask for it' }).press('Enter');
-  await driver.page.getByText(`${other.name} asks for this robot`).waitFor();
+  await asks(other, driver);
   await driver.page.getByRole('button', { name: `Hand over to ${other.name}` }).press('Enter');
   await other.page.getByText('It was handed over to you').waitFor();
   await begin(other);
