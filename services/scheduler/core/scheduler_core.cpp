@@ -33,7 +33,7 @@ SchedulerCore::SchedulerCore(SchedulerSettings settings, const Archive& archive)
       journal_(settings_.node, runs_),
       definitions_(settings_.node, runs_, lookup_, journal_,
                    [this](const Inbound& message, Step step) { dispatch(message, step); }),
-      batons_(settings_.node, runs_, lookup_, journal_),
+      batons_(settings_.node, runs_, executor_, lookup_, journal_),
       results_(runs_, lookup_, journal_),
       decisions_(settings_.node, lookup_, journal_),
       aborts_(settings_.node, executor_, lookup_, journal_),

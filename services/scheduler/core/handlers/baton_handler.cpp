@@ -72,6 +72,26 @@ void BatonHandler::handle(const Baton& body, const Inbound& from, Step step) {
   for (HeldChoice& held : content->choices) journal_.keep_choice(*run, std::move(held), step);
   step.out.information(from.source, BatonJournaled{body.run, body.epoch, body.tasks, true});
   if (!run->orders().is_aborted()) run->receive(content->final_tasks, content->skipped_tasks, from.source);
+  if (is_under_way(*run, body.tasks, step.now)) repeat_progress(*run, from, step);
+}
+
+/// Did one of these tasks begin long ago? Whoever passes it in its turn does so within seconds.
+bool BatonHandler::is_under_way(const Run& run, const std::vector<TaskIndex>& tasks, Now now) const {
+  constexpr Duration kLong = std::chrono::seconds(10);
+  if (!executor_.runs(run.id()) || now.utc.ns - executor_.attempt()->result.started < kLong.count()) return false;
+  const auto attempted = run.index_of(executor_.attempt()->execute.key.task);
+  return attempted && std::ranges::find(tasks, *attempted) != tasks.end();
+}
+
+/// A cloud node that passes a task that has begun has lost this node's notice of it in a restart; one that has just got
+/// to know the run has refused it.
+void BatonHandler::repeat_progress(const Run& run, const Inbound& from, Step step) const {
+  const std::vector<std::string> clouds = run.members().clouds_without(node_);
+  const bool concerned = executor_.runs(run.id()) && std::ranges::find(clouds, from.source) != clouds.end();
+  if (!concerned || executor_.attempt()->phase == Phase::signing) return;
+  const bool runs = executor_.attempt()->phase == Phase::running;
+  const TaskState state = runs ? TaskState::running : TaskState::initializing;
+  step.out.information(from.source, TaskProgress{executor_.attempt()->execute.key, node_, state, ""});
 }
 
 void BatonHandler::handle(const BatonJournaled& body, const Inbound& from, Step step) {
@@ -85,6 +105,7 @@ void BatonHandler::handle(const BatonJournaled& body, const Inbound& from, Step 
   if (!run->epochs().is_of_epoch(body.tasks, body.epoch)) return step.out.count("late.baton_journaled");
   run->deliveries().forget_refusal(from.source);
   journal_.keep_delivery(*run, DeliveryKind::baton, from, body.tasks, body.epoch, step);
+  repeat_progress(*run, from, step);
 }
 
 void BatonHandler::on_refusal(const Nack& nack, const Inbound& from, Step step) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "common/actor/takes.hpp"
+#include "services/scheduler/core/executor.hpp"
 #include "services/scheduler/core/run_journal.hpp"
 #include "services/scheduler/core/run_lookup.hpp"
 
@@ -12,8 +13,8 @@ class BatonHandler {
   using Taken = Takes<Baton, BatonJournaled>;
 
   /// All must outlive it.
-  BatonHandler(std::string node, const RunStore& runs, RunLookup& lookup, RunJournal& journal)
-      : node_(std::move(node)), runs_(runs), lookup_(lookup), journal_(journal) {}
+  BatonHandler(std::string node, const RunStore& runs, const Executor& executor, RunLookup& lookup, RunJournal& journal)
+      : node_(std::move(node)), runs_(runs), executor_(executor), lookup_(lookup), journal_(journal) {}
 
   void handle(const Baton& body, const Inbound& from, Step step);
   void handle(const BatonJournaled& body, const Inbound& from, Step step);
@@ -25,9 +26,12 @@ class BatonHandler {
   [[nodiscard]] Status check(const Run& run, const Baton& baton, Step step) const;
   [[nodiscard]] static Result<Content> open(const Run& run, const Baton& baton);
   void request_decisions(Run& run, const Inbound& from, Step step);
+  [[nodiscard]] bool is_under_way(const Run& run, const std::vector<TaskIndex>& tasks, Now now) const;
+  void repeat_progress(const Run& run, const Inbound& from, Step step) const;
 
   std::string node_;
   const RunStore& runs_;
+  const Executor& executor_;
   RunLookup& lookup_;
   RunJournal& journal_;
 };

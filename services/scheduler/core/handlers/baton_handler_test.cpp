@@ -26,7 +26,7 @@ struct Passing {
   }
 
   KnownRun known{chain({"drone", "ur3", "pioneer"})};
-  BatonHandler handler{known.self, known.runs, known.lookup, known.journal};
+  BatonHandler handler{known.self, known.runs, known.executor, known.lookup, known.journal};
 };
 
 }  // namespace
@@ -53,7 +53,7 @@ TEST_CASE("results that a baton only speaks of are asked of its giver") {
 
 TEST_CASE("where decisions come from, a baton's word on others' tasks ends none of them") {
   KnownRun known{chain({"drone", "ur3", "pioneer"}), "cloud"};
-  BatonHandler handler{known.self, known.runs, known.lookup, known.journal};
+  BatonHandler handler{known.self, known.runs, known.executor, known.lookup, known.journal};
   Baton baton;
   baton.run = kKnownRun;
   baton.digest = known.run().definition().start().digest;

@@ -57,7 +57,7 @@ struct Working {
   RobotHandler robot{known.self, known.runs, known.executor, lost, known.journal};
   RobotSchedule schedule{known.runs, known.executor, lost};
   ConditionHandler conditions{known.self, known.runs, known.journal};
-  BatonHandler batons{known.self, known.runs, known.lookup, known.journal};
+  BatonHandler batons{known.self, known.runs, known.executor, known.lookup, known.journal};
   RefusalHandler refusals{known.self, known.runs, known.executor, conditions, batons};
 };
 
@@ -73,6 +73,36 @@ TEST_CASE("a task begins with its start record, once the robot is ready") {
   CHECK(sent<Execute>(out).size() == 1);
   CHECK(targets<TaskProgress>(out) == Names{"cloud", "cloud2"});
   CHECK(sent<Execute>(working.at_end_of_step()).empty());
+}
+
+TEST_CASE("a cloud node that was away when an attempt began is told how far it is, by what it sends next") {
+  Working working;
+  const Execute begun = working.start();
+  Baton baton;
+  baton.run = kKnownRun;
+  baton.digest = working.known.run().definition().start().digest;
+  baton.epoch = 1;
+  baton.final_tasks.bytes = baton.skipped_tasks.bytes = to_bitmap({false, false});
+  baton.tasks = {0};
+  const auto told = [&](const std::string& cloud, const auto& message) {
+    const Outbox out = working.known.send(working.batons, cloud, message);
+    const auto progress = sent<TaskProgress>(out);
+    if (progress.empty()) return std::string();
+    CHECK(targets<TaskProgress>(out) == Names{cloud});
+    return std::string(name_of(progress.at(0).state));
+  };
+  CHECK(told("cloud2", BatonJournaled{kKnownRun, 1, {0}}) == "INITIALIZING");
+  ExecutionState running;
+  running.key = begun.key;
+  running.instance = 5;
+  running.state = "running";
+  working.known.send(working.robot, "ur3", running, MessageType::information);
+  CHECK(told("cloud", baton).empty());  // it passes the task in its turn
+  working.known.pass(30);
+  CHECK(told("cloud", baton) == "RUNNING");
+  CHECK(told("drone", baton).empty());
+  working.tell_outcome(TaskOutcome::finished);
+  CHECK(told("cloud", baton).empty());
 }
 
 TEST_CASE("an outcome is signed, journaled, and told to the mode-adapter") {
