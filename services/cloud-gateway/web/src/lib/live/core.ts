@@ -5,7 +5,7 @@
  * |------------|------------------------------|---------------------------------------------------|------------|
  * | off        | start                        | connect                                           | connecting |
  * | connecting | opened                       | subscribe every topic, resume those that are known | open       |
- * | connecting | closed, 3 s without an answer | wait 0.25 s, doubled each time, 2 s at most;      | waiting    |
+ * | connecting | closed, 3 s without an answer | wait 0.25 s, doubled each time, 1 s at most;      | waiting    |
  * |            |                              | drop snapshots that are not whole                 |            |
  * | open       | frame                        | rows of its blocks                                | open       |
  * | open       | closed, 3 s without a frame  | as above                                          | waiting    |
@@ -17,7 +17,7 @@ import type { DriveAnswer, RemovedRow, Row } from '../api/types';
 export const SIGNED_OUT = 4401;
 const QUIET_MS = 3000; // the gateway sends a frame each second, even if nothing has changed
 const FIRST_WAIT_MS = 250;
-const MOST_WAIT_MS = 2000;
+const MOST_WAIT_MS = 1000;
 
 export type Phase = 'off' | 'connecting' | 'open' | 'waiting';
 export type Notice = 'dropped' | 'too_old' | 'restarted';
