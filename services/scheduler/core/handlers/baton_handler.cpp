@@ -72,11 +72,11 @@ void BatonHandler::handle(const Baton& body, const Inbound& from, Step step) {
   for (HeldChoice& held : content->choices) journal_.keep_choice(*run, std::move(held), step);
   step.out.information(from.source, BatonJournaled{body.run, body.epoch, body.tasks, true});
   if (!run->orders().is_aborted()) run->receive(content->final_tasks, content->skipped_tasks, from.source);
-  if (is_under_way(*run, body.tasks, step.now)) repeat_progress(*run, from, step);
+  if (began_long_ago(*run, body.tasks, step.now)) repeat_progress(*run, from, step);
 }
 
 /// Did one of these tasks begin long ago? Whoever passes it in its turn does so within seconds.
-bool BatonHandler::is_under_way(const Run& run, const std::vector<TaskIndex>& tasks, Now now) const {
+bool BatonHandler::began_long_ago(const Run& run, const std::vector<TaskIndex>& tasks, Now now) const {
   constexpr Duration kLong = std::chrono::seconds(10);
   if (!executor_.runs(run.id()) || now.utc.ns - executor_.attempt()->result.started < kLong.count()) return false;
   const auto attempted = run.index_of(executor_.attempt()->execute.key.task);

@@ -26,7 +26,7 @@ class BatonHandler {
   [[nodiscard]] Status check(const Run& run, const Baton& baton, Step step) const;
   [[nodiscard]] static Result<Content> open(const Run& run, const Baton& baton);
   void request_decisions(Run& run, const Inbound& from, Step step);
-  [[nodiscard]] bool is_under_way(const Run& run, const std::vector<TaskIndex>& tasks, Now now) const;
+  [[nodiscard]] bool began_long_ago(const Run& run, const std::vector<TaskIndex>& tasks, Now now) const;
   void repeat_progress(const Run& run, const Inbound& from, Step step) const;
 
   std::string node_;
