@@ -4,6 +4,7 @@ Addresses 127.0.246.x, 127.0.247.x.
 """
 import json
 import os
+import shutil
 import signal
 import unittest
 
@@ -14,11 +15,21 @@ from trb_fleet import CLOUD
 ROBOT, OTHER = "ridgeback", "pioneer1"
 
 
+def own_programs(case):
+    """A folder of the programs from which one can be taken away: a supervisor starts what lies beside it."""
+    folder = support.temporary_folder(case)
+    for program in support.PROGRAMS.glob("trb*"):
+        (folder / program.name).symlink_to(program)
+    (folder / "trb").unlink()
+    shutil.copy(support.PROGRAMS / "trb", folder)
+    return folder
+
+
 class OutOfUse(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         robots = {name: trb_fleet.ROBOTS[name] for name in (ROBOT, OTHER)}
-        cls.fleet = support.make_fleet(cls, block=246, udp_port=50246, robots=robots, speed=5)
+        cls.fleet = support.make_fleet(cls, programs=own_programs(cls), block=246, udp_port=50246, robots=robots, speed=5)
         cls.fleet.start()
         cls.fleet.wait_formed()
 
@@ -61,6 +72,24 @@ class OutOfUse(unittest.TestCase):
         self.wait_out_of_use()
         self.kill_adapter()
         self.wait_out_of_use()
+
+    def test_a_robot_whose_mode_adapter_does_not_come_back_is_not_called_online(self):
+        def told():
+            routes = self.fleet.json("route", "list", node=CLOUD)["routes"]
+            profile = next(route for route in routes if route["id"] == ROBOT)["profile"]
+            return profile["robot"], profile["detail"]
+
+        self.assertEqual(told()[0], "ONLINE")
+        program = self.fleet.programs / "trb-mode-adapter"
+        real = program.readlink()
+        program.unlink()  # as after a fault of the disk: its supervisor starts it again and again, in vain
+        try:
+            os.kill(self.fleet.pid(ROBOT, "mode-adapter"), signal.SIGKILL)
+            self.fleet.wait("the fleet knows that nobody reports the robot", lambda: told() == (
+                "CONNECTION_BROKEN", "its mode-adapter does not run: trb service list on its node"), 60)
+        finally:
+            program.symlink_to(real)
+        self.fleet.wait("it is reported again", lambda: told() == ("ONLINE", ""), 60)
 
     def test_a_person_says_that_it_is_repaired(self):
         self.fault("carry", "--text", "gripper jammed")

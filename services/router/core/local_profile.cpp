@@ -19,11 +19,12 @@ bool add_once(std::vector<std::string>& words, const std::string& word, std::siz
 }  // namespace
 
 bool LocalProfile::is_plugged(std::string_view sensor) const {
-  return std::any_of(plugged_.begin(), plugged_.end(), [&](const SensorInfo& info) { return info.name == sensor; });
+  return sensors_report_.stands() &&
+         std::any_of(plugged_.begin(), plugged_.end(), [&](const SensorInfo& info) { return info.name == sensor; });
 }
 
 void LocalProfile::on_sensors(const NodeSensors& told, Effects& out) {
-  lost_.reset();
+  sensors_report_.on_report();
   plugged_ = told.sensors;
   publish(out);
 }
@@ -37,6 +38,8 @@ void LocalProfile::on_robot(const NodeProfile& told, Now now, Effects& out) {
   }
   if (!fits(profile)) return refuse(encode(profile).size(), now, out);
   robot_ = std::move(profile);
+  robot_report_ = {};
+  if (!robot_.robot.empty()) robot_report_.on_report();
   publish(out);
 }
 
@@ -58,16 +61,26 @@ bool LocalProfile::make_fit(NodeProfile& profile) const {
   for (SensorInfo& sensor : profile.plugged) sensor.device.clear();
   if (fits(profile)) return false;
   profile.plugged.clear();
-  if (!fits(profile)) profile = robot_;
+  if (!fits(profile)) profile = robot_as_known();
   return false;
+}
+
+/// Without its mode-adapter nobody knows how the robot is; what it can do stays.
+NodeProfile LocalProfile::robot_as_known() const {
+  NodeProfile profile = robot_;
+  if (profile.robot.empty() || robot_report_.stands()) return profile;
+  profile.robot = "CONNECTION_BROKEN";
+  profile.detail = "its mode-adapter does not run: trb service list on its node";
+  return profile;
 }
 
 /// Merges the mode-adapter's and the sensor-bus's parts; every peer gets the profile if it has changed.
 void LocalProfile::publish(Effects& out) {
-  NodeProfile profile = robot_;
-  profile.plugged = plugged_;
+  NodeProfile profile = robot_as_known();
+  if (sensors_report_.stands()) profile.plugged = plugged_;
+  const std::vector<SensorInfo> plugged = profile.plugged;
   bool room = true;
-  for (const SensorInfo& sensor : plugged_) {
+  for (const SensorInfo& sensor : plugged) {
     room = add_once(profile.sensors, sensor.name, kMaxNames) && room;
     room = add_once(profile.capabilities, sensor.kind, kMaxCapabilities) && room;
   }
@@ -95,22 +108,28 @@ void LocalProfile::send(Link& link, Effects& out) {
   messages_.send(link, whole_, out);
 }
 
-void LocalProfile::on_sensor_bus_gone(Now now) {
-  if (!plugged_.empty()) lost_ = now.mono + node_.config().timing.service_silent;
+void LocalProfile::on_service_gone(std::string_view service, Now now) {
+  const MonotonicTime end = now.mono + node_.config().timing.service_silent;
+  if (service == kSensorBus) sensors_report_.on_gone(end);
+  if (service == kModeAdapter) robot_report_.on_gone(end);
 }
 
-std::optional<MonotonicTime> LocalProfile::next_deadline(std::optional<MonotonicTime> last_heard) const {
-  if (plugged_.empty()) return std::nullopt;
-  const auto silent = last_heard ? std::optional(*last_heard + node_.config().timing.lease) : std::nullopt;
-  return earlier(lost_, silent);
+std::optional<MonotonicTime> LocalProfile::next_deadline(const ReportersHeard& heard) const {
+  const Duration lease = node_.config().timing.lease;
+  return earlier(sensors_report_.next_deadline(heard.sensor_bus, lease),
+                 robot_report_.next_deadline(heard.mode_adapter, lease));
 }
 
-void LocalProfile::tick(std::optional<MonotonicTime> last_heard, Now now, Effects& out) {
-  const auto end = next_deadline(last_heard);
-  if (!end || now.mono < *end) return;
-  out.log(LogLevel::warning, "sensors_gone",
-          std::to_string(plugged_.size()) + " sensors: their service has not told of them again");
-  on_sensors({}, out);
+void LocalProfile::tick(const ReportersHeard& heard, Now now, Effects& out) {
+  const Duration lease = node_.config().timing.lease;
+  const bool sensors = sensors_report_.tick(heard.sensor_bus, lease, now.mono);
+  const bool robot = robot_report_.tick(heard.mode_adapter, lease, now.mono);
+  if (sensors && !sensors_report_.stands() && !plugged_.empty())
+    out.log(LogLevel::warning, "sensors_gone",
+            std::to_string(plugged_.size()) + " sensors: their service does not report");
+  if (robot && !robot_report_.stands())
+    out.log(LogLevel::warning, "robot_unreported", "the mode-adapter does not report: nobody knows how the robot is");
+  if (sensors || robot) publish(out);
 }
 
 }  // namespace trb::router

@@ -9,19 +9,26 @@
 #include "services/router/core/link_errors.hpp"
 #include "services/router/core/own_messages.hpp"
 #include "services/router/core/peer_table.hpp"
+#include "services/router/core/service_report.hpp"
 
 namespace trb::router {
 
 constexpr std::string_view kSensorBus = "sensor-bus";
+constexpr std::string_view kModeAdapter = "mode-adapter";
 
-/// sensors | event                                                  | next
-/// --------|--------------------------------------------------------|---------------------------------------------
-/// any     | received from the sensor-bus                           | plugged; every peer gets what has changed
-/// plugged | the sensor-bus's connection ends                       | lost: it has 3 s to come back
-/// plugged | the sensor-bus is silent for a lease (expired)         | none; every peer gets that
-/// lost    | received anew                                          | plugged
-/// lost    | 3 s are over (expired)                                 | none; every peer gets that
-/// any     | a robot's profile that no peer would take (invalid)    | as before; counted, logged, a link error
+/// When the services that make the profile were last heard, if they are connected.
+struct ReportersHeard {
+  std::optional<MonotonicTime> sensor_bus;
+  std::optional<MonotonicTime> mode_adapter;
+};
+
+/// event                                                   | next
+/// --------------------------------------------------------|------------------------------------------------------
+/// sensors, from the sensor-bus                            | plugged; every peer gets what has changed
+/// a robot's profile, from the mode-adapter                | every peer gets what has changed
+/// a robot's profile that no peer would take (invalid)     | as before; counted, logged, a link error
+/// the sensor-bus is gone, or silent (see ServiceReport)   | no sensors, until it reports or is heard again
+/// the mode-adapter is gone, or silent                     | the robot is CONNECTION_BROKEN, and why, likewise
 class LocalProfile {
  public:
   LocalProfile(const LocalNode& node, PeerTable& table, OwnMessages& messages, LinkErrors& errors)
@@ -29,8 +36,8 @@ class LocalProfile {
 
   void on_sensors(const NodeSensors& told, Effects& out);
   void on_robot(const NodeProfile& told, Now now, Effects& out);
-  /// A sensor-bus that the supervisor restarts sends its sensors again within that time.
-  void on_sensor_bus_gone(Now now);
+  /// A service that the supervisor restarts reports again within three seconds.
+  void on_service_gone(std::string_view service, Now now);
 
   [[nodiscard]] const NodeProfile& profile() const { return whole_; }
   /// Increases with each change.
@@ -39,23 +46,24 @@ class LocalProfile {
   /// Sends the profile by the link, if the other side has not got this version yet.
   void send(Link& link, Effects& out);
 
-  /// `last_heard`: of the sensor-bus, if it is connected.
-  void tick(std::optional<MonotonicTime> last_heard, Now now, Effects& out);
-  [[nodiscard]] std::optional<MonotonicTime> next_deadline(std::optional<MonotonicTime> last_heard) const;
+  void tick(const ReportersHeard& heard, Now now, Effects& out);
+  [[nodiscard]] std::optional<MonotonicTime> next_deadline(const ReportersHeard& heard) const;
 
  private:
   void refuse(std::size_t size, Now now, Effects& out);
   bool make_fit(NodeProfile& profile) const;
+  [[nodiscard]] NodeProfile robot_as_known() const;
   void publish(Effects& out);
 
   const LocalNode& node_;
   PeerTable& table_;
   OwnMessages& messages_;
   LinkErrors& errors_;
-  NodeProfile whole_;                  ///< what the fleet gets
-  NodeProfile robot_;                  ///< of it, what the mode-adapter sent
-  std::vector<SensorInfo> plugged_;    ///< of it, what the sensor-bus sent
-  std::optional<MonotonicTime> lost_;  ///< until when a sensor-bus that is gone may come back
+  NodeProfile whole_;                ///< what the fleet gets
+  NodeProfile robot_;                ///< of it, what the mode-adapter sent
+  std::vector<SensorInfo> plugged_;  ///< of it, what the sensor-bus sent
+  ServiceReport robot_report_;
+  ServiceReport sensors_report_;
   std::uint64_t number_ = 1;
 };
 

@@ -40,7 +40,7 @@ void RouterCore::set_address(const std::string& address, const std::string& why,
 }
 
 void RouterCore::on_connection_gone(ConnectionId connection, Now now, Effects& out) {
-  if (bus_.on_gone(connection, out) == kSensorBus) profile_.on_sensor_bus_gone(now);
+  if (const auto service = bus_.on_gone(connection, out)) profile_.on_service_gone(*service, now);
 }
 
 void RouterCore::on_link_lost(Peer& peer, const Link& gone, Now now, Effects& out) {
@@ -52,13 +52,16 @@ bool RouterCore::is_relayed(const Peer& peer) const {
   return relays_.relay_of(peer) != nullptr;
 }
 
-std::optional<MonotonicTime> RouterCore::sensor_bus_heard() const {
-  const auto holder = bus_.services().holder(kSensorBus);
-  return holder ? std::optional(bus_.services().find(*holder)->last_heard) : std::nullopt;
+ReportersHeard RouterCore::reporters_heard() const {
+  const auto heard = [&](std::string_view service) {
+    const auto holder = bus_.services().holder(service);
+    return holder ? std::optional(bus_.services().find(*holder)->last_heard) : std::nullopt;
+  };
+  return {heard(kSensorBus), heard(kModeAdapter)};
 }
 
 std::optional<MonotonicTime> RouterCore::next_deadline() const {
-  std::optional<MonotonicTime> next = profile_.next_deadline(sensor_bus_heard());
+  std::optional<MonotonicTime> next = profile_.next_deadline(reporters_heard());
   for (const auto& due :
        {membership_.next_deadline(), seals_.next_deadline(), links_.next_deadline(), beacons_.next_deadline(),
         admission_.next_deadline(), known_.next_deadline(), updates_.next_deadline(), reachable_.next_deadline(),
@@ -80,7 +83,7 @@ void RouterCore::tick(Now now, Effects& out) {
   updates_.tick(now, out);
   reachable_.tick(now, out);
   relays_.tick(now, out);
-  profile_.tick(sensor_bus_heard(), now, out);
+  profile_.tick(reporters_heard(), now, out);
   lanes_.tick(now, out);
   invitations_.tick(now, out);
 }

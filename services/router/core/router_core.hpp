@@ -61,7 +61,7 @@ class RouterCore final : private LinkWatcher {
   void on_link_lost(Peer& peer, const Link& gone, Now now, Effects& out) override;
   [[nodiscard]] bool is_relayed(const Peer& peer) const override;
   [[nodiscard]] LinkParts parts();
-  [[nodiscard]] std::optional<MonotonicTime> sensor_bus_heard() const;
+  [[nodiscard]] ReportersHeard reporters_heard() const;
 
   LocalNode node_;
   CounterTable counters_;

@@ -1,0 +1,38 @@
+// Whether what a service of this node has reported still stands.
+#pragma once
+
+#include <optional>
+
+#include "common/base/time.hpp"
+
+namespace trb::router {
+
+/// state    | event                                              | next
+/// ---------|----------------------------------------------------|----------------------------------------
+/// any      | reported                                           | stands
+/// stands   | the service's connection ends                      | waits: it has some time to come back
+/// silent   | the same                                           | given up
+/// waits    | that time is over (expired)                        | given up
+/// stands   | the service is silent for a lease (expired)        | silent
+/// silent   | the service is heard anew (late)                   | stands
+/// given up | the service is heard anew: of what, it has not said | as before
+class ServiceReport {
+ public:
+  void on_report() { state_ = State::stands; }
+  /// The service's connection has ended; it has until `end` to report anew.
+  void on_gone(MonotonicTime end);
+
+  [[nodiscard]] bool stands() const { return state_ == State::stands || state_ == State::waits; }
+
+  /// `last_heard`: of the service, if it is connected. True: `stands` has changed.
+  bool tick(std::optional<MonotonicTime> last_heard, Duration lease, MonotonicTime now);
+  [[nodiscard]] std::optional<MonotonicTime> next_deadline(std::optional<MonotonicTime> last_heard,
+                                                           Duration lease) const;
+
+ private:
+  enum class State : unsigned char { none, stands, waits, silent, given_up };
+  State state_ = State::none;
+  MonotonicTime at_{};  ///< waits: until when; silent: when it was last heard
+};
+
+}  // namespace trb::router
