@@ -198,7 +198,8 @@ bool MsgpackReader::take_fields(std::span<const FieldEntry> fields, const msgpac
   return true;
 }
 
-Result<msgpack::object_handle> parse(BytesView bytes) {
+/// The object points into the bytes and the zone.
+Result<msgpack::object> parse(BytesView bytes, msgpack::zone& zone) {
   const DecodeLimits limits;
   if (bytes.size() > limits.bytes) return fail(Errc::too_large, "body of " + std::to_string(bytes.size()) + " bytes");
   try {
@@ -206,9 +207,9 @@ Result<msgpack::object_handle> parse(BytesView bytes) {
     const msgpack::unpack_limit bound(limits.items, limits.items, limits.bytes, limits.bytes, limits.bytes,
                                       limits.depth);
     const auto reference = [](msgpack::type::object_type, std::size_t, void*) { return true; };
-    msgpack::object_handle handle = msgpack::unpack(bytes.data(), bytes.size(), offset, reference, nullptr, bound);
+    const msgpack::object all = msgpack::unpack(zone, bytes.data(), bytes.size(), offset, reference, nullptr, bound);
     if (offset != bytes.size()) return fail(Errc::malformed, "body: bytes after its end");
-    return handle;
+    return all;
   } catch (const msgpack::size_overflow& problem) {
     return fail(Errc::too_large, std::string("body: ") + problem.what());
   } catch (const std::exception& problem) {
@@ -216,20 +217,34 @@ Result<msgpack::object_handle> parse(BytesView bytes) {
   }
 }
 
+/// What is packed grows in bytes that are there already, and is copied out once it is whole.
+struct Scratch {
+  Scratch() {
+    constexpr std::size_t kUsual = 64 * 1024;
+    if (bytes.capacity() > kUsual) bytes = {};
+    bytes.clear();
+  }
+  static Bytes& of_thread() {
+    thread_local Bytes bytes;
+    return bytes;
+  }
+  Bytes& bytes = of_thread();
+  StringBuffer buffer{bytes};
+};
+
 }  // namespace
 
 Bytes pack(const Shape& shape, const void* value) {
-  Bytes out;
-  StringBuffer buffer{out};
-  Packer packer(buffer);
+  Scratch scratch;
+  Packer packer(scratch.buffer);
   put(packer, shape, value, kDefaultMaxSize);
-  return out;
+  return scratch.bytes;
 }
 
 Result<Bytes> pack_readable(const Shape& shape, const void* value) {
-  Bytes out;
-  StringBuffer buffer{out};
-  Packer packer(buffer);
+  Scratch scratch;
+  const Bytes& out = scratch.bytes;
+  Packer packer(scratch.buffer);
   put(packer, shape, value, kDefaultMaxSize);
   if (packer.error().code != Errc::ok) return packer.error();
   if (const std::size_t most = DecodeLimits{}.bytes; out.size() > most)
@@ -238,10 +253,13 @@ Result<Bytes> pack_readable(const Shape& shape, const void* value) {
 }
 
 Error unpack(const Shape& shape, BytesView bytes, void* value) {
-  const auto handle = parse(bytes);
-  if (!handle) return handle.error();
+  // Its first chunk is used again: it has eight kilobytes, and most bodies a few hundred bytes.
+  thread_local msgpack::zone zone;
+  zone.clear();
+  const auto all = parse(bytes, zone);
+  if (!all) return all.error();
   MsgpackReader reader;
-  reader.take(shape, handle->get(), value, kDefaultMaxSize);
+  reader.take(shape, *all, value, kDefaultMaxSize);
   return std::move(reader.error);
 }
 

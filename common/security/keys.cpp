@@ -13,7 +13,10 @@ namespace {
 
 /// What is really signed: every part is delimited, so that none can be shifted into another.
 Bytes signed_bytes(std::string_view purpose, BytesView fleet, BytesView payload) {
-  Bytes out = "talkrobots";
+  constexpr std::string_view kName = "talkrobots";
+  Bytes out;
+  out.reserve(kName.size() + 1 + purpose.size() + 1 + fleet.size() + payload.size());
+  out += kName;
   out += '\0';
   out += purpose;
   out += '\0';

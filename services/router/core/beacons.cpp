@@ -72,7 +72,7 @@ void Beacons::on_beacon(BytesView plain, Now now, Effects& out) {
 }
 
 Result<Certificate> Beacons::check(const SignedRecord& record, const Beacon& beacon, Now now, Effects& out) {
-  auto certificate = trust_.open_member(beacon.certificate, now, out);
+  auto certificate = trust_.open_member(beacon.certificate, now, out, record.signer);
   if (!certificate) return certificate;
   if (auto proven = open_record<Beacon>(record, kSignedBeacon, *certificate); !proven) return proven.error();
   if (Status numbers = check_address("address", beacon.address, certificate->id); !numbers) return numbers.error();

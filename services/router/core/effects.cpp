@@ -5,6 +5,7 @@
 namespace trb::router {
 
 void Effects::add(Effect effect) {
+  if (list.empty()) list.reserve(4);  // a step has few, and moving one is not cheap
   list.push_back(std::move(effect));
 }
 

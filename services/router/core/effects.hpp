@@ -1,6 +1,7 @@
 // What the router's core orders its shell to do. Values, so that tests and simulations can read them.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <variant>
 #include <vector>
@@ -88,7 +89,7 @@ struct CheckSeal {
   std::uint64_t last = 0;    ///< sequence
   std::size_t messages = 0;  ///< that it seals
   SignedRecord record;
-  Certificate signer;
+  std::shared_ptr<const Certificate> signer;
 };
 /// What was held of this link up to this sequence number is proven: deliver it.
 struct DeliverHeld {

@@ -220,7 +220,7 @@ void Forwarding::on_own_unsent(const Message& message, Errc reason, Effects& out
 
 void Forwarding::on_seal_checked(const CheckSeal& seal, bool good, Now now, Effects& out) {
   if (good) return at_.seals.proven(seal, out);
-  at_.links.break_seal(seal.link, seal.signer.id, SealFault::wrong_signature, now, out);
+  at_.links.break_seal(seal.link, seal.signer->id, SealFault::wrong_signature, now, out);
 }
 
 void Forwarding::on_returned(const ReturnHeld& of, const std::vector<HeaderView>& held, Effects& out) {

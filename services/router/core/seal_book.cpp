@@ -19,7 +19,7 @@ void SealBook::bind(const Link& link, const Certificate& certificate, const Hell
   LinkSeals& seals = rows_[link.id];
   by_link_.set(link.id, seals);
   seals.peer = hello.certificate;
-  seals.signer = certificate;
+  seals.signer = std::make_shared<const Certificate>(certificate);
   seals.out.peer_serial = certificate.serial;
   seals.in.serial = certificate.serial;
   seals.each = node_.config().seal_before_delivery || hello.seal == kSealBeforeDelivery;
@@ -76,10 +76,10 @@ std::optional<Bytes> SealBook::make_seal(LinkId link, Now now) {
 
 std::optional<Bytes> SealBook::seal(LinkSeals& seals, LinkId link, Now now, Undo& undo) {
   // Before the peer's Hello the seal's receiver is not known.
-  if (seals.signer.id.empty() || seals.writer.unsealed() == 0) return std::nullopt;
+  if (!seals.signer || seals.writer.unsealed() == 0) return std::nullopt;
   const SealedRange range = seals.writer.range(seals.out, node_.checked_utc(now.utc));
-  const SignedRecord record = sign_seal(range, node_.id(), seals.signer.fleet.bytes, node_.config().identity);
-  const Message message = messages_.plain(Seal::kSubtype, seals.signer.id, encode(Seal{record}));
+  const SignedRecord record = sign_seal(range, node_.id(), seals.signer->fleet.bytes, node_.config().identity);
+  const Message message = messages_.plain(Seal::kSubtype, seals.signer->id, encode(Seal{record}));
   Bytes frame = encode_frame(message);
   stamp_link(frame.data(), link, seals.writer.next(), message.remaining_ms);
   undo.link = link;
@@ -127,12 +127,12 @@ bool SealBook::is_overdue(LinkId link) const {
 
 bool SealBook::seals_each(LinkId link) const {
   const LinkSeals* seals = kUnsealed ? nullptr : find(link);
-  return seals != nullptr && seals->each && !seals->signer.id.empty();
+  return seals != nullptr && seals->each && seals->signer;
 }
 
 void SealBook::seal_now(LinkId link, Effects& out) const {
   const LinkSeals* seals = find(link);
-  if (seals != nullptr && seals->writer.unsealed() > 0 && !seals->signer.id.empty()) out.add(SealDue{link});
+  if (seals != nullptr && seals->writer.unsealed() > 0 && seals->signer) out.add(SealDue{link});
 }
 
 void SealBook::last_seal(LinkId link, Effects& out) {

@@ -30,14 +30,14 @@ struct LinkSeals {
   SealScope in;
   SealWriter writer;
   SealReader reader;
-  std::size_t held = 0;                     ///< bytes since the last seal
-  std::shared_ptr<const SignedRecord> own;  ///< the certificate that this node's Hello carried
-  SignedRecord peer;                        ///< the one in the other side's Hello
-  Certificate signer;                       ///< `peer` decoded: a renewal keeps the identity key
-  bool each = false;                        ///< one side requires that each message is sealed by itself
-  std::optional<MonotonicTime> due;         ///< set by the book alone, whose index has it
-  bool overdue = false;                     ///< a seal must leave before anything else
-  std::uint64_t unsealed_count = 0;         ///< with kUnsealed: the last sequence number
+  std::size_t held = 0;                       ///< bytes since the last seal
+  std::shared_ptr<const SignedRecord> own;    ///< the certificate that this node's Hello carried
+  SignedRecord peer;                          ///< the one in the other side's Hello
+  std::shared_ptr<const Certificate> signer;  ///< `peer` decoded: a renewal keeps the identity key; none before Hello
+  bool each = false;                          ///< one side requires that each message is sealed by itself
+  std::optional<MonotonicTime> due;           ///< set by the book alone, whose index has it
+  bool overdue = false;                       ///< a seal must leave before anything else
+  std::uint64_t unsealed_count = 0;           ///< with kUnsealed: the last sequence number
 };
 
 }  // namespace trb::router

@@ -193,7 +193,7 @@ TEST_CASE("a signature that is found wrong when its link has ended raises the al
   const LinkId link = pair.bee.link_to("ant");
   CheckSeal late;
   late.link = 4711;
-  late.signer = pair.ant.keys.certificate;
+  late.signer = std::make_shared<const Certificate>(pair.ant.keys.certificate);
   Effects effects;
   pair.bee.core->forwarding().on_seal_checked(late, false, pair.fleet.now, effects);
   pair.fleet.carry_out(pair.bee, effects);

@@ -124,16 +124,19 @@ Status TrustStore::keep(const SignedRecord& record, const Certificate& certifica
   return Done{};
 }
 
-Result<Certificate> TrustStore::open_known(const SignedRecord& record) const {
+Result<Certificate> TrustStore::open_known(const SignedRecord& record, std::string_view holder) const {
   // Every beacon, Hello and relay presents it again: the signature of a peer's own record was already checked.
+  const Peer* said = table_.find(holder);
+  if (said != nullptr && said->certificate_record == record) return said->certificate;
   const auto shown = decode<Certificate>(record.payload.bytes);
   const Peer* peer = shown ? table_.find(shown->id) : nullptr;
   if (peer != nullptr && peer->certificate_record == record) return peer->certificate;
   return open_certificate_any_time(record, node_.config().authority);
 }
 
-Result<Certificate> TrustStore::open_member(const SignedRecord& record, Now now, Effects& out) {
-  auto certificate = open_known(record);
+Result<Certificate> TrustStore::open_member(const SignedRecord& record, Now now, Effects& out,
+                                            std::string_view holder) {
+  auto certificate = open_known(record, holder);
   if (!certificate) return certificate;
   if (const Revocation* entry = find_revoked(*certificate)) {
     remember_revoked(*certificate);

@@ -42,8 +42,9 @@ class TrustStore {
   TakenUpdate take(const TrustUpdate& update, Budget* checks, Now now, Effects& out);
 
   /// The certificate in this record, if its holder is a member now. Errors: those of the signature, cert_revoked,
-  /// cert_not_yet_valid, cert_expired.
-  Result<Certificate> open_member(const SignedRecord& record, Now now, Effects& out);
+  /// cert_not_yet_valid, cert_expired. `holder`: who is said to have it, which need not be so; one that is known
+  /// already is not read then.
+  Result<Certificate> open_member(const SignedRecord& record, Now now, Effects& out, std::string_view holder = {});
   /// Errors: downgraded: a newer certificate of the same node is known.
   [[nodiscard]] Status check_newest(const Certificate& certificate) const;
   /// Is this exactly the record that is held already? Its signature was checked.
@@ -75,7 +76,7 @@ class TrustStore {
   void forget_ended(Now now);
 
  private:
-  [[nodiscard]] Result<Certificate> open_known(const SignedRecord& record) const;
+  [[nodiscard]] Result<Certificate> open_known(const SignedRecord& record, std::string_view holder) const;
   void take_certificates(const TrustUpdate& update, Budget* checks, Now now, TakenUpdate& taken, Effects& out);
   Status take_list(const SignedRecord& record, Now now, Effects& out);
   Status take_certificate(const SignedRecord& record, Now now, Effects& out);

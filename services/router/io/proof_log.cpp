@@ -22,7 +22,7 @@ void ProofLog::heard(const LinkSeals& link, UtcTime now, BytesView frame) {
   const auto [at, fresh] = open_.try_emplace(link.in.link);
   Open& open = at->second;
   if (fresh) {
-    open.peer = is_valid_id(link.signer.id) ? link.signer.id : "";  // it becomes part of a file's name
+    open.peer = link.signer && is_valid_id(link.signer->id) ? link.signer->id : "";  // it becomes part of a file's name
     open.link = std::make_shared<const ProofLink>(
         ProofLink{link.in.link, !link.in.dialled, 1, first_previous(), *link.own, link.peer});
   }

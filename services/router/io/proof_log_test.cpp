@@ -44,7 +44,9 @@ struct Speaker {
     at_bee.in = {link, 7, 7, true};
     at_bee.own = std::make_shared<const SignedRecord>(certificate("bee", make_signing_key()));
     at_bee.peer = certificate(name, identity);
-    at_bee.signer.id = name;
+    Certificate signer;
+    signer.id = name;
+    at_bee.signer = std::make_shared<const Certificate>(signer);
   }
   SignedRecord certificate(const std::string& id, const SigningKey& key) const {
     const Certificate body{
@@ -294,7 +296,7 @@ TEST_CASE("files of an earlier version, all peers in one, are read and go by the
   const TempDir temp;
   {
     Speaker unnamed(4);
-    unnamed.at_bee.signer.id.clear();  // as an earlier version wrote them
+    unnamed.at_bee.signer.reset();  // as an earlier version wrote them
     ProofLog log(temp.path, 8 * kMegabyte);
     unnamed.say_sealed(log, "long ago");
   }

@@ -60,7 +60,7 @@ void SealChecker::run() {
     CheckSeal seal = std::move(queue_.front());
     queue_.pop_front();
     lock.unlock();
-    const bool good = verify_seal(seal.record, seal.signer);
+    const bool good = verify_seal(seal.record, *seal.signer);
     lock.lock();
     checked_.push_back({std::move(seal), good});
     // An earlier result was already signalled.

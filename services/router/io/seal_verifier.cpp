@@ -12,7 +12,7 @@ void SealVerifier::check(CheckSeal&& seal) {
   // A frame that waits for its seal must not wait for another thread too.
   if (!shell_.core().seals().holds(seal.link) && checker_.put(std::move(seal))) return;
   // NOLINTNEXTLINE(bugprone-use-after-move): a checker that is full has taken nothing
-  on_checked(seal, verify_seal(seal.record, seal.signer));
+  on_checked(seal, verify_seal(seal.record, *seal.signer));
 }
 
 void SealVerifier::take_checked() {

@@ -190,7 +190,7 @@ void TestFleet::say(const std::string& from, const std::string& to, const std::s
   message.target = to;
   message.data = data;
   keep_time();
-  at(from).router.send(at(from).link_to(to), encode_frame(message));
+  at(from).router.send(at(from).link_to(to), word, encode_frame(message));
 }
 
 void TestFleet::ask(const std::string& from, const std::string& to, const std::string& word, const Bytes& data) {
@@ -262,7 +262,7 @@ void TestFleet::close_lanes(const TestNode& node, LinkId link) {
 Routing TestFleet::stream(const std::string& from, const Message& message) {
   TestNode& node = at(from);
   const Routing way = node.core->routing().lossy(message.target, encode_frame(message).size(), now_of(node));
-  if (way.to == Routing::To::peer) node.router.send(way.link, encode_frame(message));
+  if (way.to == Routing::To::peer) node.router.send(way.link, message.subtype, encode_frame(message));
   if (way.to != Routing::To::lane) return way;
   for (const auto& [listener, speaker] : lanes_) {
     if (speaker != from || listener.first != message.target) continue;

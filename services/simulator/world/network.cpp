@@ -27,7 +27,7 @@ void Network::move(const std::string& id, const std::string& address) {
 }
 
 void Network::attach(LinkId connection, const std::string& dialler, Bytes key, const std::string& acceptor) {
-  connections_[connection] = {{.to = acceptor}, {.to = dialler}, std::move(key), false};
+  connections_[connection] = {way_to(acceptor), way_to(dialler), std::move(key), false};
 }
 
 template <class Is>
@@ -42,7 +42,7 @@ std::vector<LinkId> Network::connections_where(Is&& is) const {
 
 void Network::leave(const std::string& id) {
   if (over_) return;
-  hosts_.erase(id);
+  hosts_[id] = nullptr;
   const auto ended = connections_where([&](const Connection& is) { return is.there.to == id || is.back.to == id; });
   for (const LinkId link : ended) {
     Connection& is = connections_.at(link);
@@ -88,7 +88,7 @@ void Network::hand_over_held(LinkId connection, bool there) {
     if (way.held.empty() || is_stopped(way, at->second.sender(there), way.held.front())) return;
     Parcel parcel = std::move(way.held.front());
     way.held.pop_front();
-    hand_over(connection, std::string(at->second.sender(there)), std::string(way.to), std::move(parcel));
+    hand_over(connection, at->second, there, std::move(parcel));
   }
 }
 
@@ -122,14 +122,13 @@ void Network::connect(const std::string& from, const router::Dial& dial) {
   here->on_dial_connected(dial.link);
 }
 
-bool Network::send(LinkId connection, const std::string& from, Bytes frame) {
+bool Network::send(LinkId connection, const std::string& from, std::string_view subtype, Bytes frame) {
   const auto at = connections_.find(connection);
   if (at == connections_.end()) return false;
-  const bool there = at->second.back.to == from;
-  const auto header = decode_frame_of_any_version(frame);
-  count(from, there ? at->second.there.to : at->second.back.to, header ? header->subtype : "", on_wire(frame.size()),
-        frame);
-  post(connection, there, {std::move(frame), false});
+  Connection& is = at->second;
+  const bool there = is.back.to == from;
+  count(from, is.way(there).to, subtype, on_wire(frame.size()), frame);
+  post(connection, is, there, {std::move(frame), false});
   return true;
 }
 
@@ -143,8 +142,8 @@ MonotonicTime Network::arrival(Way& way, std::uint64_t bytes) {
   return way.last;
 }
 
-void Network::post(LinkId connection, bool there, Parcel parcel) {
-  const MonotonicTime at = arrival(connections_.at(connection).way(there), bytes_of(parcel));
+void Network::post(LinkId connection, Connection& is, bool there, Parcel parcel) {
+  const MonotonicTime at = arrival(is.way(there), bytes_of(parcel));
   events_.at(at, [this, connection, there, parcel = std::move(parcel)]() mutable {
     arrive(connection, there, std::move(parcel));
   });
@@ -163,28 +162,27 @@ void Network::arrive(LinkId connection, bool there, Parcel parcel) {
   Way& way = at->second.way(there);
   const bool waits = !way.held.empty() || is_stopped(way, at->second.sender(there), parcel);
   if (waits) return way.held.push_back(std::move(parcel));
-  hand_over(connection, std::string(at->second.sender(there)), std::string(way.to), std::move(parcel));
+  hand_over(connection, at->second, there, std::move(parcel));
 }
 
-void Network::hand_over(LinkId connection, const std::string& from, const std::string& to, Parcel parcel) {
-  const Bytes key = connections_.at(connection).key;
+void Network::hand_over(LinkId connection, const Connection& is, bool there, Parcel parcel) {
+  Host* here = *is.way(there).host;
   if (parcel.end) connections_.erase(connection);
-  Host* here = host(to);
   if (here == nullptr) return;
   if (parcel.end) return here->on_connection_end(connection);
-  if (meddle && !meddle(from, connection, parcel.frame)) return;
-  here->on_frame(connection, key, std::move(parcel.frame));
+  if (meddle && !meddle(is.sender(there), connection, parcel.frame)) return;
+  here->on_frame(connection, is.key, std::move(parcel.frame));
 }
 
 void Network::close(LinkId connection, const std::string& by) {
   const auto at = connections_.find(connection);
-  if (at != connections_.end()) post(connection, at->second.back.to == by, {{}, true});
+  if (at != connections_.end()) post(connection, at->second, at->second.back.to == by, {{}, true});
 }
 
 void Network::broadcast(const std::string& from, const Bytes& plain) {
   count(from, "*", "beacon", plain.size() + kBeaconBytes, plain);
   for (const auto& [id, is] : hosts_) {
-    if (id == from || is_cut(from, id) || dice_.chance(kind_.loss)) continue;
+    if (is == nullptr || id == from || is_cut(from, id) || dice_.chance(kind_.loss)) continue;
     events_.after(delay(), [this, to = id, plain] {
       if (Host* there = host(to)) there->on_beacon(plain);
     });

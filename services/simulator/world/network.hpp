@@ -56,8 +56,8 @@ class Network {
   /// A connection that is made already. A dialler that is no host hears nothing, and nothing tells that.
   void attach(LinkId connection, const std::string& dialler, Bytes key, const std::string& acceptor);
   [[nodiscard]] bool has(LinkId connection) const { return connections_.contains(connection); }
-  /// False: there is no such connection any more.
-  bool send(LinkId connection, const std::string& from, Bytes frame);
+  /// `subtype`: the frame's. False: there is no such connection any more.
+  bool send(LinkId connection, const std::string& from, std::string_view subtype, Bytes frame);
   void close(LinkId connection, const std::string& by);
   void broadcast(const std::string& from, const Bytes& plain);
 
@@ -82,6 +82,7 @@ class Network {
   };
   struct Way {
     std::string to;
+    Host* const* host = nullptr;  ///< of `to`; it points at nothing while that is away
     MonotonicTime free{}, last{};
     std::deque<Parcel> held{};   ///< while it is cut, and behind that until these have arrived
     bool resumes = false;        ///< what is held arrives soon
@@ -92,6 +93,7 @@ class Network {
     Bytes key;          ///< the dialler's
     bool lost = false;  ///< one end has moved away: nothing arrives
     [[nodiscard]] Way& way(bool to_acceptor) { return to_acceptor ? there : back; }
+    [[nodiscard]] const Way& way(bool to_acceptor) const { return to_acceptor ? there : back; }
     [[nodiscard]] const std::string& sender(bool to_acceptor) const { return to_acceptor ? back.to : there.to; }
   };
   [[nodiscard]] bool is_cut(const std::string& from, const std::string& to) const {
@@ -102,15 +104,16 @@ class Network {
   [[nodiscard]] std::vector<LinkId> connections_where(Is&& is) const;
   /// A parcel on this way does not arrive.
   bool is_stopped(Way& way, const std::string& from, const Parcel& parcel);
+  [[nodiscard]] Way way_to(const std::string& id) { return {.to = id, .host = &hosts_[id]}; }
   [[nodiscard]] Host* host(const std::string& id);
   void connect(const std::string& from, const router::Dial& dial);
-  void post(LinkId connection, bool there, Parcel parcel);
+  void post(LinkId connection, Connection& is, bool there, Parcel parcel);
   void arrive(LinkId connection, bool there, Parcel parcel);
   void resume(LinkId connection, bool there);
   void hand_over_held(LinkId connection, bool there);
   /// When that many bytes arrive that are sent now: not before what was sent earlier.
   MonotonicTime arrival(Way& way, std::uint64_t bytes);
-  void hand_over(LinkId connection, const std::string& from, const std::string& to, Parcel parcel);
+  void hand_over(LinkId connection, const Connection& is, bool there, Parcel parcel);
   Duration delay();
   void count(const std::string& from, const std::string& to, std::string_view subtype, std::uint64_t bytes,
              BytesView frame);
@@ -119,7 +122,7 @@ class Network {
   Meter& meter_;
   Dice& dice_;
   LinkKind kind_;
-  std::map<std::string, Host*> hosts_;
+  std::map<std::string, Host*> hosts_;            ///< nullptr: away
   std::map<std::string, std::string> addresses_;  ///< HOST:PORT -> id
   std::unordered_map<LinkId, Connection> connections_;
   bool over_ = false;

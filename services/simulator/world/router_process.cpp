@@ -129,10 +129,10 @@ router::Routing RouterProcess::from_bus(ConnectionId from, const HeaderView& hea
     for (const ConnectionId to : orders.copies) bus_.to_service(to, frame);
     if (orders.way.to == To::service && !bus_.to_service(orders.way.connection, frame))
       core_.forwarding().on_unsent(from, header, Errc::no_service, out);
-    if (orders.way.to == To::peer && !send(orders.way.link, orders.outgoing, frame))
+    if (orders.way.to == To::peer && !send(orders.way.link, orders.outgoing, header.subtype, frame))
       core_.forwarding().on_unsent(from, header, Errc::peer_unreachable, out);
   });
-  for (const Routing& way : orders.each) send(way.link, frame);
+  for (const Routing& way : orders.each) send(way.link, header.subtype, frame);
   return orders.way;
 }
 
@@ -147,25 +147,25 @@ void RouterProcess::count_local(const HeaderView& header, BytesView frame) {
 
 // ---- sending
 
-bool RouterProcess::send(LinkId link, Bytes frame) {
+bool RouterProcess::send(LinkId link, std::string_view subtype, Bytes frame) {
   if (watch_.withholds && watch_.withholds(*decode_frame(frame))) return true;
   const router::Outgoing outgoing = core_.seals().send(link, frame.data(), frame.size(), clock_.now());
-  return send(link, outgoing, std::move(frame));
+  return send(link, outgoing, subtype, std::move(frame));
 }
 
-bool RouterProcess::send(LinkId link, const router::Outgoing& outgoing, Bytes frame) {
+bool RouterProcess::send(LinkId link, const router::Outgoing& outgoing, std::string_view subtype, Bytes frame) {
   if (!outgoing.known) return false;
-  if (!outgoing.before.empty() && !network_.send(link, id(), outgoing.before)) {
+  if (!outgoing.before.empty() && !network_.send(link, id(), Seal::kSubtype, outgoing.before)) {
     core_.seals().not_sent(link, router::Unsent::before);
     lost_.push_back(link);
     return false;
   }
-  if (!network_.send(link, id(), std::move(frame))) {
+  if (!network_.send(link, id(), subtype, std::move(frame))) {
     core_.seals().not_sent(link, router::Unsent::frame);
     lost_.push_back(link);
     return false;
   }
-  if (!outgoing.behind.empty() && !network_.send(link, id(), outgoing.behind))
+  if (!outgoing.behind.empty() && !network_.send(link, id(), Seal::kSubtype, outgoing.behind))
     core_.seals().not_sent(link, router::Unsent::behind);
   return true;
 }
@@ -198,7 +198,7 @@ void RouterProcess::carry_out(router::Dial& dial) {
 }
 
 void RouterProcess::carry_out(router::LinkSend& own) {
-  if (send(own.link, encode_frame(own.message))) return;
+  if (send(own.link, own.message.subtype, encode_frame(own.message))) return;
   Effects effects;
   core_.forwarding().on_own_unsent(own.message, Errc::peer_unreachable, effects);
   carry_out(effects);
@@ -216,7 +216,7 @@ void RouterProcess::carry_out(router::RefuseCandidate& refuse) {
   Bytes frame = encode_frame(refuse.message);
   stamp_link(frame.data(), refuse.link, 1, refuse.message.remaining_ms);
   stamp_version(frame.data(), refuse.version);
-  network_.send(origin_, id(), std::move(frame));
+  network_.send(origin_, id(), refuse.message.subtype, std::move(frame));
 }
 
 void RouterProcess::stored(router::Kept what) {
@@ -229,14 +229,15 @@ void RouterProcess::stored(router::Kept what) {
 
 void RouterProcess::carry_out(router::SealDue& due) {
   const auto seal = core_.seals().make_seal(due.link, clock_.now());
-  if (seal && !network_.send(due.link, id(), *seal)) core_.seals().not_sent(due.link, router::Unsent::behind);
+  if (seal && !network_.send(due.link, id(), Seal::kSubtype, *seal))
+    core_.seals().not_sent(due.link, router::Unsent::behind);
 }
 
 /// In the shell a thread does it, beside the loop.
 void RouterProcess::carry_out(router::CheckSeal& seal) {
   constexpr Duration kCheck = std::chrono::microseconds(150);
-  events_.after(kCheck, life_, [this, seal] {
-    const bool good = verify_seal(seal.record, seal.signer);
+  events_.after(kCheck, life_, [this, seal = std::move(seal)] {
+    const bool good = verify_seal(seal.record, *seal.signer);
     step([&](Now now, Effects& out) { core_.forwarding().on_seal_checked(seal, good, now, out); });
   });
 }

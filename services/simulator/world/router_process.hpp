@@ -48,7 +48,7 @@ class RouterProcess final : public Host, public BusServer {
   Routing from_bus(ConnectionId from, Bytes frame);
   Routing from_link(LinkId link, Bytes frame);
   /// Numbers and sends a frame. False: it does not leave.
-  bool send(LinkId link, Bytes frame);
+  bool send(LinkId link, std::string_view subtype, Bytes frame);
 
   [[nodiscard]] std::size_t linked() const;
 
@@ -96,7 +96,7 @@ class RouterProcess final : public Host, public BusServer {
   Routing from_link(LinkId link, const HeaderView& header, Bytes frame);
   Routing from_bus(ConnectionId from, const HeaderView& header, Bytes frame);
   void deliver(LinkId link, std::uint64_t sequence, bool hold, ConnectionId to, Bytes frame);
-  bool send(LinkId link, const router::Outgoing& outgoing, Bytes frame);
+  bool send(LinkId link, const router::Outgoing& outgoing, std::string_view subtype, Bytes frame);
   void count_local(const HeaderView& header, BytesView frame);
 
   UtcTime& utc_bound_;
