@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "common/base/lookup_table.hpp"
+
 namespace trb {
 namespace {
 
@@ -34,40 +36,26 @@ const Handling& handling(BodyKind kind) {
   return kHandling[static_cast<std::size_t>(kind)];
 }
 
-struct Named {
-  std::string_view subtype;
-  BodyKind kind;
-};
-
-constexpr bool comes_first(const Named& a, const Named& b) {
-  return a.subtype < b.subtype;
-}
-
 constexpr std::array kSubtypes{
 #define TRB_NAME(Name) Name::kSubtype,
     TRB_BODIES(TRB_NAME)
 #undef TRB_NAME
 };
 
-constexpr auto by_subtype() {
-  std::array out{
-#define TRB_NAMED(Name) Named{Name::kSubtype, BodyKind::Name},
-      TRB_BODIES(TRB_NAMED)
-#undef TRB_NAMED
-  };
-  std::sort(out.begin(), out.end(), comes_first);
-  return out;
-}
+static_assert(
+    [] {
+      auto words = kSubtypes;
+      std::ranges::sort(words);
+      return std::ranges::adjacent_find(words) == words.end();
+    }(),
+    "two bodies share a subtype");
 
-constexpr auto kTyped = by_subtype();
-static_assert(std::adjacent_find(kTyped.begin(), kTyped.end(),
-                                 [](const Named& a, const Named& b) { return a.subtype == b.subtype; }) == kTyped.end(),
-              "two bodies share a subtype");
+constexpr WordIndex<kSubtypes.size()> kKindByWord(kSubtypes);
 
 /// Opaque if no body has that subtype.
 BodyKind kind_of(std::string_view subtype) {
-  const auto at = std::lower_bound(kTyped.begin(), kTyped.end(), Named{subtype, BodyKind::Opaque}, comes_first);
-  return at != kTyped.end() && at->subtype == subtype ? at->kind : BodyKind::Opaque;
+  const std::size_t at = kKindByWord.find(subtype);
+  return at == kKindByWord.kNone ? BodyKind::Opaque : static_cast<BodyKind>(at + 1);
 }
 
 Error no_such_body(std::string_view subtype) {

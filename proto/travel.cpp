@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "common/base/lookup_table.hpp"
 #include "proto/body.hpp"
 
 namespace trb {
@@ -36,6 +37,12 @@ constexpr auto kRows = [] {
 }();
 static_assert(std::ranges::adjacent_find(kRows, {}, &TravelRow::subtype) == kRows.end(), "two words are one");
 
+constexpr WordIndex<kRows.size()> kRowByWord([] {
+  std::array<std::string_view, kRows.size()> words;
+  std::ranges::transform(kRows, words.begin(), &TravelRow::subtype);
+  return words;
+}());
+
 }  // namespace
 
 std::span<const TravelRow> travel_rows() {
@@ -43,8 +50,8 @@ std::span<const TravelRow> travel_rows() {
 }
 
 const Travel* find_travel(std::string_view subtype) {
-  const auto* at = std::ranges::lower_bound(kRows, subtype, {}, &TravelRow::subtype);
-  return at != kRows.end() && at->subtype == subtype ? &at->travel : nullptr;
+  const std::size_t at = kRowByWord.find(subtype);
+  return at == kRowByWord.kNone ? nullptr : &kRows[at].travel;
 }
 
 std::string phases_text() {

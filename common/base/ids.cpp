@@ -1,19 +1,27 @@
 #include "common/base/ids.hpp"
 
 #include <algorithm>
+#include <array>
 
 namespace trb {
 namespace {
 
-bool is_lower(char c) {
+constexpr bool is_lower(char c) {
   return c >= 'a' && c <= 'z';
 }
-bool is_upper(char c) {
+constexpr bool is_upper(char c) {
   return c >= 'A' && c <= 'Z';
 }
-bool is_tail(char c) {
+constexpr bool is_tail(char c) {
   return is_lower(c) || (c >= '0' && c <= '9') || c == '_' || c == '-';
 }
+
+/// Every frame's subtype is looked at: one look for each letter.
+constexpr auto kInWord = [] {
+  std::array<bool, 256> out{};
+  for (unsigned c = 0; c < out.size(); ++c) out[c] = is_tail(static_cast<char>(c)) || is_upper(static_cast<char>(c));
+  return out;
+}();
 
 }  // namespace
 
@@ -23,7 +31,7 @@ bool is_valid_id(std::string_view id) {
 
 bool is_valid_word(std::string_view word) {
   return !word.empty() && word.size() <= kMaxIdSize && (is_lower(word[0]) || is_upper(word[0])) &&
-         std::all_of(word.begin(), word.end(), [](char c) { return is_tail(c) || is_upper(c); });
+         std::all_of(word.begin(), word.end(), [](char c) { return kInWord[static_cast<unsigned char>(c)]; });
 }
 
 Status check_id(std::string_view field, std::string_view id) {

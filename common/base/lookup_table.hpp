@@ -2,6 +2,8 @@
 // cannot matter to anybody.
 #pragma once
 
+#include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <string_view>
@@ -10,17 +12,46 @@
 
 namespace trb {
 
-inline std::uint64_t spread(std::uint64_t key) {
+constexpr std::uint64_t spread(std::uint64_t key) {
   key ^= key >> 32U;
   key *= 0x9E3779B97F4A7C15U;
   return key ^ key >> 29U;
 }
 /// FNV-1a.
-inline std::uint64_t spread(std::string_view key) {
+constexpr std::uint64_t spread(std::string_view key) {
   std::uint64_t out = 0xCBF29CE484222325U;
   for (const char byte : key) out = (out ^ static_cast<unsigned char>(byte)) * 0x100000001B3U;
   return spread(out);
 }
+
+/// Where in a list that never changes a word stands; made by the compiler.
+template <std::size_t N>
+class WordIndex {
+ public:
+  static constexpr std::size_t kNone = N;
+
+  /// `words`: as many different ones.
+  constexpr explicit WordIndex(const std::array<std::string_view, N>& words) : words_(words) {
+    for (std::size_t i = 0; i < N; ++i) places_[place_of(words[i])] = static_cast<std::uint16_t>(i + 1);
+  }
+  /// kNone: it is none of them.
+  [[nodiscard]] constexpr std::size_t find(std::string_view word) const {
+    const std::size_t at = places_[place_of(word)];
+    return at == 0 ? kNone : at - 1;
+  }
+
+ private:
+  /// Where it is, or could be.
+  [[nodiscard]] constexpr std::size_t place_of(std::string_view word) const {
+    std::size_t at = spread(word) & (kPlaces - 1);
+    while (places_[at] != 0 && words_[places_[at] - 1U] != word) at = (at + 1) & (kPlaces - 1);
+    return at;
+  }
+
+  static constexpr std::size_t kPlaces = std::bit_ceil(2 * N + 1);
+  std::array<std::string_view, N> words_;
+  std::array<std::uint16_t, kPlaces> places_{};  ///< 0: nobody; otherwise a word's number, from 1
+};
 
 /// Points at rows that somebody else owns, with keys that live as long as they do. At most half of it is in use.
 template <class Key, class Row>

@@ -2,9 +2,11 @@
 
 #include <doctest/doctest.h>
 
+#include <array>
 #include <map>
 #include <random>
 #include <string>
+#include <string_view>
 
 namespace trb {
 
@@ -41,6 +43,14 @@ TEST_CASE("names are found, and the last row of a name is the one") {
   table.erase("ant");
   CHECK(table.find("ant") == nullptr);
   CHECK(table.find("bee") == &two);
+}
+
+TEST_CASE("a word is found where it stands in its list, and no other one is") {
+  constexpr std::array<std::string_view, 5> kWords{"seal", "hello", "", "goodbye", "keep_alive"};
+  constexpr WordIndex<kWords.size()> kIndex(kWords);
+  static_assert(kIndex.find("goodbye") == 3);
+  for (std::size_t i = 0; i < kWords.size(); ++i) CHECK(kIndex.find(std::string(kWords[i])) == i);
+  for (const char* other : {"sea", "seals", "Seal", "goodby"}) CHECK(kIndex.find(other) == kIndex.kNone);
 }
 
 }  // namespace trb
