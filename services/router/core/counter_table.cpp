@@ -3,16 +3,16 @@
 namespace trb::router {
 
 void CounterTable::count(std::string_view name, std::uint64_t by) {
-  const auto at = counts_.find(name);
-  if (at != counts_.end()) {
-    at->second += by;
+  if (std::uint64_t* count = by_name_.find(name)) {
+    *count += by;
   } else if (counts_.size() < kMost) {
-    counts_.emplace(name, by);
+    const auto at = counts_.emplace(name, by).first;
+    by_name_.set(at->first, at->second);
   }
 }
 
 void CounterTable::take_back(std::string_view name) {
-  if (const auto at = counts_.find(name); at != counts_.end() && at->second > 0) --at->second;
+  if (std::uint64_t* count = by_name_.find(name); count != nullptr && *count > 0) --*count;
 }
 
 std::uint64_t CounterTable::value(std::string_view name) const {

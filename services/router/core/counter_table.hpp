@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include "common/base/lookup_table.hpp"
 #include "proto/bodies/bus.hpp"
 
 namespace trb::router {
@@ -13,6 +14,10 @@ namespace trb::router {
 class CounterTable {
  public:
   static constexpr std::size_t kMost = 1000;  ///< names; more are not counted
+
+  CounterTable() = default;
+  CounterTable(const CounterTable&) = delete;
+  CounterTable& operator=(const CounterTable&) = delete;
 
   void count(std::string_view name, std::uint64_t by = 1);
   /// Undoes a count: the event did not happen after all.
@@ -22,6 +27,7 @@ class CounterTable {
 
  private:
   std::map<std::string, std::uint64_t, std::less<>> counts_;
+  LookupTable<std::string_view, std::uint64_t> by_name_;  ///< the same rows
 };
 
 }  // namespace trb::router

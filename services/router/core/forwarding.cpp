@@ -168,11 +168,12 @@ bool Forwarding::hear(LinkId id, const HeaderView& header, BytesView frame, Now 
 
 void Forwarding::to_router(LinkId id, const HeaderView& header, BytesView frame, Now now, FrameOrders& orders,
                            Effects& out) {
-  const Link& link = *at_.table.link(id);
+  Link& link = *at_.table.link(id);
   const bool was_up = link.up;
   // The dialling side's proof is the pinned server key.
   const Bytes key = was_up ? Bytes() : link.key;
-  inbox_.on_message(id, key, to_message(header), header.sequence, now, out);
+  if (!was_up || !inbox_.on_usual(link, header, now, out))
+    inbox_.on_message(id, key, to_message(header), header.sequence, now, out);
   if (!was_up) hear(id, header, frame, now, orders, out);
   orders.sealed = header.subtype == Seal::kSubtype && at_.table.link(id) != nullptr;
 }

@@ -38,7 +38,7 @@ std::optional<MonotonicTime> LinkDeadlines::due(const Peer& peer) const {
   return leased ? earlier(peer.redial.at, *peer.lost + timing_.lease) : peer.redial.at;
 }
 
-void LinkDeadlines::refresh(std::map<LinkId, Link>& links, const std::map<std::string, Peer, std::less<>>& peers) {
+void LinkDeadlines::refresh(std::map<LinkId, Link>& links, const LookupTable<std::string_view, Peer>& peers) {
   touch_renewed(links);
   for (Peer* peer : touched_peers_) {
     peer->due.touched = false;
@@ -48,9 +48,9 @@ void LinkDeadlines::refresh(std::map<LinkId, Link>& links, const std::map<std::s
   for (Link* link : touched_links_) {
     link->due.touched = false;
     links_.set(link, link->due.at, due(*link));
-    const auto peer = link->up ? peers.find(link->peer) : peers.end();
+    const Peer* peer = link->up ? peers.find(link->peer) : nullptr;
     ends_.set(link, link->due.ends,
-              peer == peers.end() ? std::nullopt : std::optional(UtcTime{peer->second.certificate.not_after}));
+              peer == nullptr ? std::nullopt : std::optional(UtcTime{peer->certificate.not_after}));
   }
   touched_links_.clear();
 }

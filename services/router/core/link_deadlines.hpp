@@ -4,10 +4,11 @@
 
 #include <map>
 #include <optional>
-#include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/base/deadline_index.hpp"
+#include "common/base/lookup_table.hpp"
 #include "services/router/core/config.hpp"
 #include "services/router/core/peers.hpp"
 
@@ -33,7 +34,7 @@ class LinkDeadlines {
   void forget(Peer& peer);
 
   /// Looks at what was touched. The rows are the table's.
-  void refresh(std::map<LinkId, Link>& links, const std::map<std::string, Peer, std::less<>>& peers);
+  void refresh(std::map<LinkId, Link>& links, const LookupTable<std::string_view, Peer>& peers);
   [[nodiscard]] std::optional<MonotonicTime> earliest() const { return earlier(links_.earliest(), peers_.earliest()); }
   /// By their ids.
   [[nodiscard]] std::vector<Link*> due_links(MonotonicTime now, UtcTime utc) const;

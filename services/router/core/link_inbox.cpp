@@ -40,6 +40,24 @@ void LinkInbox::on_message(LinkId id, BytesView key, const Message& message, std
   on_peer_message(*link, message, now, out);
 }
 
+/// Without a copy of the message.
+bool LinkInbox::on_usual(Link& link, const HeaderView& header, Now now, Effects& out) {
+  if (header.subtype == Seal::kSubtype) {
+    auto seal = decode<Seal>(header.data);
+    if (seal) on_seal(link, std::move(*seal), now, out);
+    return seal.ok();
+  }
+  if (header.subtype != KeepAlive::kSubtype) return false;
+  const auto alive = decode<KeepAlive>(header.data);
+  if (alive) Links::on_keep_alive(link, *alive, now);
+  return alive.ok();
+}
+
+void LinkInbox::on_seal(const Link& link, Seal seal, Now now, Effects& out) {
+  const SealFault fault = at_.seals.close(link.id, std::move(seal), link.heard, out);
+  if (fault != SealFault::none) at_.links.break_seal(link.id, link.peer, fault, now, out);
+}
+
 void LinkInbox::carry(Link& link, const Hello& hello, Now now, Effects& out) {
   if (const auto carried = at_.handshake.carry(link, hello, now, out)) on_carried(*carried, now, out);
 }
@@ -102,8 +120,7 @@ void LinkInbox::on_peer_message(Link& link, const Message& message, Now now, Eff
 
 void LinkInbox::on_body(Link& link, const Message& message, const Body& body, Now now, Effects& out) {
   if (const auto* seal = get_if<Seal>(&body)) {
-    const SealFault fault = at_.seals.close(link.id, *seal, link.heard, out);
-    if (fault != SealFault::none) at_.links.break_seal(link.id, link.peer, fault, now, out);
+    on_seal(link, *seal, now, out);
   } else if (const auto* alive = get_if<KeepAlive>(&body)) {
     Links::on_keep_alive(link, *alive, now);
   } else if (const auto* reached = get_if<ReachablePeerList>(&body)) {

@@ -50,6 +50,9 @@ class LinkInbox {
   /// A message for the router itself, or the first one (Hello). `key`: of the connection; empty: proven to be the
   /// link's.
   void on_message(LinkId link, BytesView key, const Message& message, std::uint64_t sequence, Now now, Effects& out);
+  /// Most of what a link brings for its router: seals and keep-alives that can be read, of a link that is up. False:
+  /// it is something else.
+  bool on_usual(Link& link, const HeaderView& header, Now now, Effects& out);
   /// The Hello that waited for one more message is accepted.
   void carry(Link& link, const Hello& hello, Now now, Effects& out);
 
@@ -59,6 +62,7 @@ class LinkInbox {
   void on_dialled_message(Link& link, const Message& message, Now now, Effects& out);
   void on_peer_message(Link& link, const Message& message, Now now, Effects& out);
   void on_body(Link& link, const Message& message, const Body& body, Now now, Effects& out);
+  void on_seal(const Link& link, Seal seal, Now now, Effects& out);
   void on_goodbye(const Link& link, const Goodbye& goodbye, Now now, Effects& out);
   void on_request(const Link& link, const Message& message, Now now, Effects& out);
   Result<Body> answer_to(Peer& peer, const Message& message, Now now, Effects& out);

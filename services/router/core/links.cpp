@@ -1,6 +1,7 @@
 #include "services/router/core/links.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace trb::router {
 namespace {
@@ -212,7 +213,7 @@ std::optional<Links::Lapse> Links::lapse_of(const Link& link, Now now) const {
     if (now.mono < link.opened + timing.handshake) return std::nullopt;
     return Lapse{link.id, "no_hello", "no Hello in time"};
   }
-  const Peer& peer = *table_.find(link.peer);
+  const Peer& peer = *std::as_const(table_).find(link.peer);
   if (node_.checked_utc(now.utc).ns >= peer.certificate.not_after)
     return Lapse{link.id, "cert_expired", "its certificate has ended"};
   if (now.mono >= link.last_heard + timing.lease) return Lapse{link.id, "not_heard", std::string(kUnheard)};

@@ -43,6 +43,8 @@ class LocalProfile {
   /// Increases with each change.
   [[nodiscard]] std::uint64_t number() const { return number_; }
   [[nodiscard]] bool is_plugged(std::string_view sensor) const;
+  [[nodiscard]] bool has_plugged() const { return !plugged_.empty(); }
+  [[nodiscard]] bool has_robot() const { return !robot_.robot.empty(); }
   /// Sends the profile by the link, if the other side has not got this version yet.
   void send(Link& link, Effects& out);
 

@@ -18,7 +18,7 @@ PeerTable::PeerTable(const RouterConfig& config) : deadlines_(config.timing) {
 }
 
 LinkDeadlines& PeerTable::deadlines() {
-  deadlines_.refresh(links_, peers_);
+  deadlines_.refresh(links_, by_id_);
   return deadlines_;
 }
 

@@ -53,11 +53,12 @@ bool RouterCore::is_relayed(const Peer& peer) const {
 }
 
 ReportersHeard RouterCore::reporters_heard() const {
-  const auto heard = [&](std::string_view service) {
+  const auto heard = [&](bool has_reported, std::string_view service) -> std::optional<MonotonicTime> {
+    if (!has_reported) return std::nullopt;  // nobody would ask
     const auto holder = bus_.services().holder(service);
     return holder ? std::optional(bus_.services().find(*holder)->last_heard) : std::nullopt;
   };
-  return {heard(kSensorBus), heard(kModeAdapter)};
+  return {heard(profile_.has_plugged(), kSensorBus), heard(profile_.has_robot(), kModeAdapter)};
 }
 
 std::optional<MonotonicTime> RouterCore::next_deadline() const {

@@ -1,6 +1,7 @@
 #include "services/router/core/routing.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "common/security/rights.hpp"
 
@@ -73,7 +74,7 @@ Routing MessageRouting::from_bus_to_self(ConnectionId from, const Connection& by
 }
 
 Routing MessageRouting::from_bus_to_peer(ConnectionId from, const HeaderView& header) {
-  const Peer* peer = table_.find(header.target);
+  const Peer* peer = std::as_const(table_).find(header.target);
   if (peer == nullptr) return drop(Errc::unknown_target);
   const Link* relay = peer->link == 0 ? relays_.relay_of(*peer) : nullptr;
   if (peer->link == 0 && relay == nullptr) return drop(peer->expired ? Errc::peer_expired : Errc::peer_unreachable);
@@ -84,7 +85,7 @@ Routing MessageRouting::from_bus_to_peer(ConnectionId from, const HeaderView& he
 
 Routing MessageRouting::from_link(const Link& link, const HeaderView& header, Effects& out) const {
   if (header.target != node_.id() && header.target != kEveryNode) return drop(Errc::unknown_target);
-  const Peer& peer = *table_.find(link.peer);
+  const Peer& peer = *std::as_const(table_).find(link.peer);
   if (const Role role = peer.certificate.role; !may_cross(role, header.subtype)) {
     out.log(LogLevel::warning, "not_permitted",
             link.peer + " sent " + std::string(header.subtype) + ", which a " + std::string(name_of(role)) +

@@ -78,14 +78,14 @@ std::optional<Bytes> SealBook::seal(LinkSeals& seals, LinkId link, Now now, Undo
   // Before the peer's Hello the seal's receiver is not known.
   if (!seals.signer || seals.writer.unsealed() == 0) return std::nullopt;
   const SealedRange range = seals.writer.range(seals.out, node_.checked_utc(now.utc));
-  const SignedRecord record = sign_seal(range, node_.id(), seals.signer->fleet.bytes, node_.config().identity);
-  const Message message = messages_.plain(Seal::kSubtype, seals.signer->id, encode(Seal{record}));
+  const Seal seal{sign_seal(range, node_.id(), seals.signer->fleet.bytes, node_.config().identity)};
+  const Message message = messages_.plain(Seal::kSubtype, seals.signer->id, encode(seal));
   Bytes frame = encode_frame(message);
   stamp_link(frame.data(), link, seals.writer.next(), message.remaining_ms);
   undo.link = link;
   undo.writer = seals.writer;
   undo.due = seals.due;
-  seals.writer.sealed(record.payload.bytes);
+  seals.writer.sealed(seal.range.payload.bytes);
   seals.overdue = false;
   due_.set(link, seals.due, std::nullopt);
   counters_.count("seals.sent");
@@ -177,7 +177,7 @@ SealFault SealBook::receive(LinkId link, const HeaderView& header, BytesView fra
   return late ? SealFault::late : SealFault::none;
 }
 
-SealFault SealBook::close(LinkId link, const Seal& seal, std::uint64_t sequence, Effects& out) {
+SealFault SealBook::close(LinkId link, Seal seal, std::uint64_t sequence, Effects& out) {
   LinkSeals* seals = kUnsealed ? nullptr : row(link);
   if (seals == nullptr) return SealFault::none;
   const auto range = decode<SealedRange>(seal.range.payload.bytes);
@@ -186,7 +186,7 @@ SealFault SealBook::close(LinkId link, const Seal& seal, std::uint64_t sequence,
   const SealFault fault = seals->reader.close(seals->in, *range, sequence, seal.range.payload.bytes);
   if (fault != SealFault::none) return fault;
   seals->held = 0;
-  out.add(CheckSeal{link, range->last, messages, seal.range, seals->signer});
+  out.add(CheckSeal{link, range->last, messages, std::move(seal.range), seals->signer});
   return SealFault::none;
 }
 

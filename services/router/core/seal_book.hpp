@@ -76,7 +76,7 @@ class SealBook {
   /// A frame arrived on a link that is up. A fault ends the link.
   SealFault receive(LinkId link, const HeaderView& header, BytesView frame);
   /// A seal arrived as the frame with this sequence number: a fault, or CheckSeal.
-  SealFault close(LinkId link, const Seal& seal, std::uint64_t sequence, Effects& out);
+  SealFault close(LinkId link, Seal seal, std::uint64_t sequence, Effects& out);
   /// Its signature is good: the frames that waited for it are delivered.
   void proven(const CheckSeal& seal, Effects& out);
   /// Are messages of this link delivered only when they are proven (DeliverHeld)?

@@ -126,10 +126,11 @@ Status TrustStore::keep(const SignedRecord& record, const Certificate& certifica
 
 Result<Certificate> TrustStore::open_known(const SignedRecord& record, std::string_view holder) const {
   // Every beacon, Hello and relay presents it again: the signature of a peer's own record was already checked.
-  const Peer* said = table_.find(holder);
+  const PeerTable& table = table_;
+  const Peer* said = table.find(holder);
   if (said != nullptr && said->certificate_record == record) return said->certificate;
   const auto shown = decode<Certificate>(record.payload.bytes);
-  const Peer* peer = shown ? table_.find(shown->id) : nullptr;
+  const Peer* peer = shown ? table.find(shown->id) : nullptr;
   if (peer != nullptr && peer->certificate_record == record) return peer->certificate;
   return open_certificate_any_time(record, node_.config().authority);
 }
