@@ -25,7 +25,7 @@ bool Events::step(MonotonicTime limit) {
   std::pop_heap(heap_.begin(), heap_.end());
   const Event event = heap_.back();
   heap_.pop_back();
-  const What what = std::exchange(whats_[event.place], {});
+  What what = std::move(whats_[event.place]);
   free_.push_back(event.place);
   skip_to(event.time);
   ++happened_;

@@ -2,19 +2,86 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <memory>
+#include <new>
 #include <optional>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "common/base/time.hpp"
 
 namespace trb::world {
 
+/// What happens at an event: a function without arguments, kept in place if it is small. Nearly all are, and a world
+/// has millions of them.
+class What {
+ public:
+  What() = default;
+  template <class Is>
+  requires(!std::is_same_v<std::decay_t<Is>, What>)
+      What(Is&& is) {  // NOLINT(google-explicit-constructor): as std::function
+    using Kept = std::decay_t<Is>;
+    if constexpr (kFits<Kept>) {
+      ::new (static_cast<void*>(place_)) Kept(std::forward<Is>(is));
+      handling_ = &kHandling<Kept>;
+    } else {
+      *this = What([far = std::make_unique<Kept>(std::forward<Is>(is))] { (*far)(); });
+    }
+  }
+  What(What&& other) noexcept { take(other); }
+  What& operator=(What&& other) noexcept {
+    if (this == &other) return *this;
+    clear();
+    take(other);
+    return *this;
+  }
+  What(const What&) = delete;
+  What& operator=(const What&) = delete;
+  ~What() { clear(); }
+
+  void operator()() { handling_->call(place_); }
+
+ private:
+  static constexpr std::size_t kSize = 72;  ///< a frame that arrives, and whose it is
+  struct Handling {
+    void (*call)(void* at);
+    void (*move)(void* to, void* from) noexcept;  ///< nothing is left behind
+    void (*destroy)(void* at) noexcept;
+  };
+  template <class Kept>
+  static constexpr bool kFits = sizeof(Kept) <= kSize &&
+                                alignof(Kept) <= alignof(void*) && std::is_nothrow_move_constructible_v<Kept>;
+  template <class Kept>
+  static Kept& kept(void* at) {
+    return *std::launder(static_cast<Kept*>(at));
+  }
+  template <class Kept>
+  static constexpr Handling kHandling{.call = [](void* at) { kept<Kept>(at)(); },
+                                      .move =
+                                          [](void* to, void* from) noexcept {
+                                            ::new (to) Kept(std::move(kept<Kept>(from)));
+                                            kept<Kept>(from).~Kept();
+                                          },
+                                      .destroy = [](void* at) noexcept { kept<Kept>(at).~Kept(); }};
+
+  void take(What& other) noexcept {
+    if (other.handling_ != nullptr) other.handling_->move(place_, other.place_);
+    handling_ = std::exchange(other.handling_, nullptr);
+  }
+  void clear() noexcept {
+    if (const Handling* before = std::exchange(handling_, nullptr)) before->destroy(place_);
+  }
+
+  const Handling* handling_ = nullptr;
+  alignas(void*) unsigned char place_[kSize];
+};
+
 class Events {
  public:
-  using What = std::function<void()>;
+  using What = world::What;
 
   [[nodiscard]] MonotonicTime now() const { return now_; }
   /// How long the world has existed.

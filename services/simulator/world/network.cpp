@@ -181,10 +181,11 @@ void Network::close(LinkId connection, const std::string& by) {
 
 void Network::broadcast(const std::string& from, const Bytes& plain) {
   count(from, "*", "beacon", plain.size() + kBeaconBytes, plain);
+  const auto shared = std::make_shared<const Bytes>(plain);
   for (const auto& [id, is] : hosts_) {
     if (is == nullptr || id == from || is_cut(from, id) || dice_.chance(kind_.loss)) continue;
-    events_.after(delay(), [this, to = id, plain] {
-      if (Host* there = host(to)) there->on_beacon(plain);
+    events_.after(delay(), [to = &is, shared] {
+      if (Host* there = *to) there->on_beacon(*shared);
     });
   }
 }

@@ -228,8 +228,8 @@ void RouterProcess::stored(router::Kept what) {
 }
 
 void RouterProcess::carry_out(router::SealDue& due) {
-  const auto seal = core_.seals().make_seal(due.link, clock_.now());
-  if (seal && !network_.send(due.link, id(), Seal::kSubtype, *seal))
+  auto seal = core_.seals().make_seal(due.link, clock_.now());
+  if (seal && !network_.send(due.link, id(), Seal::kSubtype, std::move(*seal)))
     core_.seals().not_sent(due.link, router::Unsent::behind);
 }
 

@@ -6,8 +6,8 @@
 #include <map>
 #include <memory>
 #include <optional>
-#include <set>
 #include <string>
+#include <unordered_set>
 
 #include "services/router/core/router_core.hpp"
 #include "services/simulator/world/bus.hpp"
@@ -109,7 +109,7 @@ class RouterProcess final : public Host, public BusServer {
   RouterWatch watch_;
   Bus bus_;
   Timer timer_;
-  std::set<LinkId> accepted_;
+  std::unordered_set<LinkId> accepted_;
   std::vector<LinkId> lost_;  ///< accepted, found gone at a send
   std::map<LinkId, std::deque<Held>> held_;
   LinkId origin_ = 0;  ///< the connection whose frame is being handled
