@@ -11,7 +11,7 @@ TEST_CASE("a seal that is none ends its link, once the thread has looked at it")
   ShellParts parts;
   SealVerifier seals(parts.shell);
   seals.watch();
-  seals.check({7, 3, 3, {}, parts.ant.bee.certificate});
+  seals.check({7, 3, 3, {}, std::make_shared<const Certificate>(parts.ant.bee.certificate)});
   CHECK(parts.turn_until([&] { return parts.counted("refused.seal_broken") + parts.ordered.list.size() > 0; }));
 }
 

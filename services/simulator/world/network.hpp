@@ -84,7 +84,7 @@ class Network {
     std::string to;
     Host* const* host = nullptr;  ///< of `to`; it points at nothing while that is away
     MonotonicTime free{}, last{};
-    std::deque<Parcel> held{};    ///< while it is cut, and behind that until these have arrived
+    std::deque<Parcel> held{};   ///< while it is cut, and behind that until these have arrived
     bool resumes = false;        ///< what is held arrives soon
     std::uint64_t unproven = 0;  ///< bytes that came while the other way was cut
   };

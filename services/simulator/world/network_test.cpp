@@ -44,7 +44,7 @@ class Two {
     while (events_.step(limit)) {
     }
   }
-  void send(const std::string& frame) { CHECK(network_.send(kLink, "r0", frame)); }
+  void send(const std::string& frame) { CHECK(network_.send(kLink, "r0", "", frame)); }
   void close() { network_.close(kLink, "r0"); }
   void cut() {
     network_.cut("r0", "r1");
