@@ -89,6 +89,62 @@ class Commands(unittest.TestCase):
         return f"{block.place()}:\n{block.text}\n" + "\n".join(said[-1][-40:] if said else [])
 
 
+class Named(unittest.TestCase):
+    """What a text or a hint tells a person to type exists, with the options that it has there."""
+
+    @classmethod
+    def setUpClass(cls):
+        listed = re.findall(r"^  trb ((?:[a-z]+ )+)", cls.said("help"), re.M)
+        cls.commands = {tuple(words.split()): None for words in listed}  # their options, once they are known
+        cls.groups = {words[0] for words in cls.commands if len(words) == 2}
+        cls.topics = set(cls.said("help").rpartition("Topics: ")[2].split())
+
+    @staticmethod
+    def said(*words):
+        done = subprocess.run([support.PROGRAMS / "trb", *words], capture_output=True, text=True, timeout=60)
+        return done.stdout + done.stderr
+
+    def options(self, command):
+        if self.commands[command] is None:
+            self.commands[command] = set(re.findall(r"--[a-z-]+", self.said(*command, "--help"))) | {"--help"}
+        return self.commands[command]
+
+    def fault(self, text):
+        """What is wrong with `trb TEXT`, or nothing."""
+        words = text.split()
+        if not words or not re.fullmatch("[a-z]+", words[0]):
+            return ""
+        if words[0] == "help":
+            known = len(words) == 1 or words[1] in self.topics | {"TOPIC"} or any(one[0] == words[1] for one in self.commands)
+            return "" if known else "no such topic"
+        command = tuple(words[:2 if words[0] in self.groups else 1])
+        if command not in self.commands:
+            return "no such command"
+        unknown = set(re.findall(r"(?<!\S)--[a-z-]+", " ".join(words).replace("[", ""))) - self.options(command)
+        return f"no option {' '.join(sorted(unknown))}" if unknown else ""
+
+    def test_each_command_in_a_document(self):
+        top = ("README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "SECURITY.md")
+        pages = [support.REPO / name for name in top]
+        for folder in ("deploy", "services", "common", "config", "tests"):
+            pages += (page for page in (support.REPO / folder).rglob("*.md") if "node_modules" not in page.parts)
+        named = [(page, text) for page in pages for text in re.findall(r"`trb ([^`]+)`", without_code(page.read_text()))]
+        self.assertGreater(len(named), 300)
+        faults = [f"{page.relative_to(support.REPO)}: trb {text}: {fault}" for page, text in named if (fault := self.fault(text))]
+        self.assertEqual(faults, [])
+
+    def test_each_command_in_a_hint(self):
+        files = [path for folder in ("services", "common") for path in (support.REPO / folder).rglob("*.[ch]pp")
+                 if not path.name.endswith("_test.cpp")]
+        literals = [(path, text) for path in files for text in re.findall(r'"((?:[^"\\\n]|\\.)*)"', path.read_text())]
+        # A text of several pieces may end behind "trb robot".
+        named = [(path, text) for path, literal in literals for text in re.findall(r"\btrb ([a-z]+ [a-z]+)", literal)
+                 if text.split()[0] in self.groups | {"help"}]
+        self.assertGreater(len(named), 150)
+        faults = {f"{path.relative_to(support.REPO)}: trb {text}" for path, text in named if self.fault(text)}
+        self.assertEqual(faults, set())
+
+
 class Text(unittest.TestCase):
     def test_links_lead_somewhere(self):
         for page in pages():
