@@ -217,12 +217,15 @@ Result<msgpack::object> parse(BytesView bytes, msgpack::zone& zone) {
   }
 }
 
-/// What is packed grows in bytes that are there already, and is copied out once it is whole.
+/// Bodies are packed into bytes that are used again, and copied out once they are whole. What a large one took is given
+/// back.
 struct Scratch {
-  Scratch() {
+  Scratch() { bytes.clear(); }
+  Scratch(const Scratch&) = delete;
+  Scratch& operator=(const Scratch&) = delete;
+  ~Scratch() {
     constexpr std::size_t kUsual = 64 * 1024;
-    if (bytes.capacity() > kUsual) bytes = {};
-    bytes.clear();
+    if (bytes.capacity() > kUsual) Bytes().swap(bytes);
   }
   static Bytes& of_thread() {
     thread_local Bytes bytes;
@@ -255,7 +258,10 @@ Result<Bytes> pack_readable(const Shape& shape, const void* value) {
 Error unpack(const Shape& shape, BytesView bytes, void* value) {
   // Its first chunk is used again: it has eight kilobytes, and most bodies a few hundred bytes.
   thread_local msgpack::zone zone;
-  zone.clear();
+  struct Clear {
+    msgpack::zone& zone;
+    ~Clear() { zone.clear(); }
+  } const clear{zone};
   const auto all = parse(bytes, zone);
   if (!all) return all.error();
   MsgpackReader reader;

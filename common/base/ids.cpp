@@ -16,7 +16,7 @@ constexpr bool is_tail(char c) {
   return is_lower(c) || (c >= '0' && c <= '9') || c == '_' || c == '-';
 }
 
-/// Every frame's subtype is looked at: one look for each letter.
+/// Every frame's subtype is checked, so each of its characters costs one look-up.
 constexpr auto kInWord = [] {
   std::array<bool, 256> out{};
   for (unsigned c = 0; c < out.size(); ++c) out[c] = is_tail(static_cast<char>(c)) || is_upper(static_cast<char>(c));

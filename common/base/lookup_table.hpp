@@ -30,7 +30,7 @@ class WordIndex {
  public:
   static constexpr std::size_t kNone = N;
 
-  /// `words`: as many different ones.
+  /// `words`: no two of them are equal.
   constexpr explicit WordIndex(const std::array<std::string_view, N>& words) : words_(words) {
     for (std::size_t i = 0; i < N; ++i) places_[place_of(words[i])] = static_cast<std::uint16_t>(i + 1);
   }
@@ -50,7 +50,7 @@ class WordIndex {
 
   static constexpr std::size_t kPlaces = std::bit_ceil(2 * N + 1);
   std::array<std::string_view, N> words_;
-  std::array<std::uint16_t, kPlaces> places_{};  ///< 0: nobody; otherwise a word's number, from 1
+  std::array<std::uint16_t, kPlaces> places_{};  ///< 0: free; otherwise a word's number, from 1
 };
 
 /// Points at rows that somebody else owns, with keys that live as long as they do. At most half of it is in use.

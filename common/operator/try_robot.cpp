@@ -102,7 +102,8 @@ class Trial : public std::enable_shared_from_this<Trial> {
       const bool none = profile.framework.empty();
       add("connected", TryState::failed,
           none ? "it is no robot's node, or its mode-adapter is down" : profile.robot + ": " + profile.detail,
-          none ? "node.json: framework, and mode-adapter in services" : cure_of_connection(profile));
+          none ? "node.json: framework, and mode-adapter in services"
+               : cure_of_connection(profile) + "; what its node sees: trb doctor " + wish_.robot);
     }
     end();
   }

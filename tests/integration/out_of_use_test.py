@@ -86,7 +86,7 @@ class OutOfUse(unittest.TestCase):
         try:
             os.kill(self.fleet.pid(ROBOT, "mode-adapter"), signal.SIGKILL)
             self.fleet.wait("the fleet knows that nobody reports the robot", lambda: told() == (
-                "CONNECTION_BROKEN", "its mode-adapter does not run: trb service list on its node"), 60)
+                "CONNECTION_BROKEN", "its mode-adapter does not report: trb service list on its node"), 60)
         finally:
             program.symlink_to(real)
         self.fleet.wait("it is reported again", lambda: told() == ("ONLINE", ""), 60)

@@ -125,6 +125,10 @@ class Doctor {
   void robot() {
     const Route* self = find(seen_.node);
     if (self == nullptr || self->profile.robot.empty() || self->profile.robot == "ONLINE") return;
+    const bool unreported = std::ranges::any_of(seen_.services.services, [](const ServiceEntry& entry) {
+      return entry.service == "mode-adapter" && entry.state != "up";
+    });
+    if (unreported) return;  // that is the cause, and has been told
     std::string what = "the robot is " + self->profile.robot;
     if (!self->profile.detail.empty()) what += ": " + self->profile.detail;
     std::string hint = "start its program that connects to TCP_PORT of this node";

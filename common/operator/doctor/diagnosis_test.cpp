@@ -213,6 +213,8 @@ TEST_CASE("on the node itself: no router, a socket that is gone, a service that 
   robot.seen.routes.routes[0].profile.detail = "connection refused";
   robot.seen.robot = {"192.168.1.20:30002", Port::refused};
   check_only(robot.seen, "robot_silent", "ant");
+  robot.seen.services.services = {{"mode-adapter", "silent", 1, 1, "1.0", 5, 5, {}, {}}};
+  check_only(robot.seen, "service_down", "mode-adapter");
 }
 
 TEST_CASE("a fault of the node's files comes with its own cure, and no way to anybody is told") {

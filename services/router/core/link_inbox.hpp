@@ -51,7 +51,7 @@ class LinkInbox {
   /// link's.
   void on_message(LinkId link, BytesView key, const Message& message, std::uint64_t sequence, Now now, Effects& out);
   /// Most of what a link brings for its router: seals and keep-alives that can be read, of a link that is up. False:
-  /// it is something else.
+  /// it is something else, or cannot be decoded.
   bool on_usual(Link& link, const HeaderView& header, Now now, Effects& out);
   /// The Hello that waited for one more message is accepted.
   void carry(Link& link, const Hello& hello, Now now, Effects& out);

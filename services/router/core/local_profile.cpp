@@ -16,6 +16,17 @@ bool add_once(std::vector<std::string>& words, const std::string& word, std::siz
   return true;
 }
 
+/// What it was told last, once nobody tells how the robot is; what it can do stays.
+NodeProfile unreported(NodeProfile profile) {
+  profile.robot = "CONNECTION_BROKEN";
+  profile.detail = "its mode-adapter does not report: trb service list on its node";
+  return profile;
+}
+
+bool fits_always(const NodeProfile& profile) {
+  return fits(profile) && fits(unreported(profile));
+}
+
 }  // namespace
 
 bool LocalProfile::is_plugged(std::string_view sensor) const {
@@ -33,10 +44,10 @@ void LocalProfile::on_robot(const NodeProfile& told, Now now, Effects& out) {
   NodeProfile profile = told;
   profile.plugged.clear();
   // The fleet must know that something is out of use; the details can be read on the node.
-  if (!fits(profile)) {
+  if (!fits_always(profile)) {
     for (OutOfUse& one : profile.out_of_use) one.text.clear();
   }
-  if (!fits(profile)) return refuse(encode(profile).size(), now, out);
+  if (!fits_always(profile)) return refuse(encode(profile).size(), now, out);
   robot_ = std::move(profile);
   robot_report_ = {};
   if (!robot_.robot.empty()) robot_report_.on_report();
@@ -65,22 +76,16 @@ bool LocalProfile::make_fit(NodeProfile& profile) const {
   return false;
 }
 
-/// Without its mode-adapter nobody knows how the robot is; what it can do stays.
 NodeProfile LocalProfile::robot_as_known() const {
-  NodeProfile profile = robot_;
-  if (profile.robot.empty() || robot_report_.stands()) return profile;
-  profile.robot = "CONNECTION_BROKEN";
-  profile.detail = "its mode-adapter does not run: trb service list on its node";
-  return profile;
+  return robot_.robot.empty() || robot_report_.stands() ? robot_ : unreported(robot_);
 }
 
 /// Merges the mode-adapter's and the sensor-bus's parts; every peer gets the profile if it has changed.
 void LocalProfile::publish(Effects& out) {
   NodeProfile profile = robot_as_known();
   if (sensors_report_.stands()) profile.plugged = plugged_;
-  const std::vector<SensorInfo> plugged = profile.plugged;
   bool room = true;
-  for (const SensorInfo& sensor : plugged) {
+  for (const SensorInfo& sensor : profile.plugged) {
     room = add_once(profile.sensors, sensor.name, kMaxNames) && room;
     room = add_once(profile.capabilities, sensor.kind, kMaxCapabilities) && room;
   }
@@ -124,12 +129,16 @@ void LocalProfile::tick(const ReportersHeard& heard, Now now, Effects& out) {
   const Duration lease = node_.config().timing.lease;
   const bool sensors = sensors_report_.tick(heard.sensor_bus, lease, now.mono);
   const bool robot = robot_report_.tick(heard.mode_adapter, lease, now.mono);
-  if (sensors && !sensors_report_.stands() && !plugged_.empty())
-    out.log(LogLevel::warning, "sensors_gone",
-            std::to_string(plugged_.size()) + " sensors: their service does not report");
-  if (robot && !robot_report_.stands())
-    out.log(LogLevel::warning, "robot_unreported", "the mode-adapter does not report: nobody knows how the robot is");
+  if (sensors && !plugged_.empty())
+    log_change(sensors_report_, "sensors_gone", "sensors_back", std::to_string(plugged_.size()) + " sensors", out);
+  if (robot) log_change(robot_report_, "robot_unreported", "robot_reported", "the robot", out);
   if (sensors || robot) publish(out);
+}
+
+void LocalProfile::log_change(const ServiceReport& report, const char* away, const char* back, const std::string& what,
+                              Effects& out) const {
+  if (report.stands()) return out.log(LogLevel::info, back, what + ": the service that reports them is heard again");
+  out.log(LogLevel::warning, away, what + ": the service that reports them does not report");
 }
 
 }  // namespace trb::router

@@ -16,7 +16,8 @@ namespace trb::router {
 constexpr std::string_view kSensorBus = "sensor-bus";
 constexpr std::string_view kModeAdapter = "mode-adapter";
 
-/// When the services that make the profile were last heard, if they are connected.
+/// When the services that make the profile were last heard; nothing of one that is not connected, or has reported
+/// nothing that could be given up.
 struct ReportersHeard {
   std::optional<MonotonicTime> sensor_bus;
   std::optional<MonotonicTime> mode_adapter;
@@ -26,7 +27,7 @@ struct ReportersHeard {
 /// --------------------------------------------------------|------------------------------------------------------
 /// sensors, from the sensor-bus                            | plugged; every peer gets what has changed
 /// a robot's profile, from the mode-adapter                | every peer gets what has changed
-/// a robot's profile that no peer would take (invalid)     | as before; counted, logged, a link error
+/// a robot's profile that no peer would take (invalid)     | as before, also given up; counted, logged, a link error
 /// the sensor-bus is gone, or silent (see ServiceReport)   | no sensors, until it reports or is heard again
 /// the mode-adapter is gone, or silent                     | the robot is CONNECTION_BROKEN, and why, likewise
 class LocalProfile {
@@ -36,7 +37,7 @@ class LocalProfile {
 
   void on_sensors(const NodeSensors& told, Effects& out);
   void on_robot(const NodeProfile& told, Now now, Effects& out);
-  /// A service that the supervisor restarts reports again within three seconds.
+  /// A service that is started again has three seconds to report again.
   void on_service_gone(std::string_view service, Now now);
 
   [[nodiscard]] const NodeProfile& profile() const { return whole_; }
@@ -54,6 +55,8 @@ class LocalProfile {
  private:
   void refuse(std::size_t size, Now now, Effects& out);
   bool make_fit(NodeProfile& profile) const;
+  void log_change(const ServiceReport& report, const char* away, const char* back, const std::string& what,
+                  Effects& out) const;
   [[nodiscard]] NodeProfile robot_as_known() const;
   void publish(Effects& out);
 

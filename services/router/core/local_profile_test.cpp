@@ -110,6 +110,26 @@ TEST_CASE("given a mode-adapter that comes back in time, or a node without a rob
   CHECK(own.profile.profile().robot == "ONLINE");
 }
 
+TEST_CASE("given a robot's profile with no room for why the robot is not there, then it is refused") {
+  Own own;
+  NodeProfile told;
+  told.robot = "ONLINE";
+  told.sensors.assign(150, std::string(200, 's'));
+  const auto room = [&] { return kMaxProfileSize - encode(told).size(); };
+  while (room() > 400) told.places.push_back(std::string(200, 'x'));
+  told.places.push_back(std::string(room() - 50, 'x'));
+  REQUIRE(fits(told));
+  own.profile.on_robot(told, own.now, own.out);
+  CHECK(own.counted("refused.profile_too_large") == 1);
+  told.places.pop_back();
+  own.profile.on_robot(told, own.now, own.out);
+  own.profile.on_service_gone(kModeAdapter, own.now);
+  own.pass(own.silent());
+  own.profile.tick({}, own.now, own.out);
+  CHECK(own.profile.profile().robot == "CONNECTION_BROKEN");
+  CHECK(fits(own.profile.profile()));
+}
+
 TEST_CASE("given a robot's profile that no peer would take, then the one before stands, and it is a link error") {
   Own own;
   NodeProfile large;

@@ -53,8 +53,8 @@ bool RouterCore::is_relayed(const Peer& peer) const {
 }
 
 ReportersHeard RouterCore::reporters_heard() const {
-  const auto heard = [&](bool has_reported, std::string_view service) -> std::optional<MonotonicTime> {
-    if (!has_reported) return std::nullopt;  // nobody would ask
+  const auto heard = [&](bool matters, std::string_view service) -> std::optional<MonotonicTime> {
+    if (!matters) return std::nullopt;  // no deadline depends on it
     const auto holder = bus_.services().holder(service);
     return holder ? std::optional(bus_.services().find(*holder)->last_heard) : std::nullopt;
   };

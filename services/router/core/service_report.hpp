@@ -7,15 +7,16 @@
 
 namespace trb::router {
 
-/// state    | event                                              | next
-/// ---------|----------------------------------------------------|----------------------------------------
-/// any      | reported                                           | stands
-/// stands   | the service's connection ends                      | waits: it has some time to come back
-/// silent   | the same                                           | given up
-/// waits    | that time is over (expired)                        | given up
-/// stands   | the service is silent for a lease (expired)        | silent
-/// silent   | the service is heard anew (late)                   | stands
-/// given up | the service is heard anew: of what, it has not said | as before
+/// state    | event                                       | next
+/// ---------|---------------------------------------------|-------------------------------------
+/// none     | any but a report                            | none
+/// any      | the service reports                         | stands
+/// stands   | the service's connection ends               | waits: it has some time to come back
+/// silent   | the service's connection ends               | given up
+/// waits    | that time is over (expired)                 | given up
+/// stands   | the service is silent for a lease (expired) | silent
+/// silent   | the service is heard again                  | stands
+/// given up | the service is heard, and has not reported  | given up
 class ServiceReport {
  public:
   void on_report() { state_ = State::stands; }

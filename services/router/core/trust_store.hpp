@@ -42,8 +42,8 @@ class TrustStore {
   TakenUpdate take(const TrustUpdate& update, Budget* checks, Now now, Effects& out);
 
   /// The certificate in this record, if its holder is a member now. Errors: those of the signature, cert_revoked,
-  /// cert_not_yet_valid, cert_expired. `holder`: who is said to have it, which need not be so; one that is known
-  /// already is not read then.
+  /// cert_not_yet_valid, cert_expired. `holder`: whose certificate it claims to be (not trusted): if it
+  /// is the record that is held of that node already, it need not be decoded.
   Result<Certificate> open_member(const SignedRecord& record, Now now, Effects& out, std::string_view holder = {});
   /// Errors: downgraded: a newer certificate of the same node is known.
   [[nodiscard]] Status check_newest(const Certificate& certificate) const;

@@ -45,10 +45,10 @@ class What {
   void operator()() { handling_->call(place_); }
 
  private:
-  static constexpr std::size_t kSize = 72;  ///< a frame that arrives, and whose it is
+  static constexpr std::size_t kSize = 72;  ///< room for the largest of the common events: a frame arrives
   struct Handling {
     void (*call)(void* at);
-    void (*move)(void* to, void* from) noexcept;  ///< nothing is left behind
+    void (*move)(void* to, void* from) noexcept;  ///< and destroys what was at `from`
     void (*destroy)(void* at) noexcept;
   };
   template <class Kept>

@@ -31,11 +31,12 @@ Signature sign(const unsigned char* public_key, const unsigned char* text, unsig
   return out;
 }
 
-/// The signatures that were made last, with what they are of: whoever checks one of them need not make it anew. A
-/// beacon is checked by all who hear it.
+/// The signatures that were made last, with the key and the text that they sign: to check one of them nothing is
+/// computed again. A beacon is checked by all who receive it.
 class Made {
  public:
   void remember(const Signature& signature, const unsigned char* key, std::string_view text) {
+    if (text.size() > kLongestKept) return;
     Row& row = row_of(signature.data());
     row.signature = signature;
     std::memcpy(row.key.data(), key, kKey);
@@ -57,6 +58,7 @@ class Made {
   Row& row_of(const unsigned char* signature) { return rows_[(signature[0] | signature[1] << 8U) % kRows]; }
 
   static constexpr std::size_t kRows = 1024;
+  static constexpr std::size_t kLongestKept = 4096;
   std::vector<Row> rows_{kRows};
 };
 thread_local Made made;
