@@ -37,7 +37,7 @@ class Packets(unittest.TestCase):
         self.assertIsNone(tapped.payload(packet(6, TCP_HEAD, 0)[:30]))
 
     def test_a_message_on_the_wire(self):
-        # As services/simulator/world/link_kind.hpp has it.
+        # As services/simulator/world/wire_bytes.hpp has it.
         self.assertEqual([tapped.wire_size(size) for size in (0, 222, 223)], [35, 257, 265])
 
 

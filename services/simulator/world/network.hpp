@@ -10,18 +10,22 @@
 #include <unordered_map>
 #include <utility>
 
+#include "common/simulation/link_kind.hpp"
 #include "services/router/core/effects.hpp"
 #include "services/router/core/link_end.hpp"
 #include "services/simulator/world/dice.hpp"
 #include "services/simulator/world/events.hpp"
-#include "services/simulator/world/link_kind.hpp"
 #include "services/simulator/world/meter.hpp"
+#include "services/simulator/world/wire_bytes.hpp"
 
 namespace trb::world {
 
 using router::ConnectionId;
 using router::LinkEnd;
 using router::LinkId;
+using simulation::find_link_kind;
+using simulation::kLinkKinds;
+using simulation::LinkKind;
 
 /// A computer's end of the network. A connection bears the id of the link that its dialler wants.
 class Host {

@@ -1,13 +1,9 @@
-// What a network between two computers is like, and what the wire adds to a frame.
+// What the wire adds to a frame between two computers.
 #pragma once
 
-#include "common/simulation/link_kind.hpp"
+#include <cstdint>
 
 namespace trb::world {
-
-using simulation::find_link_kind;
-using simulation::kLinkKinds;
-using simulation::LinkKind;
 
 /// What ZMTP and CURVE add to a frame: 33 bytes of nonce, tag and name, and the length before them.
 constexpr std::uint64_t on_wire(std::uint64_t frame) {
