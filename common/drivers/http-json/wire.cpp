@@ -4,10 +4,13 @@
 #include <boost/beast/http/message.hpp>
 #include <boost/beast/http/parser.hpp>
 #include <boost/beast/http/string_body.hpp>
+#include <string_view>
 
 namespace trb::drivers {
 
 namespace http = boost::beast::http;
+
+constexpr std::string_view kLastChunk = "0\r\n\r\n";
 
 struct HttpReader::Parser {
   http::response_parser<http::string_body> of;
@@ -42,6 +45,8 @@ Result<std::vector<HttpAnswer>> HttpReader::add(BytesView bytes) {
   std::vector<HttpAnswer> out;
   rest_ += bytes;
   while (!rest_.empty()) {
+    // Beast 1.74 asserts if the last chunk comes in pieces. Before it has come whole, no chunked answer is over.
+    if (parser_->of.is_header_done() && parser_->of.chunked() && rest_.size() < kLastChunk.size()) break;
     boost::system::error_code problem;
     const std::size_t taken = parser_->of.put(boost::asio::buffer(rest_.data(), rest_.size()), problem);
     rest_.erase(0, taken);

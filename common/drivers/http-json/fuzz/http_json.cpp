@@ -62,7 +62,8 @@ std::vector<Bytes> seeds() {
       "HTTP/1.1 201 Created\r\nContent-Length: 9\r\n\r\n{\"id\": 7}HTTP/1.1 200 OK\r\nContent-Length: "
       "17\r\n\r\n{\"state\": \"Done\"}",
       "HTTP/1.1 200 OK\r\nTransfer-Encoding: chunked\r\n\r\n4\r\n{\"x\"\r\n4\r\n: 1}\r\n0\r\n\r\n",
-      "HTTP/1.0 404 Not Found\r\n\r\n{}", "HTTP/1.1 204 No Content\r\nConnection: close\r\n\r\n"};
+      "HTTP/1.1 200 OK\r\nTransfer-Encoding: chunked\r\n\r\n0\r\n\r\n", "HTTP/1.0 404 Not Found\r\n\r\n{}",
+      "HTTP/1.1 204 No Content\r\nConnection: close\r\n\r\n"};
 }
 
 void run(BytesView input) {

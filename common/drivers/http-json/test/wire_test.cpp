@@ -33,6 +33,22 @@ TEST_CASE("answers are the same however the stream is cut") {
   }
 }
 
+TEST_CASE("an answer in chunks is read however its last chunk is cut, and a broken one gives no answer") {
+  const std::string empty = "HTTP/1.1 200 OK\r\nTransfer-Encoding: chunked\r\n\r\n0\r\n\r\n";
+  const std::string wrong = "HTTP/1.1 200 OK\r\nTransfer-Encoding: chunked\r\n\r\n0\r\n{\"x\"\r\n4\r\r\n";
+  for (std::size_t step = 1; step <= wrong.size(); ++step) {
+    HttpReader reader;
+    std::size_t answers = 0;
+    for (std::size_t at = 0; at < empty.size(); at += step)
+      answers += reader.add(BytesView(empty).substr(at, step))->size();
+    CHECK(answers == 1);
+    bool good = true;
+    for (std::size_t at = 0; at < wrong.size() && good; at += step)
+      good = reader.add(BytesView(wrong).substr(at, step)).ok();
+    CHECK(reader.end().empty());
+  }
+}
+
 TEST_CASE("an answer without a length ends with the connection; half of one is none") {
   HttpReader reader;
   CHECK(reader.add("HTTP/1.0 200 OK\r\n\r\n{\"a\"")->empty());
