@@ -26,9 +26,11 @@ std::string address_of(std::uint32_t number) {
 }
 
 std::string run_id(Dice& dice) {
+  // Two statements: in which order a call's arguments draw differs from machine to machine.
+  const unsigned long long low = dice.next();
+  const unsigned long long high = dice.next();
   char out[33];
-  std::snprintf(out, sizeof out, "%016llx%016llx", static_cast<unsigned long long>(dice.next()),
-                static_cast<unsigned long long>(dice.next()));
+  std::snprintf(out, sizeof out, "%016llx%016llx", high, low);
   return out;
 }
 
