@@ -39,22 +39,32 @@ in_root() {
   ' "$root" "$place" "$cache" "$@"
 }
 
-# cross_root DIR ARCH: a Debian with what builds for another architecture. Not on the machine itself: libpqxx-dev is there for
-# one architecture at a time.
+# cross_root DIR ARCH: a Debian with what builds for another architecture; made anew when what is needed has changed. Not on the
+# machine itself: libpqxx-dev is there for one architecture at a time. ROS' headers want two packages of the other architecture
+# that are there for none but the machine's (libroscpp-msg-dev) or would not run (python3): a package without files stands for
+# both, and the machine's own are what is used.
 cross_root() {
-  if [ ! -d "$1" ]; then
-    debian_root "$work/base-root"
-    cp -a --reflink=auto "$work/base-root" "$1"
-  fi
-  [ ! -e "$1/ready" ] || return 0
-  echo "== installing what builds for $2 in it"
+  local needs
+  needs="$(cat "$repo/deploy/debian/control" "$repo/scripts/package_root.sh" | sha256sum)"
+  [ "$(cat "$1/ready" 2>/dev/null)" != "$needs" ] || return 0
+  debian_root "$work/base-root"
+  rm -rf "$1"
+  cp -a --reflink=auto "$work/base-root" "$1"
+  echo "== installing what builds for $2 in $1 (log: $1.log)"
   in_root "$1" "$repo/deploy" "$cache" bash -ec '
     arch="$0" control="$1/debian/control"
     dpkg --add-architecture "$arch"
     apt-get update -qq
-    apt-get install -y -qq --no-install-recommends build-essential "crossbuild-essential-$arch" ccache git qemu-user fakeroot
-    mkdir -p /tmp/dep/debian && cp "$1"/debian/* /tmp/dep/debian/ 2>/dev/null || true
-    apt-get build-dep -y -qq --no-install-recommends -a "$arch" -P cross,pkg.talkrobots.noros /tmp/dep
+    apt-get install -y -qq --no-install-recommends build-essential "crossbuild-essential-$arch" ccache git qemu-user fakeroot \
+      python3 libroscpp-msg-dev
+    mkdir -p /tmp/stands-in/DEBIAN /tmp/dep/debian
+    printf "%s\n" "Package: talkrobots-cross-stands-in" "Version: 1" "Architecture: $arch" "Maintainer: root <root@localhost>" \
+      "Provides: libroscpp-msg-dev, python3" "Description: stands for packages of $arch that nothing needs here" \
+      >/tmp/stands-in/DEBIAN/control
+    dpkg-deb --build /tmp/stands-in /tmp/stands-in.deb
+    dpkg --install /tmp/stands-in.deb
+    cp "$control" "$1/debian/changelog" /tmp/dep/debian/
+    apt-get build-dep -y -qq --no-install-recommends -a "$arch" -P cross /tmp/dep
   ' "$2" "$repo/deploy" >"$1.log" 2>&1 || { tail -n 20 "$1.log" >&2; return 1; }
-  touch "$1/ready"
+  echo "$needs" >"$1/ready"
 }

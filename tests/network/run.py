@@ -17,6 +17,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
 
 import crowd  # noqa: F401  adds its case
 import doctor_cases  # noqa: F401  adds its case
+import firewall_case  # noqa: F401  adds its case
 import hosts
 import sites  # noqa: F401  adds its cases
 import skips

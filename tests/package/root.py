@@ -2,6 +2,7 @@
 import hashlib
 import os
 import pathlib
+import re
 import shutil
 import subprocess
 import time
@@ -33,7 +34,7 @@ class Root:
     def run(self, script, check=True, timeout=900):
         """The script, as root, in this Debian, in namespaces of its own: what it starts ends with it."""
         words = ["unshare", "--net", "bash", "-c", f'. {REPO}/scripts/package_root.sh; ip link set lo up; in_root "$@"', "in_root"]
-        if "apt-get" in script:
+        if re.search(r"\bapt(-get)? ", script):
             words = ["bash", "-c", f'. {REPO}/scripts/package_root.sh; in_root "$@"', "in_root"]
         began, before = time.monotonic(), os.times()
         done = subprocess.run([*words, self.path, self.shared, self.path.parent / "cache", "bash", "-ec", script], stdout=subprocess.PIPE,
