@@ -334,6 +334,7 @@ class Joining(unittest.TestCase):
         status, said = self.join(f"{self.folder}/cloud2/", invite.code, "--network", f"127.0.{BLOCK}.8")
         self.assertEqual(status, 0, said)
         self.assertEqual((self.folder / "cloud2").stat().st_mode & 0o777, 0o700)
+        self.assertTrue((self.folder / "cloud2" / "places.json").exists())
         self.assertIn("no faults", self.fleet.trb("check", self.folder / "cloud2").stdout)
         self.assertEqual(invite.end()[0], 0)
 

@@ -181,6 +181,25 @@ class Folder(unittest.TestCase):
         self.assertIn("TRB_CONFIG", done.stderr)
         self.assertEqual(list(self.folder.iterdir()), [])
 
+    def test_a_cloud_node_s_folder_needs_no_more_than_its_certificate(self):
+        fleet = trb_fleet.Fleet(self.folder / "fleet", support.PROGRAMS, block=BLOCK, udp_port=UDP_PORT, robots={})
+        fleet.make_authority()
+        cloud = [self.folder / "cloud", "--cloud", "cloud", "--network", "127.0.210.9", "--page", "127.0.210.9:8443"]
+        done = self.new(*cloud)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("trb cloud password", done.stdout)
+        self.assertIn("cloud-gateway", json.loads((self.folder / "cloud" / "node.json").read_text())["services"])
+        self.assertTrue((self.folder / "cloud" / "places.json").exists())
+        fleet.trb("fleet", "sign", fleet.authority_dir(), self.folder / "cloud" / "keys" / "request.json")
+        self.assertIn("no faults", fleet.trb("check", self.folder / "cloud").stdout)
+        for words, said in ((["--page", "hall:8443"], "--page"), (["--like", "ur"], "--like"), (["--cloud", "a b"], "--cloud")):
+            with self.subTest(words):
+                refused = self.new(self.folder / "other", *cloud[1:], *words)
+                self.assertNotEqual(refused.returncode, 0)
+                self.assertIn(said, refused.stderr)
+                self.assertFalse((self.folder / "other").exists())
+        self.assertIn("--cloud", self.new(*self.good(), "--page", "127.0.0.1:8443").stderr)
+
     def test_a_folder_that_cannot_be_written_leaves_nothing(self):
         (self.folder / "file").touch()
         done = self.new(self.folder / "file" / "arm", *self.good()[1:])

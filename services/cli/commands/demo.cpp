@@ -47,18 +47,6 @@ std::vector<std::string> node_ids() {
 
 // ---- making it
 
-Status make_cloud(const DemoFleet& fleet, const std::string& dir, const std::string& config) {
-  if (Status made = make_private_dir(dir); !made) return made;
-  if (Status copied = copy_examples(config, {"commands.json", "profile.json", "places.json"}, dir); !copied)
-    return copied;
-  if (Status written = write_file(dir + "/network.json", cloud_network_json(fleet)); !written) return written;
-  if (fleet.page_port != 0) {
-    if (Status written = write_file(dir + "/cloud.json", cloud_json(fleet)); !written) return written;
-  }
-  if (Status written = write_file(dir + "/node.json", cloud_node_json(fleet)); !written) return written;
-  return make_request(dir, std::string(kDemoCloud), Role::cloud);
-}
-
 /// The authority, on this computer and with its passphrase beside it, as no real fleet has it.
 Status sign_all(const std::string& dir) {
   const std::string passphrase = to_hex(random_bytes(16));
@@ -88,7 +76,7 @@ Status make_fleet(const DemoFleet& fleet, const std::string& dir) {
     const NewNode node = node_of(fleet, i);
     if (Status made = make_node_folder(node, node_dir(dir, node.id), *config); !made) return made;
   }
-  if (Status made = make_cloud(fleet, node_dir(dir, kDemoCloud), *config); !made) return made;
+  if (Status made = make_cloud_folder(cloud_of(fleet), node_dir(dir, kDemoCloud), *config); !made) return made;
   if (Status signed_all = sign_all(dir); !signed_all) return signed_all;
   if (Status written = write_file(dir + "/demo.json", demo_json(fleet)); !written) return written;
   return write_file(dir + "/first.json", demo_scenario());

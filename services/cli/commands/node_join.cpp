@@ -33,25 +33,17 @@ std::string code_text(const Arguments& arguments) {
 }
 
 /// A cloud node needs no more than its name and its network.
-Status make_cloud_folder(const Arguments& arguments, const std::string& dir, const JoinOffer& invited) {
-  auto side = fleet_side_of(arguments, {});
+Status make_cloud(const Arguments& arguments, const std::string& dir, const JoinOffer& invited) {
+  const auto config = config_dir();
+  if (!config) return config.error();
+  const auto side = fleet_side_of(arguments, {});
   if (!side) return side.error();
-  NewNode node;
-  node.id = invited.name;
-  node.fleet_side = *side;
-  const std::string text =
-      "{\n  \"id\": \"" + invited.name +
-      "\",\n  \"role\": \"cloud\",\n  \"services\": [\"router\", \"scheduler\", \"resilience\"]\n}\n";
-  return make_whole_folder(dir, [&](const std::string& making) {
-    if (Status made = make_private_dir(making); !made) return made;
-    if (Status written = write_file(making + "/node.json", text); !written) return written;
-    return write_file(making + "/network.json", network_json_of(node));
-  });
+  return make_cloud_folder({invited.name, *side}, dir, *config);
 }
 
 Result<SignedRecord> prepare(const Arguments& arguments, const std::string& dir, const JoinOffer& invited) {
   if (invited.role == Role::cloud && !file_exists(dir + "/node.json")) {
-    if (Status made = make_cloud_folder(arguments, dir, invited); !made) return made.error();
+    if (Status made = make_cloud(arguments, dir, invited); !made) return made.error();
   }
   if (Status good = check_join(dir, invited); !good) return good.error();
   return request_of(dir, invited);

@@ -1,15 +1,19 @@
-// node new: a folder for a robot's node, with a line at each value that says where to find it.
+// node new: a folder for a robot's or a cloud node, with a line at each value that says where to find it.
 #include <arpa/inet.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <functional>
 
+#include "common/base/address.hpp"
+#include "common/base/files.hpp"
 #include "common/base/ids.hpp"
 #include "common/config/interfaces.hpp"
 #include "common/config/node_config.hpp"
 #include "common/drivers/registry.hpp"
 #include "common/fleet/did_you_mean.hpp"
+#include "common/supervisor/process.hpp"
 #include "services/cli/commands/command.hpp"
 #include "services/cli/commands/node_new.hpp"
 #include "services/cli/core/new_node.hpp"
@@ -106,22 +110,72 @@ void print_next_steps(const NewNode& node, const std::string& dir) {
   print_line("  try and start it    trb check " + dir + "; trb up " + dir);
 }
 
+/// --cloud and --page say all of a cloud node; the page's program has a package of its own.
+Result<NewCloud> new_cloud_of(const Arguments& arguments) {
+  for (const char* option : {"--robot", "--like", "--address", "--interface"}) {
+    if (arguments.has(option))
+      return fail(Errc::bad_value, std::string(option) + ": a cloud node has no robot", "leave it out, or --cloud");
+  }
+  NewCloud cloud{arguments.get("--cloud"), {}, arguments.get("--page")};
+  if (Status good = check_id("--cloud", cloud.id); !good) return good.error();
+  if (arguments.has("--page") && !is_numeric_endpoint(cloud.page)) {
+    return fail(Errc::bad_value, "--page: " + in_quotes(cloud.page) + " is no numeric HOST:PORT",
+                "127.0.0.1:8443 for this computer alone, 0.0.0.0:8443 for every network");
+  }
+  const std::string gateway = supervisor::program_dir() + "/trb-cloud-gateway";
+  if (arguments.has("--page") && !file_exists(gateway))
+    return fail(Errc::missing, "--page: " + gateway + " is not there", "install the package talkrobots-cloud");
+  auto side = fleet_side_of(arguments, {});
+  if (!side) return side.error();
+  cloud.fleet_side = *side;
+  return cloud;
+}
+
+int print_made(const Arguments& arguments, const std::string& dir, const char* what, const std::string& id,
+               const std::function<void()>& next_steps) {
+  const ConfigFaults left = faults_left(dir);
+  if (arguments.has("--json")) {
+    print_json(
+        Value{Value::Object{{"dir", Value{dir}}, {what, Value{id}}, {"faults", *faults_json(left).find("faults")}}});
+    return kGood;
+  }
+  next_steps();
+  if (!left.empty()) print_line("not good yet:\n" + to_text(left));
+  return kGood;
+}
+
+void print_next_steps(const NewCloud& cloud, const std::string& dir) {
+  print_line("made " + dir + ": the cloud node '" + cloud.id + "'; the fleet on " + cloud.fleet_side +
+             (cloud.page.empty() ? "; it has no page (--page)" : "; the page at " + cloud.page));
+  print_line("next:");
+  print_line("  its certificate     where the authority's folder is: trb fleet sign FLEET_DIR request.json of " + dir +
+             "/keys;");
+  print_line("                      certificate.json goes into " + dir + "/keys");
+  print_line("                      (or, if another cloud node is up: trb fleet invite FLEET_DIR " + cloud.id +
+             " --role cloud)");
+  print_line("  the hall's places   " + dir + "/places.json, the same as on the robots' nodes");
+  print_line("  try and start it    trb check " + dir + "; trb up " + dir);
+  if (!cloud.page.empty()) print_line("  the first sign-in   trb cloud password " + dir);
+}
+
+int run_new_cloud(const Arguments& arguments, const std::string& dir, const std::string& config) {
+  const auto cloud = new_cloud_of(arguments);
+  if (!cloud) return print_error(arguments, cloud.error());
+  if (Status made = make_cloud_folder(*cloud, dir, config); !made) return print_error(arguments, made.error());
+  return print_made(arguments, dir, "cloud", cloud->id, [&] { print_next_steps(*cloud, dir); });
+}
+
 int run_new(const Arguments& arguments) {
   const std::string dir = plain_folder(arguments.words[0]);
   auto config = config_dir();
   if (!config) return print_error(arguments, config.error());
+  if (arguments.has("--cloud")) return run_new_cloud(arguments, dir, *config);
+  if (arguments.has("--page"))
+    return print_error(arguments, fail(Errc::bad_value, "--page: only a cloud node has one", "add --cloud NAME"));
   auto node = new_node_of(arguments);
   if (!node) return print_error(arguments, node.error());
   if (Status made = make_node_folder(*node, dir, *config); !made) return print_error(arguments, made.error());
-  const ConfigFaults left = faults_left(dir);
-  if (arguments.has("--json")) {
-    print_json(Value{
-        Value::Object{{"dir", Value{dir}}, {"robot", Value{node->id}}, {"faults", *faults_json(left).find("faults")}}});
-    return kGood;
-  }
-  print_next_steps(*node, dir);
-  if (!left.empty()) print_line("not good yet:\n" + to_text(left));
-  return kGood;
+  return print_made(arguments, dir, "robot", node->id, [&] { print_next_steps(*node, dir); });
 }
 
 }  // namespace
@@ -145,13 +199,16 @@ std::vector<Command> node_new_commands() {
   return {
       {{"node", "new"},
        {"node new DIR",
-        "Makes the folder of a robot's node: files that trb check passes once it has a certificate, each value with a "
-        "line "
-        "that says where to find it, and the node's keys. What is missing is asked for at a terminal.",
+        "Makes the folder of a robot's or a cloud node: files that trb check passes once it has a certificate, each "
+        "value\n"
+        "with a line that says where to find it, and the node's keys. What is missing is asked for at a terminal.",
         {"--robot NAME|its name in the fleet", "--like KIND|ur, abb, kuka, pioneer, drone, mir, plc, ros or fields",
          "--address HOST|the robot's IPv4 address", "--network NAME|interface or address on the fleet's network",
-         "--interface NAME|interface or address towards the robot (by this computer's routes)", kJson},
-        {"trb node new nodes/arm1 --robot arm1 --like ur --address 192.168.1.5", "trb node new nodes/arm1"},
+         "--interface NAME|interface or address towards the robot (by this computer's routes)",
+         "--cloud NAME|a cloud node of this name, instead of a robot's",
+         "--page HOST:PORT|of a cloud node: with the page, which listens there", kJson},
+        {"trb node new nodes/arm1 --robot arm1 --like ur --address 192.168.1.5", "trb node new nodes/arm1",
+         "trb node new nodes/cloud --cloud cloud --page 0.0.0.0:8443"},
         1,
         1},
        run_new}};

@@ -82,10 +82,6 @@ Result<DemoFleet> demo_fleet_of(std::string_view text) {
   return demo_fleet(network->text(), page->number(), speed->number());
 }
 
-std::string cloud_address(const DemoFleet& fleet) {
-  return node_address(fleet, 1);
-}
-
 NewNode node_of(const DemoFleet& fleet, std::size_t robot) {
   const std::string side = node_address(fleet, 2 + robot);
   const DemoRobot& one = kRobots[robot];
@@ -98,18 +94,9 @@ std::vector<std::string> robot_arguments(const DemoFleet& fleet, std::size_t rob
           "--speed",   std::to_string(fleet.speed), "--die-with-parent"};
 }
 
-std::string cloud_node_json(const DemoFleet& fleet) {
-  const std::string page = fleet.page_port == 0 ? "" : ", \"cloud-gateway\"";
-  return "{\n  \"id\": \"" + std::string(kDemoCloud) +
-         "\",\n  \"role\": \"cloud\",\n  \"services\": [\"router\", \"scheduler\", \"resilience\"" + page + "]\n}\n";
-}
-
-std::string cloud_network_json(const DemoFleet& fleet) {
-  return network_json_of({std::string(kDemoCloud), {}, {}, {}, cloud_address(fleet)});
-}
-
-std::string cloud_json(const DemoFleet& fleet) {
-  return "{ \"listen\": \"127.0.0.1:" + std::to_string(fleet.page_port) + "\" }\n";
+NewCloud cloud_of(const DemoFleet& fleet) {
+  const std::string page = fleet.page_port == 0 ? "" : "127.0.0.1:" + std::to_string(fleet.page_port);
+  return {std::string(kDemoCloud), node_address(fleet, 1), page};
 }
 
 std::string_view demo_scenario() {

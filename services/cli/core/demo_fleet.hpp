@@ -36,12 +36,9 @@ std::string demo_json(const DemoFleet& fleet);
 /// Errors: malformed, bad_value.
 Result<DemoFleet> demo_fleet_of(std::string_view demo_json);
 
-std::string cloud_address(const DemoFleet& fleet);
+NewCloud cloud_of(const DemoFleet& fleet);
 NewNode node_of(const DemoFleet& fleet, std::size_t robot);  ///< its number in demo_robots()
 std::vector<std::string> robot_arguments(const DemoFleet& fleet, std::size_t robot);
-std::string cloud_node_json(const DemoFleet& fleet);
-std::string cloud_network_json(const DemoFleet& fleet);
-std::string cloud_json(const DemoFleet& fleet);
 
 /// The rover drives to table1, then the arm picks: a scenario of two tasks.
 std::string_view demo_scenario();

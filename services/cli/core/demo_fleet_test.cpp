@@ -9,7 +9,7 @@ using namespace trb::cli;
 
 TEST_CASE("demo: nodes and robots have addresses of their own, in one network of this computer") {
   const DemoFleet fleet = *demo_fleet("127.0.42", 0);
-  std::set<std::string> addresses{cloud_address(fleet)};
+  std::set<std::string> addresses{cloud_of(fleet).fleet_side};
   for (std::size_t i = 0; i < demo_robots().size(); ++i) {
     const NewNode node = node_of(fleet, i);
     addresses.insert(node.fleet_side);
@@ -21,10 +21,8 @@ TEST_CASE("demo: nodes and robots have addresses of their own, in one network of
 }
 
 TEST_CASE("demo: the cloud has a gateway only if a page is wanted") {
-  CHECK(cloud_node_json(*demo_fleet("127.0.42", 0)).find("gateway") == std::string::npos);
-  const DemoFleet fleet = *demo_fleet("127.0.42", 8443);
-  CHECK(cloud_node_json(fleet).find("\"cloud-gateway\"") != std::string::npos);
-  CHECK(cloud_json(fleet).find("127.0.0.1:8443") != std::string::npos);
+  CHECK(cloud_of(*demo_fleet("127.0.42", 0)).page.empty());
+  CHECK(cloud_of(*demo_fleet("127.0.42", 8443)).page == "127.0.0.1:8443");
 }
 
 TEST_CASE("demo: another computer's network and ports that are none are refused by their option's name") {

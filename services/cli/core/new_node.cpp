@@ -84,7 +84,32 @@ std::string node_json_of(const NewNode& node) {
   return out;
 }
 
-std::string network_json_of(const NewNode& node) {
+std::string node_json_of(const NewCloud& cloud) {
+  const std::string in = "  ";
+  std::string out = "{\n";
+  out += comment("Its name in the fleet. Its certificate has it: another name needs other keys.", in);
+  out += member("id", cloud.id, in) + member("role", "cloud", in);
+  out += comment("Nodes that beacons do not reach, as 10.0.0.1:45000: another cloud node, for example.", in);
+  out += in + "\"seeds\": [],\n";
+  out += comment("cloud-gateway is the page; cloud.json says where it listens.", in);
+  return out + in + "\"services\": [\"router\", \"scheduler\", \"resilience\"" +
+         (cloud.page.empty() ? "" : ", \"cloud-gateway\"") + "]\n}\n";
+}
+
+std::string cloud_json_of(const NewCloud& cloud) {
+  const std::string in = "  ";
+  std::string out = "{\n";
+  out +=
+      comment("Where the page listens: 127.0.0.1:8443 is for this computer alone, 0.0.0.0:8443 for every network.", in);
+  out += member("listen", cloud.page, in);
+  out += comment(
+      "What people type into the browser: names and addresses, as hall.example, 192.168.1.10. By others nobody can",
+      in);
+  out += comment("sign in; localhost, and the one address of listen, are always good.", in);
+  return out + in + "\"names\": []\n}\n";
+}
+
+std::string network_json_of(const std::string& fleet_side) {
   const std::string in = "  ";
   std::string out = "{\n";
   out += comment("The ports of the whole fleet: the same in every node's file.", in);
@@ -92,7 +117,7 @@ std::string network_json_of(const NewNode& node) {
   out += comment("On which a robot's own program connects, if it is reached field by field.", in);
   out += in + "\"TCP_PORT\": 40000,\n";
   out += comment("This computer on the fleet's network, by interface or address: ip address lists them.", in);
-  out += member("HOST_INT", node.fleet_side, in);
+  out += member("HOST_INT", fleet_side, in);
   out += comment("Its interface of a VPN; it need not exist.", in);
   return out + member("VPN_INT", "tun0", in, true) + "}\n";
 }

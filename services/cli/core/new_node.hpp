@@ -34,8 +34,17 @@ struct NewNode {
   std::string told_faults_at = {};  ///< of a virtual robot: HOST:PORT for trb robot fault; empty: none
 };
 
+/// A cloud node needs no more than this.
+struct NewCloud {
+  std::string id;
+  std::string fleet_side;  ///< interface or address on the fleet's network
+  std::string page = {};   ///< HOST:PORT of the page; empty: it has none
+};
+
 /// Each value with a line that says what it is and where to find it.
 std::string node_json_of(const NewNode& node);
-std::string network_json_of(const NewNode& node);
+std::string node_json_of(const NewCloud& cloud);
+std::string network_json_of(const std::string& fleet_side);
+std::string cloud_json_of(const NewCloud& cloud);
 
 }  // namespace trb::cli

@@ -29,6 +29,14 @@ TEST_CASE("new node: every value stands behind a line that says what it is") {
   CHECK(text.find("fault_injection") == std::string::npos);
   const NewNode virtual_one{"arm1", *robot_kind("ur"), "127.0.0.5", "127.0.0.1", "127.0.0.1", "127.0.0.5:46000"};
   CHECK(node_json_of(virtual_one).find("\"fault_injection\": \"127.0.0.5:46000\"\n") != std::string::npos);
-  CHECK(network_json_of(node).find("\"HOST_INT\": \"eth0\"") != std::string::npos);
+  CHECK(network_json_of("eth0").find("\"HOST_INT\": \"eth0\"") != std::string::npos);
   CHECK(node_json_of({"r", *robot_kind("ros"), "10.0.0.5", "", "eth0"}).find("\"ros-bridge\"") != std::string::npos);
+}
+
+TEST_CASE("new node: a cloud node has the page's service and file only if a page is wanted") {
+  CHECK(node_json_of(NewCloud{"cloud", "eth0"}).find("\"resilience\"]") != std::string::npos);
+  const NewCloud cloud{"cloud", "eth0", "0.0.0.0:8443"};
+  CHECK(node_json_of(cloud).find("\"role\": \"cloud\"") != std::string::npos);
+  CHECK(node_json_of(cloud).find("\"cloud-gateway\"]") != std::string::npos);
+  CHECK(cloud_json_of(cloud).find("\"listen\": \"0.0.0.0:8443\"") != std::string::npos);
 }

@@ -21,9 +21,22 @@ Status write_folder(const NewNode& node, const std::string& dir, const std::stri
   if (Status copied = copy_examples(config, {"commands.json", "profile.json", "places.json", robot}, dir); !copied)
     return copied;
   if (Status written = write_file(dir + "/node.json", node_json_of(node)); !written) return written;
-  if (Status written = write_file(dir + "/network.json", network_json_of(node)); !written) return written;
+  if (Status written = write_file(dir + "/network.json", network_json_of(node.fleet_side)); !written) return written;
   init_crypto();
   return make_request(dir, node.id, Role::robot);
+}
+
+Status write_folder(const NewCloud& cloud, const std::string& dir, const std::string& config) {
+  if (Status made = make_private_dir(dir); !made) return made;
+  // For the page's map, and for how far a robot is from its task.
+  if (Status copied = copy_examples(config, {"places.json"}, dir); !copied) return copied;
+  if (Status written = write_file(dir + "/node.json", node_json_of(cloud)); !written) return written;
+  if (Status written = write_file(dir + "/network.json", network_json_of(cloud.fleet_side)); !written) return written;
+  if (!cloud.page.empty()) {
+    if (Status written = write_file(dir + "/cloud.json", cloud_json_of(cloud)); !written) return written;
+  }
+  init_crypto();
+  return make_request(dir, cloud.id, Role::cloud);
 }
 
 }  // namespace
@@ -73,6 +86,10 @@ Status make_whole_folder(const std::string& path, const std::function<Status(con
 
 Status make_node_folder(const NewNode& node, const std::string& dir, const std::string& config) {
   return make_whole_folder(dir, [&](const std::string& making) { return write_folder(node, making, config); });
+}
+
+Status make_cloud_folder(const NewCloud& cloud, const std::string& dir, const std::string& config) {
+  return make_whole_folder(dir, [&](const std::string& making) { return write_folder(cloud, making, config); });
 }
 
 }  // namespace trb::cli

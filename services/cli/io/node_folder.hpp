@@ -28,4 +28,7 @@ Status make_whole_folder(const std::string& dir, const std::function<Status(cons
 /// io_error; then nothing is left of it.
 Status make_node_folder(const NewNode& node, const std::string& dir, const std::string& config);
 
+/// The same of a cloud node.
+Status make_cloud_folder(const NewCloud& cloud, const std::string& dir, const std::string& config);
+
 }  // namespace trb::cli
