@@ -20,7 +20,7 @@ constexpr VerdictRow kVerdicts[] = {
     {400, "take the paths of /api/v1/openapi.json as they are"},
     {400, "send either the cookie or the bearer token"},
     {401, "sign in by POST /api/v1/session, or send a bearer token that has not ended"},
-    {403, "open the gateway by one of the addresses of its configuration"},
+    {403, "open the page by one of \"names\" in cloud.json, or add to them what you typed"},
     {403, "send it from the gateway's own page; a program takes a bearer token"},
     {403, "send the csrf value of GET /api/v1/session as X-CSRF-Token"},
     {403, "take a password of your own: PUT /api/v1/me/password"},
