@@ -30,7 +30,7 @@ services/router/README.md.
     {"fleet",
      R"(A fleet is what one authority's key has signed. To add a node:
 
-  1. on the node:            trb node new NODE_DIR
+  1. on the node:            trb node new NODE_DIR; for a cloud node with --cloud NAME
   2. where the authority is: trb fleet invite FLEET_DIR NAME --via NODE_DIR_THERE   (prints a code, and waits)
   3. on the node:            trb node join NODE_DIR (asks for the code), then trb up NODE_DIR, trb robot try NAME
 
@@ -69,7 +69,7 @@ Without --via, copy FLEET_DIR/news.json into the keys folder of any node that is
   start_within_s      0.1 to 86400: once it is due; not begun by then it has failed
   on_failure          resilience (if left out): the run waits and the fleet looks for another robot; skip: SKIPPED, and what
                       waits for it alone too; continue: SKIPPED, and what follows goes on; abort: the run ends
-  pinned              true: never given to another robot; may start on a node that has lost its fleet
+  pinned              true: never given to another robot; when it fails: --retry, --skip or --abort
 
   trb scenario check FILE               every fault, with a node also who could not do it now and who has no spare
   trb scenario run FILE --priority 5    of two runs that want a robot the higher one begins (0 to 9)
