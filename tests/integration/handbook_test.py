@@ -23,7 +23,8 @@ LINK = re.compile(r"\[[^\]]*\]\(([^)#\s]+)(?:#([^)\s]+))?\)|\]\(#([^)\s]+)\)")
 def pages():
     """In the order of the first page's contents; a page that stands nowhere in it is an error."""
     first = BOOK / "README.md"
-    named = [BOOK / path for path, *_ in LINK.findall(first.read_text()) if path.endswith(".md") and not path.startswith("../")]
+    contents = first.read_text().split("\n## Contents\n", 1)[1]
+    named = [BOOK / path for path, *_ in LINK.findall(contents) if path.endswith(".md") and not path.startswith("../")]
     order = [first, *dict.fromkeys(named)]
     missing = set(BOOK.rglob("*.md")) - set(order)
     assert not missing, f"not in the contents of {first}: {sorted(map(str, missing))}"
