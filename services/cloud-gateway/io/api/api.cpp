@@ -8,9 +8,6 @@
 namespace trb::gateway {
 namespace {
 
-/// A scenario is the largest of all bodies.
-constexpr std::uint64_t kMaxBody = 1U << 20U;
-
 std::string allow_of(const std::vector<Method>& methods) {
   std::string out;
   for (const Method method : methods) out += (out.empty() ? "" : ", ") + std::string(name_of(method));
@@ -103,14 +100,11 @@ std::optional<RequestDecision> Api::decide(const HttpRequest& request) {
   return decision;
 }
 
-std::optional<HttpReply> Api::before_body(const HttpRequest& request, std::uint64_t body_size) {
+std::optional<HttpReply> Api::before_body(const HttpRequest& request) {
   const auto decision = decide(request);
   if (!decision) return counted(no_database_reply());
-  if (decision->verdict != RequestVerdict::allowed)
-    return on_record(*decision, decision->who.name, request.source, refuse(*decision));
-  if (body_size <= kMaxBody) return std::nullopt;
-  return problem_reply(413, "too_large", "the body has " + std::to_string(body_size) + " bytes",
-                       "send at most " + std::to_string(kMaxBody));
+  if (decision->verdict == RequestVerdict::allowed) return std::nullopt;
+  return on_record(*decision, decision->who.name, request.source, refuse(*decision));
 }
 
 void Api::on_request(HttpRequest request, Reply reply) {

@@ -57,7 +57,7 @@ class Api final : public HttpHandler {
  public:
   explicit Api(Gateway& gateway);
 
-  std::optional<HttpReply> before_body(const HttpRequest& request, std::uint64_t body_size) override;
+  std::optional<HttpReply> before_body(const HttpRequest& request) override;
   void on_request(HttpRequest request, Reply reply) override;
   std::variant<std::shared_ptr<WebSocketIn>, HttpReply> on_upgrade(const HttpRequest& request) override;
   HttpReply refusal(int status, const std::string& code, const std::string& detail, const std::string& hint) override;

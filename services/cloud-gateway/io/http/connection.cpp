@@ -211,8 +211,7 @@ void HttpConnection::on_head() {
     body_ = BodyReader::of_size(0);
     return ask_handler();
   }
-  if (auto refused = owner_->handler().before_body(head_.request, head_.body_size))
-    return send(std::move(*refused), false);
+  if (auto refused = owner_->handler().before_body(head_.request)) return send(std::move(*refused), false);
   begin_body();
 }
 

@@ -100,9 +100,9 @@ class HttpHandler {
   HttpHandler& operator=(const HttpHandler&) = delete;
   virtual ~HttpHandler() = default;
 
-  /// What to refuse before the body is read: a request that may have none of that size. nullopt: read it.
-  /// `body_size`: as announced; 0 if not (chunked). Asked for every request with a body; on_request() checks all.
-  virtual std::optional<HttpReply> before_body(const HttpRequest& request, std::uint64_t body_size) = 0;
+  /// What to refuse before the body is read, such as a stranger's. nullopt: read it. Asked for every request with a
+  /// body that is not longer than kMaxRequestBody; on_request() checks all.
+  virtual std::optional<HttpReply> before_body(const HttpRequest& request) = 0;
   virtual void on_request(HttpRequest request, Reply reply) = 0;
   /// A request to become a WebSocket: the end that it talks to, or why not.
   virtual std::variant<std::shared_ptr<WebSocketIn>, HttpReply> on_upgrade(const HttpRequest& request) = 0;

@@ -52,11 +52,11 @@ struct EchoSocket final : WebSocketIn {
   int closed = 0;
 };
 
-/// Answers each request with its own path and body; refuses announced bodies over 100 bytes.
+/// Answers each request with its own path and body; refuses bodies for /closed before they are read.
 struct EchoHandler final : HttpHandler {
-  std::optional<HttpReply> before_body(const HttpRequest&, std::uint64_t body_size) override {
-    if (body_size <= 100) return std::nullopt;
-    return refusal(413, "too_large", "", "");
+  std::optional<HttpReply> before_body(const HttpRequest& request) override {
+    if (request.target != "/closed") return std::nullopt;
+    return refusal(403, "closed", "", "");
   }
   void on_request(HttpRequest request, Reply reply) override {
     HttpReply out;
