@@ -18,7 +18,7 @@ namespace trb::cli {
 namespace {
 
 using conform::Case;
-using conform::Verdict;
+using conform::CaseResult;
 
 constexpr const char* kDocument = "proto/FIELD_CHANNEL.md";
 constexpr std::size_t kNameWidth = 16;
@@ -32,7 +32,7 @@ struct Plan {
 
 struct Row {
   Case tried;
-  Verdict verdict;
+  CaseResult result;
 };
 
 /// Where and for whom the node itself listens.
@@ -139,32 +139,32 @@ int list_cases(const Arguments& arguments) {
   return kGood;
 }
 
-std::string name_of(Verdict::Kind kind) {
-  if (kind == Verdict::Kind::good) return "ok";
-  return kind == Verdict::Kind::wrong ? "WRONG" : "not tried";
+std::string name_of(CaseResult::Kind kind) {
+  if (kind == CaseResult::Kind::good) return "ok";
+  return kind == CaseResult::Kind::wrong ? "WRONG" : "not tried";
 }
 
 void print_row(const Row& row) {
-  const Verdict& verdict = row.verdict;
-  const Colour colour = verdict.kind == Verdict::Kind::good    ? Colour::good
-                        : verdict.kind == Verdict::Kind::wrong ? Colour::bad
-                                                               : Colour::dim;
-  std::string kind = name_of(verdict.kind);
+  const CaseResult& result = row.result;
+  const Colour colour = result.kind == CaseResult::Kind::good    ? Colour::good
+                        : result.kind == CaseResult::Kind::wrong ? Colour::bad
+                                                                 : Colour::dim;
+  std::string kind = name_of(result.kind);
   kind.resize(11, ' ');
   std::string name = row.tried.name;
   name.resize(std::max(name.size() + 1, kNameWidth), ' ');
   print_line(coloured(colour, kind) + name + row.tried.tries);
-  if (verdict.kind == Verdict::Kind::good) return;
+  if (result.kind == CaseResult::Kind::good) return;
   const std::string indent(11, ' ');
-  if (verdict.kind == Verdict::Kind::not_tried) return print_line(indent + verdict.came);
-  print_line(indent + "expected  " + verdict.expected);
-  print_line(indent + "came      " + verdict.came);
+  if (result.kind == CaseResult::Kind::not_tried) return print_line(indent + result.came);
+  print_line(indent + "expected  " + result.expected);
+  print_line(indent + "came      " + result.came);
   print_line(indent + "see       " + kDocument + ", \"" + row.tried.section + "\"");
 }
 
-std::size_t count_of(const std::vector<Row>& rows, Verdict::Kind kind) {
+std::size_t count_of(const std::vector<Row>& rows, CaseResult::Kind kind) {
   return static_cast<std::size_t>(
-      std::count_if(rows.begin(), rows.end(), [&](const Row& row) { return row.verdict.kind == kind; }));
+      std::count_if(rows.begin(), rows.end(), [&](const Row& row) { return row.result.kind == kind; }));
 }
 
 void print_rows_json(const std::vector<Row>& rows) {
@@ -172,12 +172,12 @@ void print_rows_json(const std::vector<Row>& rows) {
   for (const Row& row : rows) {
     list.push_back(Value{Value::Object{{"case", Value{std::string(row.tried.name)}},
                                        {"tries", Value{std::string(row.tried.tries)}},
-                                       {"verdict", Value{name_of(row.verdict.kind)}},
-                                       {"expected", Value{row.verdict.expected}},
-                                       {"came", Value{row.verdict.came}},
+                                       {"verdict", Value{name_of(row.result.kind)}},
+                                       {"expected", Value{row.result.expected}},
+                                       {"came", Value{row.result.came}},
                                        {"section", Value{std::string(row.tried.section)}}}});
   }
-  const auto wrong = static_cast<std::int64_t>(count_of(rows, Verdict::Kind::wrong));
+  const auto wrong = static_cast<std::int64_t>(count_of(rows, CaseResult::Kind::wrong));
   print_json(Value{Value::Object{{"cases", Value{std::move(list)}}, {"wrong", Value{wrong}}}});
 }
 
@@ -186,14 +186,14 @@ std::vector<Row> play_all(const std::vector<Case>& cases, conform::Play& play, b
   std::vector<Row> rows;
   bool gone = false;
   for (const Case& one : cases) {
-    Verdict verdict{Verdict::Kind::not_tried, "", "the robot is gone"};
+    CaseResult result{CaseResult::Kind::not_tried, "", "the robot is gone"};
     if (!gone) {
       play.begin();
       gone = !play.going();
       if (!gone) one.play(play);
-      verdict = play.end();
+      result = play.end();
     }
-    rows.push_back({one, std::move(verdict)});
+    rows.push_back({one, std::move(result)});
     if (aloud) print_row(rows.back());
   }
   return rows;
@@ -210,10 +210,10 @@ int play_plan(const Arguments& arguments, const Plan& plan, const std::vector<Ca
   }
   conform::Play play(end, plan.settings);
   const std::vector<Row> rows = play_all(cases, play, aloud);
-  const std::size_t wrong = count_of(rows, Verdict::Kind::wrong);
+  const std::size_t wrong = count_of(rows, CaseResult::Kind::wrong);
   if (aloud) {
-    print_line(std::to_string(count_of(rows, Verdict::Kind::good)) + " ok, " + std::to_string(wrong) + " wrong, " +
-               std::to_string(count_of(rows, Verdict::Kind::not_tried)) + " not tried");
+    print_line(std::to_string(count_of(rows, CaseResult::Kind::good)) + " ok, " + std::to_string(wrong) + " wrong, " +
+               std::to_string(count_of(rows, CaseResult::Kind::not_tried)) + " not tried");
   } else {
     print_rows_json(rows);
   }

@@ -72,7 +72,7 @@ Play::Play(RobotEnd& end, const Settings& settings)
       collector_(words_, settings_.channel.framing == Framing::delay) {}
 
 void Play::begin() {
-  verdict_.reset();
+  result_.reset();
   if (end_.connected()) return;
   const Duration patience = was_there_ ? settings_.patience : settings_.first_dial;
   cutter_.clear();
@@ -86,18 +86,18 @@ void Play::begin() {
   was_there_ = true;
 }
 
-Verdict Play::end() {
+CaseResult Play::end() {
   // What a robot that was wrong still says belongs to no later case.
-  if (verdict_ && verdict_->kind == Verdict::Kind::wrong) end_.drop();
-  return verdict_.value_or(Verdict{});
+  if (result_ && result_->kind == CaseResult::Kind::wrong) end_.drop();
+  return result_.value_or(CaseResult{});
 }
 
 void Play::wrong(std::string expected, std::string came) {
-  if (going()) verdict_ = Verdict{Verdict::Kind::wrong, std::move(expected), std::move(came)};
+  if (going()) result_ = CaseResult{CaseResult::Kind::wrong, std::move(expected), std::move(came)};
 }
 
 void Play::not_tried(std::string why) {
-  if (going()) verdict_ = Verdict{Verdict::Kind::not_tried, "", std::move(why)};
+  if (going()) result_ = CaseResult{CaseResult::Kind::not_tried, "", std::move(why)};
 }
 
 // ---- what the middleware does

@@ -26,7 +26,7 @@ struct Settings {
   Duration skill_timeout = std::chrono::seconds(60);
 };
 
-struct Verdict {
+struct CaseResult {
   enum class Kind : std::uint8_t { good, wrong, not_tried };
   Kind kind = Kind::good;
   std::string expected;
@@ -40,8 +40,8 @@ class Play {
   // ---- a case
   /// Takes the robot in, if it is not connected.
   void begin();
-  Verdict end();
-  [[nodiscard]] bool going() const { return !verdict_; }
+  CaseResult end();
+  [[nodiscard]] bool going() const { return !result_; }
   void wrong(std::string expected, std::string came);
   void not_tried(std::string why);
 
@@ -108,7 +108,7 @@ class Play {
   std::deque<Said> inbox_;  ///< messages of the robot's own that came while something else was waited for
   Answers answers_ = Answers::not_asked;
   std::string no_answer_ = "nothing";  ///< what came instead of an answer
-  std::optional<Verdict> verdict_;
+  std::optional<CaseResult> result_;
   bool was_there_ = false;
   int pings_ = 0;
 };

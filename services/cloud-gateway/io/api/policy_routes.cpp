@@ -10,7 +10,7 @@
 #include "common/config/resilience_file.hpp"
 #include "common/operator/reload_service.hpp"
 #include "common/security/keys.hpp"
-#include "common/supervisor/signal_service.hpp"
+#include "common/supervisor/reload_signal.hpp"
 #include "services/cloud-gateway/io/api/api.hpp"
 #include "services/cloud-gateway/io/api/conditional.hpp"
 #include "services/cloud-gateway/io/api/once.hpp"

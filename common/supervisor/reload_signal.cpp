@@ -1,4 +1,4 @@
-#include "common/supervisor/signal_service.hpp"
+#include "common/supervisor/reload_signal.hpp"
 
 #include <cerrno>
 #include <csignal>

@@ -1,3 +1,4 @@
+// A service of the node asked, by a signal, to read its files again.
 #pragma once
 
 #include <sys/types.h>
