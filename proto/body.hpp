@@ -25,7 +25,7 @@
 #define TRB_BODIES(X)                                                                                              \
   X(ServiceHello) X(ServiceWelcome) X(ServiceAlive) X(ServiceAliveSeen) X(HelloWanted) X(Nack) X(Ack)              \
   X(SignRequest) X(SignedRecord) X(RouteListRequest) X(RouteTable) X(ServiceListRequest) X(ServiceTable)           \
-  X(RouterCountersRequest) X(AdapterCountersRequest) X(Counters)                                                   \
+  X(RouterCountersRequest) X(AdapterCountersRequest) X(ServiceCountersRequest) X(Counters)                           \
   X(Certificate) X(CertificateRequest) X(Beacon) X(NodeProfile) X(Hello) X(KeepAlive) X(Goodbye) X(PeerJoined)     \
   X(RevocationList) X(Seal) X(SealedRange) X(TrustUpdate) X(ReachablePeerList) X(Relayed) X(RelayedFrame)                   \
   X(RelayAlive) X(RelayRefused)                                                                                    \

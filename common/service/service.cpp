@@ -3,9 +3,9 @@
 #include <unistd.h>
 #include <csignal>
 #include <filesystem>
-#include <map>
 #include <utility>
 
+#include "common/actor/counter_table.hpp"
 #include "common/base/files.hpp"
 #include "common/log/log.hpp"
 #include "common/security/keys.hpp"
@@ -163,17 +163,12 @@ class ServiceShell final : public Service {
       return;
     }
     inbound.body = std::move(*body);
-    if (holds_alternative<AdapterCountersRequest>(inbound.body)) {
-      step([&](Now, Outbox& out) { out.reply(inbound, counters()); });
+    if (holds_alternative<ServiceCountersRequest>(inbound.body) ||
+        holds_alternative<AdapterCountersRequest>(inbound.body)) {
+      step([&](Now, Outbox& out) { out.reply(inbound, counters_.table(node_, options_.name)); });
       return;
     }
     step([&](Now now, Outbox& out) { core_->on(inbound, now, out); });
-  }
-
-  Counters counters() const {
-    Counters out{node_, options_.name, {}};
-    for (const auto& [name, value] : counts_) out.values.push_back({name, value});
-    return out;
   }
 
   void carry_out(const Outbox& out) {
@@ -183,11 +178,11 @@ class ServiceShell final : public Service {
       if (!sent) {
         not_sent(send, sent.error());
       } else if (*sent == 0) {
-        count("dropped.no_router");
+        counters_.count("dropped.no_router");
       }
     }
     if (after_sends_) after_sends_();
-    for (const std::string& name : out.counts) count(name);
+    for (const std::string& name : out.counts) counters_.count(name);
     for (const Log& line : out.logs) {
       log_limited(limit_, read_clocks().mono, to_level(line.level), line.event, line.text);
     }
@@ -197,7 +192,7 @@ class ServiceShell final : public Service {
   /// itself does.
   void not_sent(const Send& send, const Error& why) {
     const std::string subtype(subtype_of(send.body));
-    count("dropped." + std::string(errc_name(why.code)));
+    counters_.count("dropped." + std::string(errc_name(why.code)));
     log_limited(limit_, read_clocks().mono, Level::error, "not_sent",
                 subtype + " for '" + send.target + "': " + why.text());
     Nack nack{std::string(errc_name(why.code)), subtype, send.target, why.what, why.hint};
@@ -227,10 +222,6 @@ class ServiceShell final : public Service {
     return false;
   }
 
-  void count(const std::string& name) {
-    if (counts_.size() < 1000 || counts_.count(name) != 0) ++counts_[name];
-  }
-
   ServiceOptions options_;
   std::uint64_t instance_;
   Context context_;
@@ -244,7 +235,7 @@ class ServiceShell final : public Service {
   std::function<void()> after_sends_;
   std::function<bool()> idle_;
   std::optional<MonotonicTime> reload_check_;
-  std::map<std::string, std::uint64_t> counts_;
+  CounterTable counters_;
   std::vector<Nack> refused_;  ///< sent by the core, but unreadable for any receiver
   RateLimit limit_{20, std::chrono::seconds(10)};
   int exit_ = 0;

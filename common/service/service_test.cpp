@@ -234,6 +234,33 @@ TEST_CASE("a service runs in the event loop of a program that has one of its own
   CHECK(served.service->exit_status() == 0);
 }
 
+TEST_CASE("every service answers what it has counted, without its core") {
+  Served served;
+  served.start();
+  Message greeting = wave(76);
+  greeting.subtype = RunQuery::kSubtype;  // that body is malformed
+  greeting.data = "\xc1";
+  REQUIRE(served.router.socket->send_to(served.router.peer, to_frame(encode_frame(greeting))) == SendResult::sent);
+  for (const Body& question : {Body{ServiceCountersRequest{"probe"}}, Body{AdapterCountersRequest{}}}) {
+    Message request = wave(77);
+    request.type = MessageType::request;
+    request.subtype = subtype_of(question);
+    request.data = encode_body(question);
+    REQUIRE(served.router.socket->send_to(served.router.peer, to_frame(encode_frame(request))) == SendResult::sent);
+    const auto answer = served.poll_until(Counters::kSubtype);
+    REQUIRE(answer);
+    CHECK(answer->reply_to == 77);
+    const auto counters = decode<Counters>(answer->data);
+    REQUIRE(counters);
+    CHECK(counters->node == "ant");
+    CHECK(counters->service == "probe");
+    REQUIRE(counters->values.size() == 1);
+    CHECK(counters->values[0].name == "refused.malformed_body");
+    CHECK(counters->values[0].value == 1);
+  }
+  CHECK(served.core.waves() == 0);
+}
+
 TEST_CASE("behind a commit that failed a service receives, journals and sends nothing, though more waits for it") {
   {
     // More does wait: with a commit that succeeds one look takes many.

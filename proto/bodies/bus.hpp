@@ -171,6 +171,7 @@ struct RouterCountersRequest {
   }
 };
 
+/// The same of the mode-adapter, as earlier versions of trb ask for it. Today's asks by ServiceCountersRequest.
 struct AdapterCountersRequest {
   static constexpr std::string_view kSubtype = "adapter_counters";
   static constexpr Travel kTravel = between_nodes(CostPhase::upkeep);
@@ -180,25 +181,38 @@ struct AdapterCountersRequest {
   }
 };
 
+/// Requests the counters of one service of the node. Its name decides who answers: the service itself, or the router.
+struct ServiceCountersRequest {
+  static constexpr std::string_view kSubtype = "service_counters";
+  static constexpr Travel kTravel = between_nodes(CostPhase::upkeep);
+  std::string service;
+  template <class T = ServiceCountersRequest>
+  static FieldTable fields() {
+    return FieldTable{field("service", &T::service, 64)};
+  }
+};
+
 struct Counter {
+  static constexpr std::size_t kLongestName = 128;
   std::string name;
   std::uint64_t value = 0;
   template <class T = Counter>
   static FieldTable fields() {
-    return FieldTable{field("name", &T::name, 128), field("value", &T::value)};
+    return FieldTable{field("name", &T::name, kLongestName), field("value", &T::value)};
   }
 };
 
 struct Counters {
   static constexpr std::string_view kSubtype = "counters";
   static constexpr Travel kTravel = between_nodes(CostPhase::upkeep);
+  static constexpr std::size_t kMost = 1024;
   std::string node;
   std::string service;
   std::vector<Counter> values;
   template <class T = Counters>
   static FieldTable fields() {
     return FieldTable{field("node", &T::node, 64), field("service", &T::service, 64),
-                      field("values", &T::values, 1024)};
+                      field("values", &T::values, kMost)};
   }
 };
 

@@ -213,6 +213,10 @@ TEST_CASE("alerts and what is decided on them") {
 
 TEST_CASE("bodies of link and bus") {
   CHECK(to_hex(encode(KeepAlive{300})) == "91cd012c");
+  CHECK(to_hex(encode(ServiceCountersRequest{"s"})) == "91a173");
+  CHECK(to_hex(encode(Counters{"n", "s", {{"late.baton", 2}}})) ==
+        "93a16ea173"
+        "9192aa6c6174652e6261746f6e02");
   CHECK(to_hex(encode(Goodbye{"x"})) == "91a178");
   CHECK(to_hex(encode(HelloWanted{})) == "90");
   CHECK(to_hex(encode(ServiceHello{"s", {"a"}, 1, 2, "v", {"h"}})) == "96a17391a1610102a17691a168");

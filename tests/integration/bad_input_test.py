@@ -281,7 +281,7 @@ WORDS = {
     ("send", "ur3", "command", "move", "--timeout", "soon"): (1, "--timeout: 'soon' is no positive number", "--timeout 5"),
     ("tap", "--count", "-1"): (1, "--count: '-1' is no positive number", "--count 5"),
     ("stop",): (1, "which robot?", "--all"),
-    ("service", "counters", "rooter", "--node", "/"): (1, "SERVICE: 'rooter'", "router or mode-adapter"),
+    ("service", "counters", "Router", "--node", "/"): (1, "SERVICE: 'Router' is no id", "lower-case letter"),
     ("logs", "/nowhere"): (1, "no log", "folder"),
 }
 
@@ -395,7 +395,7 @@ class Living(Case):
         self.error_of("send", "ridgeback", "command", "execute", *node, code="not_permitted", what="execute", cure="")
         self.error_of("scenario", "watch", "ffff", *node, code="unknown_run", what="ffff", cure="trb run list")
         self.error_of("scenario", "abort", "ffff", *node, code="unknown_run", what="ffff", cure="trb run list")
-        self.error_of("service", "counters", "mode-adapter", *node, code="no_service", what="adapter_counters",
+        self.error_of("service", "counters", "mode-adapter", *node, code="no_service", what="mode-adapter",
                       cure="trb service list")
         done = run("stop", "ridgebak", "--json", *node)
         self.assertEqual((done.returncode, json.loads(done.stdout)["robots"][0]["state"]), (1, "unreachable"))

@@ -69,6 +69,7 @@ struct Observed {
   RouteTable routes;
   RunTable runs;                 ///< how many the scheduler has and accepts; open_max 0: no answer
   std::optional<Error> no_runs;  ///< why it does not say
+  Counters scheduler;            ///< what it has counted since its start
   ServiceTable services;
   LinkErrorTable errors;
   std::vector<AddressProbe> addresses;

@@ -302,3 +302,17 @@ TEST_CASE("a scheduler that is nearly full of runs") {
   ant.seen.runs.open = 91;
   CHECK(find(diagnose(ant.seen), "runs_full", "ant") != nullptr);
 }
+
+TEST_CASE("what a scheduler should never count is told, and what it counts every day is not") {
+  Ant ant;
+  ant.seen.scheduler = {"ant", "scheduler", {{"late.baton", 7}, {"double_execution", 0}}};
+  CHECK(diagnose(ant.seen).empty());
+  ant.seen.scheduler.values = {{"double_choice", 1}, {"double_execution", 2}, {"late.baton", 7}};
+  const auto findings = diagnose(ant.seen);
+  REQUIRE(findings.size() == 2);
+  const Finding* done_twice = find(findings, "double_execution", "ant");
+  REQUIRE(done_twice != nullptr);
+  CHECK(done_twice->weight == Weight::note);
+  CHECK(done_twice->what.find("(2 since") != std::string::npos);
+  CHECK(find(findings, "double_choice", "ant") != nullptr);
+}

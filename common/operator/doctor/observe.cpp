@@ -17,11 +17,11 @@ bool is_asked(const Observed& seen, const Route& route) {
   return seen.asked.empty() || route.id == seen.asked || route.address == seen.asked;
 }
 
-/// Four requests; `next` is called when all are answered or timed out.
+/// Five requests; `next` is called when all are answered or timed out.
 struct RouterQuestions {
   Observed seen;
   ObservedNext next;
-  int open = 4;
+  int open = 5;
 
   template <class Answer>
   static Callback<Answer> into(const std::shared_ptr<RouterQuestions>& all, Answer Observed::*field) {
@@ -97,6 +97,7 @@ void observe_router(Session& session, Observed seen, const ObservedNext& next) {
       all->seen.no_runs = answer.error();
     all->answered();
   });
+  session.ask_node<Counters>(ServiceCountersRequest{"scheduler"}, RouterQuestions::into(all, &Observed::scheduler));
   session.ask_node<LinkErrorTable>(LinkErrorTableRequest{}, RouterQuestions::into(all, &Observed::errors));
 }
 

@@ -13,8 +13,8 @@ namespace trb::op {
 /// Called after the doctor's requests: with the earlier observations and what the answers added.
 using ObservedNext = std::function<void(Observed)>;
 
-/// Asks the own router for its table, its services and its link errors, and its scheduler for its runs. What is not
-/// answered stays empty.
+/// Asks the own router for its table, its services and its link errors, and its scheduler for its runs and counters.
+/// What is not answered stays empty.
 void observe_router(Session& session, Observed seen, const ObservedNext& next);
 
 /// Sends echoes, small and large, to each peer that is ONLINE and is to be checked, one peer after the other. A large

@@ -42,7 +42,8 @@ std::string addresses(const std::vector<AddressProbe>& all) {
 
 }  // namespace
 
-TEST_CASE("the router is asked for four tables; what it does not tell stays empty") {
+TEST_CASE(
+    "the router is asked for four tables, and the scheduler for its counters; what it does not tell stays empty") {
   Doctor doctor;
   Observed before;
   before.node = "ant";
@@ -53,6 +54,8 @@ TEST_CASE("the router is asked for four tables; what it does not tell stays empt
   doctor.node.answer(ServiceTable{});
   doctor.node.take<RunListRequest>();
   doctor.node.refuse(Errc::robot_offline, "no scheduler");
+  CHECK(doctor.node.take<ServiceCountersRequest>().service == "scheduler");
+  doctor.node.answer(Counters{"ant", "scheduler", {{"late.baton", 1}}});
   doctor.node.take<LinkErrorTableRequest>();
   CHECK_FALSE(doctor.seen);
   doctor.node.pass(kAnswerWait);
@@ -60,6 +63,7 @@ TEST_CASE("the router is asked for four tables; what it does not tell stays empt
   CHECK(doctor.seen->answers);
   CHECK(doctor.seen->node == "ant");
   CHECK(doctor.seen->routes.routes.size() == 1);
+  CHECK(doctor.seen->scheduler.values.size() == 1);
   CHECK(doctor.seen->errors.errors.empty());
 }
 

@@ -1,4 +1,5 @@
-// Findings about use: robots that are out of use, a scheduler with little room left for runs.
+// Findings about use: robots that are out of use, a scheduler with little room left for runs, or that has seen a task
+// done twice.
 #pragma once
 
 #include "common/operator/doctor/diagnosis.hpp"

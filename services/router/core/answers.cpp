@@ -31,7 +31,8 @@ Result<Body> Answers::to_request(const Message& message, Now now) const {
       return Body{route_table(now, request->after)};
     }
     if (message.subtype == ServiceListRequest::kSubtype) return Body{service_table(now)};
-    if (message.subtype == RouterCountersRequest::kSubtype) return Body{counters_.table(node_.id())};
+    if (message.subtype == RouterCountersRequest::kSubtype) return Body{counters_.table(node_.id(), "router")};
+    if (message.subtype == ServiceCountersRequest::kSubtype) return service_counters(message);
     if (message.subtype == LinkErrorTableRequest::kSubtype) return Body{errors_.table(node_.id(), now.mono)};
     if (message.subtype == EchoRequest::kSubtype) {
       auto request = decode<EchoRequest>(message.data);
@@ -40,6 +41,15 @@ Result<Body> Answers::to_request(const Message& message, Now now) const {
     }
   }
   return fail(Errc::bad_value, message.subtype + " is not for a router in this way");
+}
+
+/// Those of a service that is connected never come here (MessageRouting::counting_service): it answers itself.
+Result<Body> Answers::service_counters(const Message& message) const {
+  auto request = decode<ServiceCountersRequest>(message.data);
+  if (!request) return request.error();
+  if (request->service == "router") return Body{counters_.table(node_.id(), "router")};
+  return fail(Errc::no_service, "'" + node_.id() + "' has no service '" + request->service + "' that is up",
+              "see trb service list");
 }
 
 /// A request of a hundred bytes returns a table: a peer that sends them without end would keep this node busy for

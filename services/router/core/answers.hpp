@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "services/router/core/counter_table.hpp"
+#include "common/actor/counter_table.hpp"
 #include "services/router/core/link_errors.hpp"
 #include "services/router/core/local_bus.hpp"
 #include "services/router/core/membership.hpp"
@@ -29,7 +29,7 @@ class Answers {
 
   /// This process has started.
   void start(Now now) { started_ = now.mono; }
-  /// Errors: bad_value (not for a router), malformed.
+  /// Errors: bad_value (not for a router), malformed, no_service (whose counters are asked for).
   [[nodiscard]] Result<Body> to_request(const Message& message, Now now) const;
   /// The same for a peer, which gets a bounded number of bytes of tables per second. Errors: queue_full, too.
   Result<Body> to_peer(Peer& peer, const Message& message, Now now) const;
@@ -41,6 +41,7 @@ class Answers {
 
  private:
   [[nodiscard]] Route route_of(const Peer& peer, Now now) const;
+  [[nodiscard]] Result<Body> service_counters(const Message& message) const;
   [[nodiscard]] ServiceEntry entry_of(const std::string& name, Now now) const;
 
   const LocalNode& node_;

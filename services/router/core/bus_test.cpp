@@ -161,6 +161,32 @@ TEST_CASE("the tables are for requests, and only the mode-adapter tells the prof
   CHECK(bus.ant.core->answers().route_table(bus.fleet.now).routes.at(0).profile.maker.empty());
 }
 
+TEST_CASE(
+    "a request for counters goes to the service that it names; the router answers for itself and for the absent") {
+  Bus bus;
+  REQUIRE(bus.hello(1, "scheduler", {"baton"}) == "service_welcome");
+  REQUIRE(bus.hello(2, "trb", {}, true) == "service_welcome");
+  const std::uint64_t slot = bus.ant.core->bus().services().find(2)->slot;
+  const auto way = [&](Message message) {
+    message.id = slot << 48U | 1U;
+    return bus.ant.core->routing().from_bus(2, header_of(message));
+  };
+  const auto request = [](const std::string& service) {
+    return make_message(MessageType::request, "ant", "ant", ServiceCountersRequest{service});
+  };
+  const Routing to_scheduler = way(request("scheduler"));
+  CHECK(to_scheduler.to == Routing::To::service);
+  CHECK(to_scheduler.connection == 1);
+  Message order = request("scheduler");
+  order.type = MessageType::command;
+  Message malformed = request("scheduler");
+  malformed.data = "\xc1";
+  for (const Message& other : {request("router"), request("resilience"), request("trb"), order, malformed})
+    CHECK(way(other).to == Routing::To::router);
+  CHECK(bus.ask(2, ServiceCountersRequest{"router"}) == "counters");
+  CHECK(bus.ask(2, ServiceCountersRequest{"resilience"}) == "no_service");
+}
+
 TEST_CASE("a service that says hello again has what it says now, once, and what it said before no longer") {
   Bus bus;
   const auto hello = [&](std::vector<std::string> subtypes, std::vector<std::string> hears) {

@@ -26,6 +26,7 @@ constexpr std::string_view kOwnSubtypes[] = {
     RouterCountersRequest::kSubtype,
     Seal::kSubtype,
     ServiceAlive::kSubtype,
+    ServiceCountersRequest::kSubtype,
     ServiceHello::kSubtype,
     ServiceListRequest::kSubtype,
     SignRequest::kSubtype,
@@ -168,7 +169,15 @@ Routing MessageRouting::to_self(const HeaderView& header, Party from) const {
   return to_service(bus_.services().by_slot(requester->slot));
 }
 
+/// The one request whose data says which service answers it. Nothing: the router does, or refuses it.
+std::optional<ConnectionId> MessageRouting::counting_service(const HeaderView& header) const {
+  if (header.type != MessageType::request || header.subtype != ServiceCountersRequest::kSubtype) return std::nullopt;
+  const auto request = decode<ServiceCountersRequest>(header.data);
+  return request ? bus_.services().holder(request->service) : std::nullopt;
+}
+
 Routing MessageRouting::to_router_or_service(const HeaderView& header) const {
+  if (const auto service = counting_service(header)) return to_service(service);
   if (contains(kOwnSubtypes, header.subtype)) return {.to = Routing::To::router};
   const Services& services = bus_.services();
   if (const auto claimed = services.by_subtype(header.subtype)) return to_service(claimed);

@@ -3,7 +3,7 @@
 
 #include <string_view>
 
-#include "services/router/core/counter_table.hpp"
+#include "common/actor/counter_table.hpp"
 #include "services/router/core/lane_table.hpp"
 #include "services/router/core/local_bus.hpp"
 #include "services/router/core/local_profile.hpp"
@@ -43,6 +43,7 @@ class MessageRouting {
 
  private:
   [[nodiscard]] Routing to_self(const HeaderView& header, Party from) const;
+  [[nodiscard]] std::optional<ConnectionId> counting_service(const HeaderView& header) const;
   [[nodiscard]] Routing to_router_or_service(const HeaderView& header) const;
   Routing from_bus_to_self(ConnectionId from, const Connection& by, const HeaderView& header);
   Routing from_bus_to_peer(ConnectionId from, const HeaderView& header);

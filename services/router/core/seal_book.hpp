@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
+#include "common/actor/counter_table.hpp"
 #include "common/base/deadline_index.hpp"
 #include "common/base/lookup_table.hpp"
-#include "services/router/core/counter_table.hpp"
 #include "services/router/core/own_messages.hpp"
 #include "services/router/core/seals.hpp"
 

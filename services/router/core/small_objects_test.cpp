@@ -1,22 +1,10 @@
-// Counters, the router's own messages, known addresses, this node: what each guarantees by itself.
+// The router's own messages, known addresses, this node: what each guarantees by itself.
 #include "services/router/core/known_addresses.hpp"
 #include "services/router/core/nack.hpp"
 #include "services/router/test/test_parts.hpp"
 
 using namespace trb;
 using namespace trb::router;
-
-TEST_CASE("counters are bounded by their number, and what did not happen is taken back") {
-  CounterTable counters;
-  for (std::size_t i = 0; i < CounterTable::kMost; ++i) counters.count(std::to_string(i));
-  counters.count("one too many");
-  CHECK(counters.value("one too many") == 0);
-  counters.count("7", 2);
-  counters.take_back("7");
-  CHECK(counters.value("7") == 2);
-  counters.take_back("unknown");
-  CHECK(counters.table("ant").values.size() == CounterTable::kMost);
-}
 
 TEST_CASE("the router's own messages are numbered; one that nobody would take becomes a Nack to who waits for it") {
   Parts parts;

@@ -6,11 +6,11 @@
 #include <memory>
 #include <string>
 
+#include "common/actor/counter_table.hpp"
 #include "common/transport/byte_budget.hpp"
 #include "common/transport/loop.hpp"
 #include "common/transport/monitor.hpp"
 #include "common/transport/socket.hpp"
-#include "services/router/core/counter_table.hpp"
 #include "services/router/core/lane_table.hpp"
 #include "services/router/io/inbox_guard.hpp"
 

@@ -67,7 +67,7 @@ std::string RouterShell::metrics() {
   if (const auto own = decode<Certificate>(is.own.certificate.payload.bytes)) {
     is.certificate_ends_s = own->not_after / 1'000'000'000;
   }
-  is.counters = core_.counters().table(core_.config().id);
+  is.counters = core_.counters().table(core_.config().id, "router");
   return metrics_text(is);
 }
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "services/router/core/counter_table.hpp"
+#include "common/actor/counter_table.hpp"
 
 namespace trb::router {
 

@@ -54,7 +54,7 @@ TEST_CASE("what a person puts into keys/ is read at once; what is no trust updat
   ShellParts parts;
   parts.files.watch_keys();
   REQUIRE(write_file("keys/news.json", "no JSON").ok());
-  CHECK(parts.turn_until([&] { return !parts.core.counters().table("ant").values.empty(); }));
+  CHECK(parts.turn_until([&] { return !parts.core.counters().table("ant", "router").values.empty(); }));
 }
 
 TEST_CASE("what cannot be written is an error with what to do") {

@@ -1,8 +1,13 @@
-#include "services/router/core/counter_table.hpp"
+#include "common/actor/counter_table.hpp"
 
-namespace trb::router {
+#include "proto/value.hpp"
+
+namespace trb {
+
+static_assert(CounterTable::kMost <= Counters::kMost);
 
 void CounterTable::count(std::string_view name, std::uint64_t by) {
+  if (name.size() > Counter::kLongestName) return count(cut_utf8(name, Counter::kLongestName), by);
   if (std::uint64_t* count = by_name_.find(name)) {
     *count += by;
   } else if (counts_.size() < kMost) {
@@ -20,10 +25,10 @@ std::uint64_t CounterTable::value(std::string_view name) const {
   return at == counts_.end() ? 0 : at->second;
 }
 
-Counters CounterTable::table(const std::string& node) const {
-  Counters out{node, "router", {}};
+Counters CounterTable::table(const std::string& node, const std::string& service) const {
+  Counters out{node, service, {}};
   for (const auto& [name, value] : counts_) out.values.push_back({name, value});
   return out;
 }
 
-}  // namespace trb::router
+}  // namespace trb
