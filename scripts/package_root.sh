@@ -6,14 +6,26 @@ need_root() {
   return 1
 }
 
-# debian_root DIR: made by debootstrap, complete or not there; with this machine's sources of packages.
+# run_by_qemu: this machine runs programs for 64-bit ARM by qemu-user, until the script ends.
+run_by_qemu() {
+  local formats=/proc/sys/fs/binfmt_misc
+  need_root "running programs of another architecture"
+  install_packages qemu-user-static
+  [ -e "$formats/register" ] || mount -t binfmt_misc none "$formats"
+  [ ! -e "$formats/qemu-aarch64" ] || return 0
+  cat /usr/lib/binfmt.d/qemu-aarch64.conf >"$formats/register"
+  trap 'echo -1 >/proc/sys/fs/binfmt_misc/qemu-aarch64' EXIT
+}
+
+# debian_root DIR [ARCH]: made by debootstrap, complete or not there; with this machine's sources of packages.
 debian_root() {
   [ -d "$1" ] && return 0
   need_root "a Debian in a folder"
   install_packages debootstrap
-  echo "== a bare Debian 12 in $1"
+  echo "== a bare Debian 12${2:+ for $2} in $1"
+  mkdir -p "$(dirname "$1")"
   rm -rf "$1.half"
-  debootstrap --variant=minbase bookworm "$1.half" http://deb.debian.org/debian >"$1.log" 2>&1 || { tail -n 20 "$1.log" >&2; return 1; }
+  debootstrap ${2:+--arch "$2"} --variant=minbase bookworm "$1.half" http://deb.debian.org/debian >"$1.log" 2>&1 || { tail -n 20 "$1.log" >&2; return 1; }
   rm -rf "$1.half/etc/apt" && cp -a /etc/apt "$1.half/etc/apt"
   printf '#!/bin/sh\nexit 101\n' >"$1.half/usr/sbin/policy-rc.d"  # nothing is started in it
   chmod 755 "$1.half/usr/sbin/policy-rc.d"

@@ -77,14 +77,16 @@ def older(deb, folder):
 
 
 class Story:
-    def __init__(self, folder, packages):
-        self.folder = folder
+    """`base`: the bare Debian. `emulated`: its programs are run by qemu-user, so that nothing is said of their speed."""
+
+    def __init__(self, folder, packages, base, emulated):
+        self.folder, self.base, self.emulated = folder, base, emulated
         self.debs = sorted(path for path in packages.glob("*.deb"))
         self.debug = sorted((packages / "debug").glob("*.deb"))
         self.user = [path for path in self.debs if path.name.startswith("talkrobots")]
         self.changes = next(iter(packages.glob("*.changes")), None)
         self.names = [fields(path)["Package"] for path in self.debs]
-        self.root = Root(REPO / "build/package/base-root", folder / "root")
+        self.root = Root(base, folder / "root")
         self.root.run("apt-get update -qq")
         self.figures = []
         self.commands = [block.text for block in shell_blocks.blocks_of(HANDBOOK)][:3]
@@ -103,7 +105,7 @@ def what_the_dependencies_leave(story):
     files = " ".join(story.root.share(*story.user))
     said = story.root.run(f"apt-get install -s {files}").said
     others = [name for name in re.findall(r"^Inst (\S+)", said, re.MULTILINE) if name not in story.names]
-    beside = Root(REPO / "build/package/base-root", story.folder / "beside")
+    beside = Root(story.base, story.folder / "beside")
     beside.run("apt-get update -qq; " + INSTALL.replace("{words}", " ".join(others)))
     story.without = beside.files()
     shutil.rmtree(beside.path)
@@ -117,7 +119,7 @@ def installed_on_an_empty_computer(story):
     again = story.root.run("trb help | head -n 1")
     check(again.said.startswith("trb: "), again.said)
     story.figures.append(f"from `apt install` to a trb that answers: {done.seconds + again.seconds:.1f} s, {done.processor + again.processor:.1f} s of a processor")
-    check(done.processor + again.processor < ROAD_S, story.figures[-1])
+    check(story.emulated or done.processor + again.processor < ROAD_S, story.figures[-1])
 
 
 @step
@@ -252,11 +254,13 @@ def the_packages_judged_by_lintian(story):
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("packages", type=pathlib.Path)
+    parser.add_argument("base", type=pathlib.Path)
     parser.add_argument("--keep", action="store_true")
+    parser.add_argument("--emulated", action="store_true")
     words = parser.parse_args()
     folder = pathlib.Path(tempfile.mkdtemp(prefix="test-", dir=REPO / "build/package"))
     try:
-        return step.play(Story(folder, words.packages), (Failed, OSError, subprocess.SubprocessError))
+        return step.play(Story(folder, words.packages, words.base, words.emulated), (Failed, OSError, subprocess.SubprocessError))
     except Failed as fault:
         print(f"scripts/test-package: {fault}", file=sys.stderr)
         return 1
