@@ -291,7 +291,8 @@ TEST_CASE("a lane was heard for long if it was for more than a lease") {
     const LinkId link = stream.bee.link_to("ant");
     const auto ends = [&](Duration after) {
       Effects effects;
-      bee.lanes().on_ended(link, LinkEnd::disconnected, {stream.fleet.now.mono + after, stream.fleet.now.utc}, effects);
+      bee.lanes().on_ended(link, LinkEndReason::disconnected, {stream.fleet.now.mono + after, stream.fleet.now.utc},
+                           effects);
       return *bee.lanes().of(link).dial_at - stream.fleet.now.mono - after;
     };
     CHECK(ends({}) == kLaneFirst);

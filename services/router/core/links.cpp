@@ -108,10 +108,11 @@ void Links::lose(Peer& peer, const Link& gone, Now now, Effects& out) {
   redial_later(peer.redial, now, node_.is_smaller_than(peer.id) ? Duration{} : node_.config().timing.yield);
 }
 
-void Links::on_ended(LinkId id, LinkEnd how, Now now, Effects& out) {
+void Links::on_ended(LinkId id, LinkEndReason how, Now now, Effects& out) {
   const Link* link = table_.link(id);
   if (link == nullptr) return;
-  if (how != LinkEnd::failed && how != LinkEnd::disconnected) out.count("dial." + std::string(name_of(how)));
+  if (how != LinkEndReason::failed && how != LinkEndReason::disconnected)
+    out.count("dial." + std::string(name_of(how)));
   if (!link->up) errors_.note_link(id, name_of(how), "the dial ended before a Hello was heard", now);
   drop(id, std::string(name_of(how)), false, now, out);
 }

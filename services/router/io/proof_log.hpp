@@ -7,7 +7,7 @@
 #include <memory>
 #include <string>
 
-#include "services/router/core/seals.hpp"
+#include "services/router/core/link_seals.hpp"
 #include "services/router/io/proof_writer.hpp"
 
 namespace trb::router {

@@ -6,8 +6,15 @@
 
 namespace trb::router {
 
-enum class LinkEnd : unsigned char { failed, disconnected, refused_key, no_curve, wrong_server_key, protocol_error };
-constexpr auto enum_names(LinkEnd) {
+enum class LinkEndReason : unsigned char {
+  failed,
+  disconnected,
+  refused_key,
+  no_curve,
+  wrong_server_key,
+  protocol_error
+};
+constexpr auto enum_names(LinkEndReason) {
   return std::array<std::string_view, 6>{"failed",   "disconnected",     "refused_key",
                                          "no_curve", "wrong_server_key", "protocol_error"};
 }

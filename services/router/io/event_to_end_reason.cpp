@@ -1,8 +1,8 @@
-#include "services/router/io/link_event_end.hpp"
+#include "services/router/io/event_to_end_reason.hpp"
 
 namespace trb::router {
 
-std::optional<LinkEnd> to_end(LinkEvent event) {
+std::optional<LinkEndReason> to_end_reason(LinkEvent event) {
   switch (event) {
     case LinkEvent::connected:
     case LinkEvent::listening:
@@ -10,19 +10,19 @@ std::optional<LinkEnd> to_end(LinkEvent event) {
     case LinkEvent::accept_failed:
       return std::nullopt;
     case LinkEvent::failed:
-      return LinkEnd::failed;
+      return LinkEndReason::failed;
     case LinkEvent::disconnected:
-      return LinkEnd::disconnected;
+      return LinkEndReason::disconnected;
     case LinkEvent::refused_key:
-      return LinkEnd::refused_key;
+      return LinkEndReason::refused_key;
     case LinkEvent::no_curve:
-      return LinkEnd::no_curve;
+      return LinkEndReason::no_curve;
     case LinkEvent::wrong_server_key:
-      return LinkEnd::wrong_server_key;
+      return LinkEndReason::wrong_server_key;
     case LinkEvent::protocol_error:
-      return LinkEnd::protocol_error;
+      return LinkEndReason::protocol_error;
   }
-  return LinkEnd::failed;
+  return LinkEndReason::failed;
 }
 
 }  // namespace trb::router

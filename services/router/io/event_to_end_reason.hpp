@@ -4,11 +4,11 @@
 #include <optional>
 
 #include "common/transport/monitor.hpp"
-#include "services/router/core/link_end.hpp"
+#include "services/router/core/link_end_reason.hpp"
 
 namespace trb::router {
 
 /// How the dialled connection ended, if the event is an end.
-std::optional<LinkEnd> to_end(LinkEvent event);
+std::optional<LinkEndReason> to_end_reason(LinkEvent event);
 
 }  // namespace trb::router
