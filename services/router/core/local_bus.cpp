@@ -137,7 +137,7 @@ void LocalBus::nack(ConnectionId from, const HeaderView& header, Errc reason, Ef
 void LocalBus::note_request(ConnectionId from, const HeaderView& header, Party whom) {
   if (header.reply_to != 0 || header.id == 0) return;
   const bool question = header.type != MessageType::information;
-  if (question || deserves_nack(header)) services_.pending_of(from)->note(header.id, question, whom);
+  if (question || deserves_nack(header)) services_.sent_by(from)->note(header.id, question, whom);
 }
 
 const Connection* LocalBus::requester_of(std::uint64_t reply_to) const {

@@ -18,12 +18,12 @@ Result<std::uint16_t> Services::welcome(ConnectionId connection, const ServiceHe
   const bool again = known != connections_.end() && known->second.hello.instance == hello.instance &&
                      known->second.hello.service == hello.service && known->second.member == member;
   const std::uint16_t kept = again ? known->second.slot : 0;
-  PendingRequests pending = again ? std::move(known->second.pending) : PendingRequests{};
+  SentRequests sent = again ? std::move(known->second.sent) : SentRequests{};
   forget(connection);
   if (member == Member::visitor) forget_visitor(hello.service);
   if (Status may = may_come(hello, member); !may) return may.error();
   const std::uint16_t slot = kept != 0 ? kept : free_slot();
-  connections_[connection] = {hello, member, slot, now, now, std::move(pending)};
+  connections_[connection] = {hello, member, slot, now, now, std::move(sent)};
   slots_[slot] = connection;
   if (member == Member::service) add_service(connection, hello);
   return slot;
@@ -97,9 +97,9 @@ const Connection* Services::find(ConnectionId connection) const {
   return at == connections_.end() ? nullptr : &at->second;
 }
 
-PendingRequests* Services::pending_of(ConnectionId connection) {
+SentRequests* Services::sent_by(ConnectionId connection) {
   const auto at = connections_.find(connection);
-  return at == connections_.end() ? nullptr : &at->second.pending;
+  return at == connections_.end() ? nullptr : &at->second.sent;
 }
 
 std::optional<ConnectionId> Services::holder(std::string_view service) const {

@@ -8,7 +8,7 @@
 #include "common/base/time.hpp"
 #include "proto/bodies/bus.hpp"
 #include "services/router/core/effects.hpp"
-#include "services/router/core/pending_requests.hpp"
+#include "services/router/core/sent_requests.hpp"
 
 namespace trb::router {
 
@@ -25,7 +25,7 @@ struct Connection {
   std::uint16_t slot = 0;
   MonotonicTime since;
   MonotonicTime last_heard;
-  PendingRequests pending{};  ///< belongs to the slot: a new connection has requested nothing
+  SentRequests sent{};  ///< belongs to the slot: a new connection has requested nothing
 };
 
 class Services {
@@ -40,7 +40,7 @@ class Services {
   void heard(ConnectionId connection, MonotonicTime now);
 
   [[nodiscard]] const Connection* find(ConnectionId connection) const;
-  [[nodiscard]] PendingRequests* pending_of(ConnectionId connection);
+  [[nodiscard]] SentRequests* sent_by(ConnectionId connection);
   [[nodiscard]] std::optional<ConnectionId> holder(std::string_view service) const;
   [[nodiscard]] std::optional<ConnectionId> by_subtype(std::string_view subtype) const;
   /// The connections that want a copy of information of that subtype.

@@ -48,20 +48,20 @@ class RequestTable {
 };
 
 /// The requests of one connection.
-class PendingRequests {
+class SentRequests {
  public:
-  static constexpr std::size_t kQuestions = 32 * 1024;
-  static constexpr std::size_t kWords = 4 * 1024;
+  static constexpr std::size_t kRequests = 32 * 1024;
+  static constexpr std::size_t kInformations = 4 * 1024;
 
-  /// A command or request has left, or (`question` false) a user's information: to that only a Nack may come back, and
-  /// a flood of it removes no requests.
-  void note(std::uint64_t id, bool question, Party whom);
+  /// A command or request has left, or (`wants_answer` false) a user's information: to that only a Nack may come back,
+  /// and a flood of it removes no requests.
+  void note(std::uint64_t id, bool wants_answer, Party whom);
   /// May `from` answer the message `id`?
   [[nodiscard]] bool may_answer(std::uint64_t id, bool nack, Party from) const;
 
  private:
-  RequestTable<kQuestions / 1024> questions_;
-  RequestTable<kWords / 1024> words_;
+  RequestTable<kRequests / 1024> requests_;
+  RequestTable<kInformations / 1024> informations_;
 };
 
 }  // namespace trb::router
