@@ -42,9 +42,9 @@ void EndHandler::sign_end(Run& run, Step step) const {
 }
 
 void EndHandler::request_end(Run& run, Step step) const {
-  PendingRequests& requests = run.work().requests();
-  if (!run.is_open(step.steady) || !run.is_idle() || executor_.runs(run.id())) return requests.drop_end();
-  if (requests.end_is_due(step.now.mono)) step.out.request(run.definition().rule().judge(), NeedEnd{run.id()});
+  AwaitedRecords& awaited = run.work().awaited();
+  if (!run.is_open(step.steady) || !run.is_idle() || executor_.runs(run.id())) return awaited.drop_end();
+  if (awaited.end_is_due(step.now.mono)) step.out.request(run.definition().rule().judge(), NeedEnd{run.id()});
 }
 
 bool EndHandler::keep_signed(Run& run, const SignedRecord& record, Step step) {

@@ -37,9 +37,9 @@ TEST_CASE("a task that a decision has ruled on begins anew") {
 TEST_CASE("results, signatures and values that are waited for keep a run from being idle") {
   PendingWork work;
   CHECK(work.is_empty());
-  work.requests().need_result(1, "drone");
+  work.awaited().need_result(1, "drone");
   CHECK_FALSE(work.is_empty());
-  work.requests().drop_results();
+  work.awaited().drop_results();
   work.inquiries().emplace_back("ur3", Condition{});
   CHECK_FALSE(work.is_empty());
 }

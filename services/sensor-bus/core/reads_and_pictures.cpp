@@ -1,4 +1,4 @@
-// What is requested of the sensors: one value, values now and then, a picture.
+// A part of SensorBusCore: what is requested of the sensors (one value, values now and then, a picture).
 #include <algorithm>
 #include <charconv>
 #include <cmath>

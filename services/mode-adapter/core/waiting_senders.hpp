@@ -11,13 +11,13 @@
 
 namespace trb::adapter {
 
-struct PendingRequest {
+struct WaitingSender {
   Inbound message;  ///< without its data
   Driver* mode = nullptr;
   MonotonicTime deadline;
 };
 
-class PendingRequests {
+class WaitingSenders {
  public:
   static constexpr std::uint32_t kLongestMs = 10'000;
 
@@ -30,16 +30,16 @@ class PendingRequests {
   std::optional<Inbound> take(Token token);
   /// The oldest request of that subtype from that source.
   std::optional<Inbound> take_answered(std::string_view subtype, std::string_view source);
-  std::optional<std::pair<Token, PendingRequest>> take_expired(Now now);
+  std::optional<std::pair<Token, WaitingSender>> take_expired(Now now);
   std::optional<Inbound> take_any_of(const Driver* mode);
   /// Makes room for one more of that source: the newest request of who has the most. None: that is this source itself.
-  std::optional<std::pair<Token, PendingRequest>> take_for(const std::string& source);
+  std::optional<std::pair<Token, WaitingSender>> take_for(const std::string& source);
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const;
 
  private:
-  PendingRequest erase(std::map<Token, PendingRequest>::iterator at);
+  WaitingSender erase(std::map<Token, WaitingSender>::iterator at);
 
-  std::map<Token, PendingRequest> waiting_;
+  std::map<Token, WaitingSender> waiting_;
   std::set<std::pair<MonotonicTime, Token>> deadlines_;  ///< read at every turn of the loop
 };
 

@@ -1,4 +1,4 @@
-#include "services/mode-adapter/core/pending_requests.hpp"
+#include "services/mode-adapter/core/waiting_senders.hpp"
 
 #include <algorithm>
 
@@ -14,46 +14,46 @@ Inbound without_data(const Inbound& message) {
 
 }  // namespace
 
-void PendingRequests::add(Token token, const Inbound& message, Driver& mode, Now now) {
+void WaitingSenders::add(Token token, const Inbound& message, Driver& mode, Now now) {
   const auto wait = std::chrono::milliseconds(std::min(message.remaining_ms, kLongestMs));
-  const auto [at, is_new] = waiting_.emplace(token, PendingRequest{without_data(message), &mode, now.mono + wait});
+  const auto [at, is_new] = waiting_.emplace(token, WaitingSender{without_data(message), &mode, now.mono + wait});
   if (is_new) deadlines_.emplace(at->second.deadline, token);
 }
 
-PendingRequest PendingRequests::erase(std::map<Token, PendingRequest>::iterator at) {
+WaitingSender WaitingSenders::erase(std::map<Token, WaitingSender>::iterator at) {
   deadlines_.erase({at->second.deadline, at->first});
-  PendingRequest request = std::move(at->second);
+  WaitingSender sender = std::move(at->second);
   waiting_.erase(at);
-  return request;
+  return sender;
 }
 
-std::optional<Inbound> PendingRequests::take(Token token) {
+std::optional<Inbound> WaitingSenders::take(Token token) {
   const auto found = waiting_.find(token);
   if (found == waiting_.end()) return std::nullopt;
   return erase(found).message;
 }
 
-std::optional<Inbound> PendingRequests::take_answered(std::string_view subtype, std::string_view source) {
-  for (const auto& [token, request] : waiting_) {
-    if (request.message.source == source && subtype_of(request.message.body) == subtype) return take(token);
+std::optional<Inbound> WaitingSenders::take_answered(std::string_view subtype, std::string_view source) {
+  for (const auto& [token, sender] : waiting_) {
+    if (sender.message.source == source && subtype_of(sender.message.body) == subtype) return take(token);
   }
   return std::nullopt;
 }
 
-std::optional<std::pair<Token, PendingRequest>> PendingRequests::take_expired(Now now) {
+std::optional<std::pair<Token, WaitingSender>> WaitingSenders::take_expired(Now now) {
   if (deadlines_.empty() || now.mono < deadlines_.begin()->first) return std::nullopt;
   const Token token = deadlines_.begin()->second;
   return std::pair(token, erase(waiting_.find(token)));
 }
 
-std::optional<Inbound> PendingRequests::take_any_of(const Driver* mode) {
-  for (const auto& [token, request] : waiting_) {
-    if (request.mode == mode) return take(token);
+std::optional<Inbound> WaitingSenders::take_any_of(const Driver* mode) {
+  for (const auto& [token, sender] : waiting_) {
+    if (sender.mode == mode) return take(token);
   }
   return std::nullopt;
 }
 
-std::optional<std::pair<Token, PendingRequest>> PendingRequests::take_for(const std::string& source) {
+std::optional<std::pair<Token, WaitingSender>> WaitingSenders::take_for(const std::string& source) {
   const std::string other =
       gives_way(waiting_, source, [](const auto& waiting) { return waiting.second.message.source; });
   if (other == source) return std::nullopt;
@@ -63,7 +63,7 @@ std::optional<std::pair<Token, PendingRequest>> PendingRequests::take_for(const 
   return std::pair(token, erase(waiting_.find(token)));
 }
 
-std::optional<MonotonicTime> PendingRequests::next_deadline() const {
+std::optional<MonotonicTime> WaitingSenders::next_deadline() const {
   if (deadlines_.empty()) return std::nullopt;
   return deadlines_.begin()->first;
 }

@@ -12,7 +12,7 @@
 
 namespace trb::scheduler {
 
-class PendingRequests {
+class AwaitedRecords {
  public:
   /// A result that this node's next tasks need, and which `giver` should hold. The first giver stays.
   void need_result(TaskIndex task, const std::string& giver) { results_.try_emplace(task, Need{giver}); }
@@ -24,7 +24,9 @@ class PendingRequests {
   void settle_without_result(const std::string& giver, MonotonicTime now);
   [[nodiscard]] bool needs_results() const { return !results_.empty(); }
   /// What it holds of the task, perhaps nothing, has come.
-  [[nodiscard]] bool has_told(const std::string& giver, TaskIndex task) const { return told_.contains({giver, task}); }
+  [[nodiscard]] bool has_answered(const std::string& giver, TaskIndex task) const {
+    return answered_.contains({giver, task});
+  }
   /// The results to be requested now, by giver; they count as requested. With one that is due all that are needed of
   /// its giver.
   std::map<std::string, std::vector<TaskIndex>> take_due_results(MonotonicTime now);
@@ -51,8 +53,8 @@ class PendingRequests {
   void settle(std::map<TaskIndex, Need>::iterator need);
 
   std::map<TaskIndex, Need> results_;
-  std::map<std::string, MonotonicTime> asked_;  ///< the last request for results, by giver
-  std::set<std::pair<std::string, TaskIndex>> told_;
+  std::map<std::string, MonotonicTime> requested_;  ///< the last request for results, by giver
+  std::set<std::pair<std::string, TaskIndex>> answered_;
   std::set<std::string> decisions_;
   Pace end_;
 };

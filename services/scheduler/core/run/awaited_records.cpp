@@ -1,4 +1,4 @@
-#include "services/scheduler/core/run/pending_requests.hpp"
+#include "services/scheduler/core/run/awaited_records.hpp"
 
 #include <utility>
 
@@ -10,17 +10,17 @@ constexpr Duration kAnswerTime = std::chrono::seconds(30);
 
 }  // namespace
 
-void PendingRequests::settle(std::map<TaskIndex, Need>::iterator need) {
-  told_.insert({need->second.giver, need->first});
+void AwaitedRecords::settle(std::map<TaskIndex, Need>::iterator need) {
+  answered_.insert({need->second.giver, need->first});
   results_.erase(need);
 }
 
-void PendingRequests::settle_result(TaskIndex task, const std::string& giver) {
+void AwaitedRecords::settle_result(TaskIndex task, const std::string& giver) {
   const auto need = results_.find(task);
   if (need != results_.end() && need->second.giver == giver) settle(need);
 }
 
-void PendingRequests::settle_without_result(const std::string& giver, MonotonicTime now) {
+void AwaitedRecords::settle_without_result(const std::string& giver, MonotonicTime now) {
   for (auto at = results_.begin(); at != results_.end();) {
     const auto need = at++;
     const auto& since = need->second.in_all_since;
@@ -28,7 +28,7 @@ void PendingRequests::settle_without_result(const std::string& giver, MonotonicT
   }
 }
 
-std::map<std::string, std::vector<TaskIndex>> PendingRequests::take_due_results(MonotonicTime now) {
+std::map<std::string, std::vector<TaskIndex>> AwaitedRecords::take_due_results(MonotonicTime now) {
   std::set<std::string> due;
   for (const auto& [task, need] : results_) {
     if (need.timer.is_due(now)) due.insert(need.giver);
@@ -36,20 +36,20 @@ std::map<std::string, std::vector<TaskIndex>> PendingRequests::take_due_results(
   std::map<std::string, std::vector<TaskIndex>> out;
   for (auto& [task, need] : results_) {
     if (!due.contains(need.giver)) continue;
-    const auto before = asked_.find(need.giver);
-    if (!need.in_all_since) need.in_all_since = before == asked_.end() ? now : before->second + kAnswerTime;
+    const auto before = requested_.find(need.giver);
+    if (!need.in_all_since) need.in_all_since = before == requested_.end() ? now : before->second + kAnswerTime;
     need.timer.on_sent(now);
     out[need.giver].push_back(task);
   }
-  for (const std::string& giver : due) asked_[giver] = now;
+  for (const std::string& giver : due) requested_[giver] = now;
   return out;
 }
 
-void PendingRequests::restart() {
+void AwaitedRecords::restart() {
   for (auto& [task, need] : results_) need.timer.restart();
 }
 
-std::optional<MonotonicTime> PendingRequests::next() const {
+std::optional<MonotonicTime> AwaitedRecords::next() const {
   std::optional<MonotonicTime> out = end_.next();
   for (const auto& [task, need] : results_) out = earlier(out, need.timer.due_at());
   return out;
