@@ -5,6 +5,7 @@
 #include "common/base/errc.hpp"
 #include "proto/body.hpp"
 #include "proto/value.hpp"
+#include "services/scheduler/core/after_failure.hpp"
 #include "services/scheduler/core/run/signature.hpp"
 
 namespace trb::scheduler {
@@ -175,25 +176,16 @@ void Executor::on_refusal(const Nack& nack, Now now, Outbox& out) {
   next_state_request_ = std::max(next_state_request_, now.mono);
 }
 
-/// What an attempt that was not done comes to: the robot tries again, the task is SKIPPED, or it stands. What nobody
-/// knows to be undone is tried again only if its skill says that this does no harm.
-TaskOutcome Executor::comes_to(TaskOutcome how) const {
-  // Who is ordered to stop has not failed by itself.
-  if (attempt_->permit == Permit::cancel) return how;
-  if (attempt_->permit == Permit::stop) return how == TaskOutcome::failed ? TaskOutcome::retriable : how;
-  if (how != TaskOutcome::failed && how != TaskOutcome::interrupted) return how;
-  const SkillUse* use = find_skill(attempt_->execute.skill);
-  const bool repeatable = how == TaskOutcome::failed || (use != nullptr && use->repeatable);
-  if (attempt_->may_retry && repeatable && attempt_->permit != Permit::too_late) return TaskOutcome::retriable;
-  const bool skips = attempt_->on_failure == OnFailure::skip || attempt_->on_failure == OnFailure::continue_;
-  return skips ? TaskOutcome::skipped : how;
-}
-
 void Executor::end(TaskOutcome outcome, const std::string& reason, Now now, Outbox& out) {
+  const SkillUse* use = find_skill(attempt_->execute.skill);
+  const AfterFailure after = after_failure(outcome, {.permit = attempt_->permit,
+                                                     .may_retry = attempt_->may_retry,
+                                                     .repeatable = use != nullptr && use->repeatable,
+                                                     .on_failure = attempt_->on_failure});
   TaskResult& result = attempt_->result;
-  result.outcome = comes_to(outcome);
-  const bool skips = result.outcome == TaskOutcome::skipped;
-  result.goes_on = skips && attempt_->on_failure == OnFailure::continue_;
+  result.outcome = after.outcome;
+  result.goes_on = after.goes_on;
+  const bool skips = after.outcome == TaskOutcome::skipped;
   result.reason = cut_utf8(skips ? std::string(name_of(outcome)) + ", which skips it: " + reason : reason, 1024);
   result.ended = now.utc.ns;
   attempt_->phase = Phase::signing;

@@ -6,19 +6,13 @@
 
 #include "common/actor/outbox.hpp"
 #include "common/base/time.hpp"
+#include "services/scheduler/core/permit.hpp"
 
 namespace trb::scheduler {
 
 /// `commanded`: Execute is out and unanswered. `refused`: the mode-adapter would not begin, for now. `signing`: it has
 /// ended, the router is requested to sign the result.
 enum class Phase : std::uint8_t { commanded = 0, running, refused, signing };
-
-/// What the run allows the attempt. `hold` (a person holds the run): what runs goes on, what has not begun waits.
-/// `give_back` (the decider asks for it), `too_late` (start_within_s has passed), `no_more` (expired): the same, but
-/// what has not begun ends so. `stop` (the decider asks for it, and that it stops): the same as give_back, and what
-/// runs is stopped, as something that may be tried again. `cancel` (aborted, or the task is another robot's now): stop
-/// it.
-enum class Permit : std::uint8_t { go = 0, hold, give_back, too_late, no_more, stop, cancel };
 
 struct Attempt {
   Execute execute;
@@ -79,7 +73,6 @@ class Executor {
   void ask(Now now, Outbox& out);
   void end_unbegun(Now now, Outbox& out);
   void end(TaskOutcome outcome, const std::string& reason, Now now, Outbox& out);
-  [[nodiscard]] TaskOutcome comes_to(TaskOutcome how) const;
   [[nodiscard]] bool is_to_stop() const;
   [[nodiscard]] const SkillUse* find_skill(const std::string& skill) const;
   void sign(Now now, Outbox& out);
