@@ -79,13 +79,13 @@ void Links::redial_failed(const Link& gone, Now now) {
   redial_later(peer->redial, now, patient ? kViaPause : Duration{});
 }
 
-void Links::drop(LinkId id, const std::string& why, bool say_goodbye, Now now, Effects& out) {
+void Links::drop(LinkId id, const std::string& why, bool send_goodbye, Now now, Effects& out) {
   const Link* link = table_.link(id);
   if (link == nullptr) return;
   if (link->up) seals_.note_open_end(id, link->peer, out);
-  if (link->up && seals_.holds(id)) out.add(ReturnHeld{id, link->peer, why, say_goodbye});
-  if (say_goodbye && link->up) seals_.last_seal(id, out);
-  if (say_goodbye && link->up) messages_.send(*link, Goodbye{why.substr(0, 128)}, out);
+  if (link->up && seals_.holds(id)) out.add(ReturnHeld{id, link->peer, why, send_goodbye});
+  if (send_goodbye && link->up) seals_.last_seal(id, out);
+  if (send_goodbye && link->up) messages_.send(*link, Goodbye{why.substr(0, 128)}, out);
   // A node that is off is dialled for ever: the events have two names, so that its lines do not use up the limit of
   // lines for real ends.
   out.log(LogLevel::info, link->up ? "link_closed" : "dial_ended",

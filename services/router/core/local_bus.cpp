@@ -98,13 +98,13 @@ std::optional<std::string> LocalBus::on_gone(ConnectionId connection, Effects& o
 const std::vector<ConnectionId>& LocalBus::copies_for(const HeaderView& header) const {
   static const std::vector<ConnectionId> kNobody;
   if (header.type != MessageType::information || header.reply_to != 0) return kNobody;
-  return services_.hearers(header.subtype);
+  return services_.subscribers(header.subtype);
 }
 
 void LocalBus::notify(const Body& body, Effects& out) {
   const std::string_view subtype = subtype_of(body);
   if (const auto taker = services_.by_subtype(subtype)) messages_.send_bus(*taker, 0, body, out);
-  for (const ConnectionId to : services_.hearers(subtype)) messages_.send_bus(to, 0, body, out);
+  for (const ConnectionId to : services_.subscribers(subtype)) messages_.send_bus(to, 0, body, out);
 }
 
 void LocalBus::answer(ConnectionId to, const Message& request, const Body& body, Effects& out) {

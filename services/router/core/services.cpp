@@ -66,7 +66,7 @@ void Services::add_service(ConnectionId connection, const ServiceHello& hello) {
   services_[hello.service] = connection;
   for (const std::string& subtype : hello.subtypes) subtypes_[subtype] = connection;
   for (const std::string& subtype : std::set<std::string>(hello.hears.begin(), hello.hears.end())) {
-    hearers_[subtype].push_back(connection);
+    subscribers_[subtype].push_back(connection);
   }
 }
 
@@ -82,13 +82,13 @@ void Services::forget(ConnectionId connection) {
   if (at == connections_.end()) return;
   slots_.erase(at->second.slot);
   std::erase_if(subtypes_, [&](const auto& row) { return row.second == connection; });
-  for (auto& [subtype, connections] : hearers_) std::erase(connections, connection);
-  std::erase_if(hearers_, [](const auto& row) { return row.second.empty(); });
+  for (auto& [subtype, connections] : subscribers_) std::erase(connections, connection);
+  std::erase_if(subscribers_, [](const auto& row) { return row.second.empty(); });
   std::erase_if(services_, [&](const auto& row) { return row.second == connection; });
   connections_.erase(at);
 }
 
-void Services::heard(ConnectionId connection, MonotonicTime now) {
+void Services::on_received(ConnectionId connection, MonotonicTime now) {
   if (const auto at = connections_.find(connection); at != connections_.end()) at->second.last_heard = now;
 }
 
@@ -112,11 +112,11 @@ std::optional<ConnectionId> Services::by_subtype(std::string_view subtype) const
   return at == subtypes_.end() ? std::nullopt : std::optional(at->second);
 }
 
-const std::vector<ConnectionId>& Services::hearers(std::string_view subtype) const {
+const std::vector<ConnectionId>& Services::subscribers(std::string_view subtype) const {
   static const std::vector<ConnectionId> kNobody;
-  if (hearers_.empty()) return kNobody;
-  const auto at = hearers_.find(subtype);
-  return at == hearers_.end() ? kNobody : at->second;
+  if (subscribers_.empty()) return kNobody;
+  const auto at = subscribers_.find(subtype);
+  return at == subscribers_.end() ? kNobody : at->second;
 }
 
 std::optional<ConnectionId> Services::by_slot(std::uint16_t slot) const {

@@ -19,7 +19,7 @@ class ProofLog {
 
   [[nodiscard]] bool on() const { return writer_ != nullptr; }
   /// A frame came by a link; it stays here until its seal comes.
-  void heard(const LinkSeals& link, UtcTime now, BytesView frame);
+  void add(const LinkSeals& link, UtcTime now, BytesView frame);
   /// The latest seal was accepted.
   void sealed(const LinkSeals& link);
   /// The link has ended; what is unsealed is written too.
