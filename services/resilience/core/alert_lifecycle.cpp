@@ -1,4 +1,4 @@
-#include "services/resilience/core/alerts.hpp"
+#include "services/resilience/core/alert_lifecycle.hpp"
 
 #include "proto/body.hpp"
 #include "proto/value.hpp"
@@ -14,7 +14,7 @@ Alert alert_of(const WatchedRun& run, const std::string& robot, Now now) {
   return out;
 }
 
-void Alerts::restore(std::vector<Alert> alerts, const std::vector<StoredDecision>& decisions) {
+void AlertLifecycle::restore(std::vector<Alert> alerts, const std::vector<StoredDecision>& decisions) {
   for (Alert& alert : alerts) book_.restore(std::move(alert));
   book_.prune();
   for (const StoredDecision& stored : decisions) {
@@ -27,28 +27,28 @@ void Alerts::restore(std::vector<Alert> alerts, const std::vector<StoredDecision
   }
 }
 
-void Alerts::keep(const Decision& decision, const SignedRecord& record, Outbox& out) {
+void AlertLifecycle::keep(const Decision& decision, const SignedRecord& record, Outbox& out) {
   decided_.insert({decision.run, decision.epoch});
   out.record(RunDecision{record});
 }
 
-AlertWork& Alerts::work(std::string_view alert) {
+AlertWork& AlertLifecycle::work(std::string_view alert) {
   const auto at = works_.find(alert);
   return at == works_.end() ? works_[std::string(alert)] : at->second;
 }
 
-const AlertWork* Alerts::find_work(std::string_view alert) const {
+const AlertWork* AlertLifecycle::find_work(std::string_view alert) const {
   const auto at = works_.find(alert);
   return at == works_.end() ? nullptr : &at->second;
 }
 
-void Alerts::on_answer(const std::string& robot, const std::string& value) {
+void AlertLifecycle::on_answer(const std::string& robot, const std::string& value) {
   for (auto& [alert, work] : works_) {
     if (work.inquiry.on_answer(robot, value)) situation_.note_change();
   }
 }
 
-std::optional<MonotonicTime> Alerts::next(Now now) const {
+std::optional<MonotonicTime> AlertLifecycle::next(Now now) const {
   std::optional<MonotonicTime> out;
   for (const auto& [id, work] : works_) {
     for (const auto& at : {work.inquiry.follow_at(), work.repair.next(), work.signing.next(now)}) {
@@ -58,7 +58,7 @@ std::optional<MonotonicTime> Alerts::next(Now now) const {
   return out;
 }
 
-Alert* Alerts::raise(Alert fresh, Now now, Outbox& out) {
+Alert* AlertLifecycle::raise(Alert fresh, Now now, Outbox& out) {
   fresh.policy = "ask";
   fresh.expires = fresh.run.empty() ? 0 : (now.utc + situation_.settings().resilience.expires).ns;
   const std::string robot = fresh.robot;
@@ -71,12 +71,12 @@ Alert* Alerts::raise(Alert fresh, Now now, Outbox& out) {
   return alert;
 }
 
-void Alerts::drop(const std::string& alert) {
+void AlertLifecycle::drop(const std::string& alert) {
   reset_work(alert);
   book_.drop(alert);
 }
 
-void Alerts::close(Alert& alert, const std::string& why, Outbox& out) {
+void AlertLifecycle::close(Alert& alert, const std::string& why, Outbox& out) {
   alert.state = AlertState::closed;
   if (situation_.runs().find(alert.run) != nullptr) situation_.due_runs().notify(alert.run);
   alert.waits_for = cut_utf8(why, 512);
@@ -87,13 +87,13 @@ void Alerts::close(Alert& alert, const std::string& why, Outbox& out) {
 }
 
 /// Records what became of the alert's decision, if one was signed.
-void Alerts::record_end(const Alert& alert, DecisionEnd end, Outbox& out) {
+void AlertLifecycle::record_end(const Alert& alert, DecisionEnd end, Outbox& out) {
   if (alert.epoch == 0) return;
   if (end == DecisionEnd::dropped) decided_.erase({alert.run, alert.epoch});
   out.record(DecisionOver{alert.run, alert.epoch, end});
 }
 
-void Alerts::finish(Alert& alert, Outbox& out) {
+void AlertLifecycle::finish(Alert& alert, Outbox& out) {
   record_end(alert, DecisionEnd::handed, out);
   alert.state = AlertState::decided;
   situation_.due_runs().notify(alert.run);
@@ -104,7 +104,7 @@ void Alerts::finish(Alert& alert, Outbox& out) {
           alert.id + ": run " + alert.run.substr(0, 8) + ", epoch " + std::to_string(alert.epoch));
 }
 
-void Alerts::reopen(Alert& alert, const std::string& why, Outbox& out, bool for_good) {
+void AlertLifecycle::reopen(Alert& alert, const std::string& why, Outbox& out, bool for_good) {
   record_end(alert, DecisionEnd::dropped, out);
   out.log(LogLevel::warning, "alert_reopened", alert.id + ": " + why);
   AlertWork& is = work(alert.id);

@@ -10,7 +10,7 @@
 #include "common/actor/outbox.hpp"
 #include "services/resilience/core/alert_book.hpp"
 #include "services/resilience/core/inquiry.hpp"
-#include "services/resilience/core/repair.hpp"
+#include "services/resilience/core/repair_report.hpp"
 #include "services/resilience/core/signing.hpp"
 #include "services/resilience/core/situation.hpp"
 
@@ -21,7 +21,7 @@ constexpr std::size_t kMaxAlertText = 1024;
 /// An alert's work in progress; lost at a restart, except for a signed record.
 struct AlertWork {
   Inquiry inquiry;
-  Repair repair;
+  RepairReport repair;
   Signing signing;
   std::optional<MonotonicTime> grown_at;  ///< when the alert was raised, or its tasks grew
   std::string asks_for;                   ///< why the policy leaves it to people
@@ -48,9 +48,9 @@ struct DecisionOver {
 /// An alert of a run and a robot, without what may change: the cause, and what follows from it.
 [[nodiscard]] Alert alert_of(const WatchedRun& run, const std::string& robot, Now now);
 
-class Alerts {
+class AlertLifecycle {
  public:
-  explicit Alerts(Situation& situation) : situation_(situation) {}
+  explicit AlertLifecycle(Situation& situation) : situation_(situation) {}
 
   void restore(std::vector<Alert> alerts, const std::vector<StoredDecision>& decisions);
   /// Records a signed decision. The database takes no other one of that run and epoch.

@@ -1,4 +1,4 @@
-#include "services/resilience/core/open_alerts.hpp"
+#include "services/resilience/core/alert_updater.hpp"
 
 #include "services/resilience/core/run_end.hpp"
 #include "services/resilience/core/run_over.hpp"
@@ -6,7 +6,7 @@
 
 namespace trb::resilience {
 
-void OpenAlerts::look(Alert& alert, Now now, Outbox& out) {
+void AlertUpdater::look(Alert& alert, Now now, Outbox& out) {
   const RunWatcher& runs = situation_.runs();
   const WatchedRun* run = runs.find(alert.run);
   if (run == nullptr) {
@@ -22,21 +22,21 @@ void OpenAlerts::look(Alert& alert, Now now, Outbox& out) {
 }
 
 /// A notice only informs; there is nothing to propose.
-void OpenAlerts::look_at_notice(Alert& alert, const WatchedRun& run, Now now) {
+void AlertUpdater::look_at_notice(Alert& alert, const WatchedRun& run, Now now) {
   const std::string id = run.summary.run.substr(0, 8);
   alert.waits_for = alert.cause == kRunEnds
                         ? wait_for_end(run, now)
                         : "trb scenario resume " + id + " once somebody has looked, or trb scenario abort " + id;
 }
 
-void OpenAlerts::expire(Alert& alert, Now now, Outbox& out) {
+void AlertUpdater::expire(Alert& alert, Now now, Outbox& out) {
   if (alert.state != AlertState::open || alert.expires > now.utc.ns) return;
   alert.state = AlertState::expired;
   out.record(alert);
   out.log(LogLevel::warning, "alert_expired", alert.id + ": nobody has decided; its run stays paused");
 }
 
-std::string OpenAlerts::waits_for(const Alert& alert, const WatchedRun& run) const {
+std::string AlertUpdater::waits_for(const Alert& alert, const WatchedRun& run) const {
   if (!situation_.decides_on(&run)) {
     const std::string who = run.decider();
     return who.empty() ? "a cloud node: the run has none, so nobody decides; abort it" : "a verdict on node " + who;

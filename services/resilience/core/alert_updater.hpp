@@ -7,9 +7,9 @@
 
 namespace trb::resilience {
 
-class OpenAlerts {
+class AlertUpdater {
  public:
-  OpenAlerts(Situation& situation, Alerts& alerts, Proposer& proposer, Policy& policy)
+  AlertUpdater(Situation& situation, AlertLifecycle& alerts, Proposer& proposer, Policy& policy)
       : situation_(situation), alerts_(alerts), proposer_(proposer), policy_(policy) {}
 
   void look(Alert& alert, Now now, Outbox& out);
@@ -20,7 +20,7 @@ class OpenAlerts {
   [[nodiscard]] std::string waits_for(const Alert& alert, const WatchedRun& run) const;
 
   Situation& situation_;
-  Alerts& alerts_;
+  AlertLifecycle& alerts_;
   Proposer& proposer_;
   Policy& policy_;
 };

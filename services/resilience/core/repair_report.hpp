@@ -9,7 +9,7 @@
 namespace trb::resilience {
 
 /// The repair of one alert.
-class Repair {
+class RepairReport {
  public:
   /// Within this time the node's new profile arrives through the routers.
   static constexpr Duration kProfile = std::chrono::seconds(3);

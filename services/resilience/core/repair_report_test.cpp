@@ -1,4 +1,4 @@
-#include "services/resilience/core/repair.hpp"
+#include "services/resilience/core/repair_report.hpp"
 
 #include <doctest/doctest.h>
 
@@ -8,7 +8,7 @@ using namespace trb;
 using namespace trb::resilience;
 
 TEST_CASE("a node that does not answer is told again, later and later") {
-  Repair repair;
+  RepairReport repair;
   CHECK(repair.is_due(at(0)));
   CHECK_FALSE(repair.next());
   repair.on_sent(at(0));
@@ -20,7 +20,7 @@ TEST_CASE("a node that does not answer is told again, later and later") {
 }
 
 TEST_CASE("a node that has taken its robot into use is told again after ten seconds") {
-  Repair repair;
+  RepairReport repair;
   repair.on_taken(at(0));  // it was not notified yet
   CHECK(repair.is_due(at(0)));
   repair.on_sent(at(0));
@@ -30,7 +30,7 @@ TEST_CASE("a node that has taken its robot into use is told again after ten seco
 }
 
 TEST_CASE("a refusal counts once the profile has had its time to say otherwise") {
-  Repair repair;
+  RepairReport repair;
   repair.on_refused("too early", at(0));
   CHECK_FALSE(repair.refusal(at(100)));
   repair.on_sent(at(0));
@@ -42,12 +42,12 @@ TEST_CASE("a refusal counts once the profile has had its time to say otherwise")
 }
 
 TEST_CASE("a refusal after the node has answered, or after the profile has, is late") {
-  Repair repair;
+  RepairReport repair;
   repair.on_sent(at(0));
   repair.on_taken(at(1));
   repair.on_refused("late", at(2));
   CHECK_FALSE(repair.refusal(at(100)));
-  Repair done;
+  RepairReport done;
   done.on_sent(at(0));
   done.on_done();
   done.on_refused("late", at(2));

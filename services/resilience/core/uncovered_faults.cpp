@@ -1,8 +1,8 @@
-#include "services/resilience/core/standing.hpp"
+#include "services/resilience/core/uncovered_faults.hpp"
 
 namespace trb::resilience {
 
-void Standing::follow(const Fleet& fleet, Now now) {
+void UncoveredFaults::follow(const Fleet& fleet, Now now) {
   if (seen_ == fleet.fault_changes()) return;
   seen_ = fleet.fault_changes();
   std::map<Key, MonotonicTime> stand;
@@ -17,11 +17,11 @@ void Standing::follow(const Fleet& fleet, Now now) {
   uncovered_since_ = std::move(stand);
 }
 
-void Standing::cover(const Key& fault, Now now) {
+void UncoveredFaults::cover(const Key& fault, Now now) {
   if (const auto at = uncovered_since_.find(fault); at != uncovered_since_.end()) at->second = now.mono;
 }
 
-std::vector<Standing::Key> Standing::uncovered(Now now) const {
+std::vector<UncoveredFaults::Key> UncoveredFaults::uncovered(Now now) const {
   std::vector<Key> out;
   for (const auto& [key, since] : uncovered_since_) {
     if (now.mono - since >= kSettle) out.push_back(key);
@@ -29,7 +29,7 @@ std::vector<Standing::Key> Standing::uncovered(Now now) const {
   return out;
 }
 
-std::optional<MonotonicTime> Standing::next(Now now) const {
+std::optional<MonotonicTime> UncoveredFaults::next(Now now) const {
   std::optional<MonotonicTime> out;
   for (const auto& [key, since] : uncovered_since_) {
     if (since + kSettle > now.mono) out = earlier(out, since + kSettle);

@@ -10,7 +10,7 @@
 
 namespace trb::resilience {
 
-class Standing {
+class UncoveredFaults {
  public:
   /// For this long a run's alert may still come, or come again.
   static constexpr Duration kSettle = std::chrono::seconds(2);

@@ -1,4 +1,4 @@
-#include "services/resilience/core/alerts.hpp"
+#include "services/resilience/core/alert_lifecycle.hpp"
 
 #include "services/resilience/test/parts.hpp"
 
@@ -87,7 +87,7 @@ TEST_CASE("a signed decision is there again after a restart, unless the schedule
   SignedRecord record;
   record.payload.bytes = encode(decision);
   for (const bool delivered : {false, true}) {
-    Alerts again(parts.situation);
+    AlertLifecycle again(parts.situation);
     again.restore({alert}, {{record, delivered}});
     const AlertWork* work = again.find_work(alert.id);
     CHECK((work != nullptr && work->signing.epoch() == 2) == !delivered);

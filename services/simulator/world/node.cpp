@@ -122,7 +122,7 @@ void Node::start_cloud() {
   run(is.resilience,
       {.name = "resilience",
        .subtypes = resilience::ResilienceCore::Taken::subtypes(),
-       .hears = resilience::ResilienceCore::hears(),
+       .hears = resilience::ResilienceCore::subscriptions(),
        .store = [this](const std::vector<Journal>& records) { write_resilience(records); },
        .after_sends = [&core = *is.resilience_core] { core.fleet().written(); }},
       *is.resilience_core);
