@@ -1,4 +1,4 @@
-#include "common/drivers/check_names.hpp"
+#include "common/drivers/check_requests.hpp"
 
 #include <algorithm>
 
@@ -13,13 +13,6 @@ void check_requests(const NodeConfig& config, const std::vector<std::string>& kn
     faults.add(path + subtype, in_quotes(value) + " is not one of the values",
                did_you_mean(value, known, "add it to \"values\", or use one of"));
   }
-}
-
-void check_command(const NodeConfig& config, const Skill& skill, const FileFaults& faults) {
-  const auto& commands = config.commands.commands;
-  if (config.description.has_field_channel || commands.contains(skill.subtype)) return;
-  faults.add(config.framework + ".commands." + skill.subtype, "is missing: skill '" + skill.name + "' sends it",
-             did_you_mean(skill.subtype, names_in(commands), "add it, or let the skill's command use one of"));
 }
 
 }  // namespace trb::drivers
