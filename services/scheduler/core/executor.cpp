@@ -12,7 +12,7 @@ namespace trb::scheduler {
 namespace {
 
 constexpr Duration kQuestion = std::chrono::seconds(1);
-constexpr Duration kTellAgain = std::chrono::seconds(10);
+constexpr Duration kNotifyAgain = std::chrono::seconds(10);
 constexpr Duration kRunningQuestion = std::chrono::seconds(5);  // only finds a restart whose message was lost
 
 /// Refusals that pass: the attempt was not begun, and may be commanded again later.
@@ -104,7 +104,7 @@ void Executor::allow(Permit permit, const std::string& why) {
   if (!may_wait && attempt_->phase == Phase::refused) attempt_->phase = Phase::commanded;
 }
 
-void Executor::ask(Now now, Outbox& out) {
+void Executor::query_state(Now now, Outbox& out) {
   attempt_->next = now.mono + (attempt_->phase == Phase::running ? kRunningQuestion : kQuestion);
   out.request(node_, ExecutionQuery{attempt_->execute.key});
 }
@@ -205,8 +205,8 @@ void Executor::done(Outbox& out) {
 
 /// It may still run, and is to stop.
 bool Executor::is_to_stop() const {
-  const bool told = attempt_->permit == Permit::cancel || attempt_->permit == Permit::stop;
-  return told && attempt_->phase != Phase::signing;
+  const bool stops = attempt_->permit == Permit::cancel || attempt_->permit == Permit::stop;
+  return stops && attempt_->phase != Phase::signing;
 }
 
 void Executor::tick(Now now, Outbox& out) {
@@ -224,7 +224,7 @@ void Executor::tick(Now now, Outbox& out) {
   if (attempt_->phase == Phase::signing) {
     sign(now, out);
   } else {
-    ask(now, out);
+    query_state(now, out);
   }
 }
 
@@ -232,9 +232,9 @@ std::string Executor::take_wait(Now now) {
   // Right after a refusal the mode-adapter is asked why; it answers at once, or is not there.
   if (!is_refused() || (!adapter_ && attempt_->next > now.mono)) return {};
   std::string wait = obstacle();
-  if (wait.empty() || (wait == attempt_->told_wait && now.mono < attempt_->next_told)) return {};
-  attempt_->told_wait = wait;
-  attempt_->next_told = now.mono + kTellAgain;
+  if (wait.empty() || (wait == attempt_->sent_wait && now.mono < attempt_->next_sent)) return {};
+  attempt_->sent_wait = wait;
+  attempt_->next_sent = now.mono + kNotifyAgain;
   return wait;
 }
 

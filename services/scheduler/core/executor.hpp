@@ -26,8 +26,8 @@ struct Attempt {
   MonotonicTime next_cancel{};
   Bytes payload;          ///< signing: what the router is to sign
   std::string why;        ///< of the permit
-  std::string told_wait;  ///< refused: what it waits for, as last told
-  MonotonicTime next_told{};
+  std::string sent_wait;  ///< refused: what it waits for, as last sent
+  MonotonicTime next_sent{};
 };
 
 class Executor {
@@ -61,7 +61,7 @@ class Executor {
   /// The signed result is journaled in the same step.
   void done(Outbox& out);
 
-  /// What its refused attempt waits for, at each change and every 10 s; empty: nothing is to be told.
+  /// What its refused attempt waits for, at each change and every 10 s; empty: there is nothing to send.
   std::string take_wait(Now now);
 
   void tick(Now now, Outbox& out);
@@ -70,7 +70,7 @@ class Executor {
  private:
   void command(Now now, Outbox& out);
   void command_if_possible(Now now, Outbox& out);
-  void ask(Now now, Outbox& out);
+  void query_state(Now now, Outbox& out);
   void end_unbegun(Now now, Outbox& out);
   void end(TaskOutcome outcome, const std::string& reason, Now now, Outbox& out);
   [[nodiscard]] bool is_to_stop() const;

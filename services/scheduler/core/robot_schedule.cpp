@@ -208,7 +208,7 @@ void RobotSchedule::start(Run& run, TaskIndex task, Step step) {
   notify_progress(run, fact.key, TaskState::initializing, {}, step);
 }
 
-void RobotSchedule::tell_wait(Step step) {
+void RobotSchedule::notify_wait(Step step) {
   const std::string wait = executor_.take_wait(step.now);
   if (wait.empty()) return;
   const AttemptKey& key = executor_.attempt()->execute.key;

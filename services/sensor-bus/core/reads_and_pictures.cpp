@@ -176,7 +176,7 @@ void SensorBusCore::send_last_value(const std::string& name, Now now, Outbox& ou
   if (sensor == nullptr || !sensor->value || !watches_.any_of(name)) return;
   SensorReading reading = reading_of(name, *sensor->value, now);
   reading.quality = "stale";
-  watches_.told_at_once(name, reading, out);
+  watches_.send_at_once(name, reading, out);
 }
 
 SensorReading SensorBusCore::reading_of(const std::string& name, const BusValue& value, Now now) const {

@@ -6,7 +6,7 @@
 namespace trb::scheduler {
 namespace {
 
-constexpr auto kEnd = PendingSignatures::Word::end;
+constexpr auto kEnd = PendingSignatures::RunRecord::end;
 
 /// Everything is done, and nothing has to be looked at by a person.
 bool is_done(const Run& run) {
@@ -48,7 +48,7 @@ void EndHandler::request_end(Run& run, Step step) const {
 }
 
 bool EndHandler::keep_signed(Run& run, const SignedRecord& record, Step step) {
-  if (!run.work().signatures().asks_for(kEnd, record)) return false;
+  if (!run.work().signatures().is_for(kEnd, record)) return false;
   if (auto end = run.checks().end(record); !end) {
     log_wrong_signature(end.error(), step);
     return true;

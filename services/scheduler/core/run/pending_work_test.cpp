@@ -46,9 +46,9 @@ TEST_CASE("results, signatures and values that are waited for keep a run from be
 
 TEST_CASE("back at its router the service asks everything again") {
   PendingWork work;
-  work.signatures().want(PendingSignatures::Word::end, {"run_end", "payload", at(0)});
+  work.signatures().want(PendingSignatures::RunRecord::end, {"run_end", "payload", at(0)});
   Outbox out;
-  work.signatures().tick(PendingSignatures::Word::end, "ur3", at(0), out);
+  work.signatures().tick(PendingSignatures::RunRecord::end, "ur3", at(0), out);
   CHECK(work.next() == at(2).mono);
   work.restart(at(1));
   CHECK(work.next() == at(1).mono);

@@ -139,7 +139,7 @@ Status Run::apply(const JournalAbort& fact) {
   if (orders_.is_aborted()) return Done{};
   orders_.abort(fact.order);
   ++version_;
-  work_.signatures().drop(PendingSignatures::Word::abort);
+  work_.signatures().drop(PendingSignatures::RunRecord::abort);
   deliveries_.pending().drop(DeliveryKind::baton);
   work_.awaited().drop_results();
   deliveries_.owe_to_members(DeliveryKind::abort);
@@ -152,7 +152,7 @@ Status Run::apply(const JournalPause& fact) {
   if (!orders_.is_newer(*order)) return Done{};
   orders_.adopt(fact.order, std::move(*order));
   ++version_;
-  work_.signatures().drop(PendingSignatures::Word::hold);
+  work_.signatures().drop(PendingSignatures::RunRecord::hold);
   deliveries_.pending().drop(DeliveryKind::pause);
   deliveries_.owe_to_members(DeliveryKind::pause);
   return Done{};
@@ -171,7 +171,7 @@ Status Run::apply(const JournalEnd& fact) {
   if (orders_.has_ended()) return Done{};
   orders_.end(fact.end);
   ++version_;
-  work_.signatures().drop(PendingSignatures::Word::end);
+  work_.signatures().drop(PendingSignatures::RunRecord::end);
   work_.awaited().drop_results();
   for (const DeliveryKind kind : kDeliveryKinds) {
     if (kind != DeliveryKind::results) deliveries_.pending().drop(kind);
