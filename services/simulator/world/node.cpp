@@ -122,7 +122,7 @@ void Node::start_cloud() {
   run(is.resilience,
       {.name = "resilience",
        .subtypes = resilience::ResilienceCore::Taken::subtypes(),
-       .hears = resilience::ResilienceCore::hears(),
+       .hears = resilience::ResilienceCore::subscriptions(),
        .store = [this](const std::vector<Journal>& records) { write_resilience(records); },
        .after_sends = [&core = *is.resilience_core] { core.fleet().written(); }},
       *is.resilience_core);
@@ -144,7 +144,7 @@ void Node::start_robot() {
       });
   const auto write_robot = [this] {
     for (const RobotWrite& write : processes_->adapter_core->take_robot_output().writes) {
-      in_.events.after(kRobotDelay, processes_->life, [this, bytes = write.bytes] { robot_->hear(bytes); });
+      in_.events.after(kRobotDelay, processes_->life, [this, bytes = write.bytes] { robot_->receive(bytes); });
     }
   };
   is.adapter.emplace(ServiceSettings{.name = "mode-adapter",
@@ -153,7 +153,7 @@ void Node::start_robot() {
                                      .after_sends = write_robot,
                                      .meddler = in_.meddler},
                      *is.adapter_core, is.router.bus(), in_.events, clock_, in_.dice);
-  is.adapter->on_heard = [this](const Inbound& message) {
+  is.adapter->on_received = [this](const Inbound& message) {
     if (const auto* order = get_if<Execute>(&message.body)) order_ = *order;
   };
   in_.events.after(kRobotDials, is.life, [this] {

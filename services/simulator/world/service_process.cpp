@@ -21,10 +21,10 @@ ServiceProcess::ServiceProcess(ServiceSettings settings, Core& core, Bus& bus, E
                if (!writes_) step([this](Now now, Outbox& out) { core_.tick(now, out); });
              }),
       alive_(events, [this] { keep_alive(); }) {
-  say_hello();
+  send_hello();
 }
 
-void ServiceProcess::say_hello() {
+void ServiceProcess::send_hello() {
   Message hello;
   hello.type = MessageType::command;
   hello.subtype = ServiceHello::kSubtype;
@@ -68,7 +68,7 @@ void ServiceProcess::deliver(Message message) {
                   message.flags, message.remaining_ms,      std::move(*body)};
   const Meddler* meddler = settings_.meddler;
   if (meddler != nullptr && meddler->hears && !meddler->hears(node_, inbound)) return;
-  if (on_heard) on_heard(inbound);
+  if (on_received) on_received(inbound);
   step([&](Now now, Outbox& out) { core_.on(inbound, now, out); });
 }
 

@@ -43,10 +43,10 @@ class ServiceProcess {
   void step(const std::function<void(Now now, Outbox& out)>& call);
   [[nodiscard]] std::uint64_t malformed() const { return malformed_; }
 
-  std::function<void(const Inbound& message)> on_heard;  ///< for whoever watches
+  std::function<void(const Inbound& message)> on_received;  ///< for whoever watches
 
  private:
-  void say_hello();
+  void send_hello();
   void keep_alive();
   void receive(Bytes frame);
   void handle(const Bytes& frame);

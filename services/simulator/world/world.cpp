@@ -35,7 +35,7 @@ std::string run_id(Dice& dice) {
 }
 
 /// A robot whose battery is looked at has it among its values.
-void let_tell_charges(WorldPlan& plan) {
+void add_charge_sensors(WorldPlan& plan) {
   for (const Fault& fault : plan.faults) {
     const auto robot = std::ranges::find(plan.fleet, fault.node, &PlannedRobot::id);
     if (fault.kind != FaultKind::battery || robot == plan.fleet.end()) continue;
@@ -77,7 +77,7 @@ World::World(WorldPlan plan, Meddler meddler)
     plan_.fleet = paper_robots(plan_.robots, std::max(kUsualTimeout_s, plan_.longest_task_s() + kBeyondTask_s));
     plan_.scenario = in_turn(plan_.tasks, plan_.fleet);
   }
-  let_tell_charges(plan_);
+  add_charge_sensors(plan_);
   add("cloud", Role::cloud, 0, {});
   for (std::uint32_t i = 0; i < plan_.fleet.size(); ++i) {
     add(plan_.fleet[i].id, Role::robot, i + 1, plan_.fleet[i].profile);
@@ -158,12 +158,12 @@ Played World::play() {
 void World::pass(double limit_s) {
   const MonotonicTime limit = events_.now() + seconds(limit_s - events_.seconds_passed());
   const bool ended = ended_;
-  while (ended_ == ended && !is_stopped() && events_.step(limit)) tell_second();
+  while (ended_ == ended && !is_stopped() && events_.step(limit)) report_second();
 }
 
-void World::tell_second() {
-  if (!on_second || events_.seconds_passed() < told_s_ + 1) return;
-  told_s_ = events_.seconds_passed();
+void World::report_second() {
+  if (!on_second || events_.seconds_passed() < reported_s_ + 1) return;
+  reported_s_ = events_.seconds_passed();
   on_second(*this);
 }
 

@@ -88,7 +88,7 @@ class World {
   void watch(Node& node);
   void look_for_double(const Node& beginner);
   void pass(double limit_s);
-  void tell_second();
+  void report_second();
   [[nodiscard]] bool is_stopped() const { return plan_.until_event != 0 && events_.count() >= plan_.until_event; }
   void look_for_links();
   void submit();
@@ -120,7 +120,7 @@ class World {
   std::map<std::string, std::unique_ptr<Node>> nodes_;
   Played outcome_;
   bool ended_ = false;
-  double told_s_ = 0;
+  double reported_s_ = 0;
 };
 
 }  // namespace trb::world
