@@ -28,7 +28,7 @@ bool is_final(const TaskView& task) {
 
 /// An open alert: a person is waited for.
 bool is_reported(const World& world) {
-  const auto& alerts = world.nodes().at("cloud")->disk().alerts;
+  const auto& alerts = world.nodes().at("cloud")->disk().alerts.alerts();
   return std::ranges::any_of(
       alerts, [&](const auto& one) { return one.second.run == world.run() && resilience::is_open(one.second); });
 }

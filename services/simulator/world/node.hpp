@@ -1,8 +1,6 @@
 // A computer of the fleet: its disk, its robot, and its processes, which come and go together.
 #pragma once
 
-#include <any>
-#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -12,6 +10,7 @@
 #include "services/resilience/core/resilience_core.hpp"
 #include "services/scheduler/core/memory_journal.hpp"
 #include "services/scheduler/core/scheduler_core.hpp"
+#include "services/simulator/world/alert_store.hpp"
 #include "services/simulator/world/person.hpp"
 #include "services/simulator/world/robot.hpp"
 #include "services/simulator/world/router_process.hpp"
@@ -24,8 +23,7 @@ namespace trb::world {
 struct Disk {
   scheduler::MemoryArchive archive;
   scheduler::MemoryJournal journal;
-  std::map<std::string, Alert> alerts;
-  std::map<std::string, resilience::StoredDecision> decisions;  ///< by alert
+  AlertStore alerts;
   bool fenced = false;
   Duration commit = std::chrono::milliseconds(2);  ///< what writing takes
   UtcTime utc_bound;                               ///< of its router
@@ -90,7 +88,6 @@ class Node {
  private:
   struct Processes;
   void write_scheduler(const std::vector<Journal>& records);
-  void write_resilience(const std::vector<Journal>& records);
   void start_robot();
   void start_cloud();
   void run(std::optional<ServiceProcess>& process, ServiceSettings settings, Core& core);
