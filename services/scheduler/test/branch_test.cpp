@@ -207,7 +207,7 @@ TEST_CASE("a failure that ends the run does so though its robot is gone with it"
 
 TEST_CASE("a task that its robot has refused is given back when it is asked for") {
   BranchStory story({named_task("grip", "ur3", {})});
-  REQUIRE(story.fleet.until([&] { return story.fleet["ur3"].commits > 0; }));
+  REQUIRE(story.fleet.until([&] { return story.fleet["ur3"].crash.commits > 0; }));
   story.adapter("ur3").set(false, false);
   story.fleet.pass(seconds(3));
   REQUIRE(story.adapter("ur3").begun.empty());

@@ -105,7 +105,7 @@ TEST_CASE("a scheduler may die after any of its records and nothing is done twic
     check_each_once(fleet);
     for (const auto& [key, times] : fleet[victim].adapter.commanded) CHECK(times == 1);
     fleet.pass(seconds(10));
-    return fleet[victim].commits;
+    return fleet[victim].crash.commits;
   });
 }
 
@@ -115,7 +115,7 @@ TEST_CASE("dying in bad weather does no harm either") {
     Fleet fleet(k);
     add_demonstration(fleet);
     fleet.weather = {200, 200, 100, seconds(0.5)};
-    for (const char* robot : {"ridgeback", "ur3", "drone"}) fleet[robot].crash_at = k;
+    for (const char* robot : {"ridgeback", "ur3", "drone"}) fleet[robot].crash.at = k;
     submit(fleet, nine_tasks());
     REQUIRE(fleet.until(finished_at(fleet, "cloud")));
     check_each_once(fleet);
