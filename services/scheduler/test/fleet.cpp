@@ -222,22 +222,22 @@ void Fleet::send_of_guest(Node& node, const Send& send) {
 }
 
 void Fleet::send_of_guest_away(Node& node, Node& to, const Inbound& message) {
-  const auto answers = [&](const std::string& from, Duration delay, Body body) {
+  const auto reply = [&](const std::string& from, Duration delay, Body body) {
     answer(from, message, delay, std::move(body), Service::guest);
   };
   if (node.cut || to.cut || !to.up) {
-    return answers(node.id, seconds(0.001),
-                   Nack{"peer_unreachable", std::string(subtype_of(message.body)), to.id, "is away", ""});
+    return reply(node.id, seconds(0.001),
+                 Nack{"peer_unreachable", std::string(subtype_of(message.body)), to.id, "is away", ""});
   }
   if (const auto* value = get_if<Opaque>(&message.body)) {
     const auto told = to.values.find(value->subtype);
-    if (told != to.values.end()) answers(to.id, seconds(0.02), Opaque{value->subtype, told->second});
+    if (told != to.values.end()) reply(to.id, seconds(0.02), Opaque{value->subtype, told->second});
     return;
   }
   if (const auto* repaired = get_if<TakeIntoUse>(&message.body)) {
     to.adapter.take_into_use(*repaired);
     run_adapter(to);
-    return answers(to.id, seconds(0.02), Ack{"in_use", ""});
+    return reply(to.id, seconds(0.02), Ack{"in_use", ""});
   }
   post(to.id, Service::scheduler, seconds(0.005), message);
 }

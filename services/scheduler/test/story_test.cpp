@@ -210,7 +210,7 @@ TEST_CASE("a fenced or absent robot waits, says why, and goes on") {
   fleet["ridgeback"].adapter.set(false, true);
   fleet.pass(seconds(1));
   CHECK(fleet.view("ridgeback", kRun).state == RunState::running);
-  CHECK(fleet.view("ridgeback", kRun).waits_for.find("OFFLINE") != std::string::npos);
+  CHECK(fleet.view("ridgeback", kRun).waits_for.find("CONNECTION_BROKEN") != std::string::npos);
   fleet["ridgeback"].adapter.set(true, false);
   REQUIRE(fleet.until(finished_at(fleet, "cloud")));
   CHECK(begun(fleet) == std::map<std::string, int>{{"task-0", 1}, {"task-1", 1}});
