@@ -78,7 +78,8 @@ constexpr int kWays = 4;
 
 void check_repeats(const World& world, Texts& out) {
   const LinkKind& link = world.plan().link;
-  const bool calm = world.plan().faults.empty() && link.loss == 0 && kWays * link.longest() < kSentAgain;
+  const bool unhurt = world.plan().faults.empty() && world.plan().crashes.empty();
+  const bool calm = unhurt && link.loss == 0 && kWays * link.longest() < kSentAgain;
   if (calm && !world.repeats().first().empty()) out.push_back(world.repeats().first());
 }
 

@@ -103,7 +103,9 @@ void Node::start() {
   run(is.scheduler,
       {.name = "scheduler",
        .subtypes = SchedulerCore::Taken::subtypes(),
-       .store = [this](const std::vector<Journal>& records) { write_scheduler(records); }},
+       .store = [this](const std::vector<Journal>& records) { write_scheduler(records); },
+       .crash = &disk_.crash,
+       .on_crash = [this] { in_.on_crash(plan_.id); }},
       is.scheduler_core);
   robot_ ? start_robot() : start_cloud();
   if (plan_.sensors.empty()) return;

@@ -26,6 +26,7 @@ struct Disk {
   AlertStore alerts;
   bool fenced = false;
   Duration commit = std::chrono::milliseconds(2);  ///< what writing takes
+  CrashPoint crash;                                ///< the scheduler's; the node dies with it
   UtcTime utc_bound;                               ///< of its router
   std::vector<adapter::Kept> out_of_use;
   std::uint64_t boots = 0;
@@ -54,7 +55,8 @@ struct Surroundings {
   Meter& meter;
   Dice& dice;
   const Meddler* meddler = nullptr;
-  std::function<double()> run_seconds;  ///< since the run's submission; 0 before it
+  std::function<double()> run_seconds;                      ///< since the run's submission; 0 before it
+  std::function<void(const std::string& node)> on_crash{};  ///< is to kill it
 };
 
 class Node {
@@ -73,6 +75,7 @@ class Node {
   [[nodiscard]] const Disk& disk() const { return disk_; }
   void set_clock(const ClockFault& fault) { clock_.set(fault); }
   void set_commit(Duration takes) { disk_.commit = takes; }
+  void set_crash(const CrashPoint& crash) { disk_.crash = crash; }
   [[nodiscard]] Robot* robot() { return robot_ ? &*robot_ : nullptr; }
   [[nodiscard]] std::size_t linked() const;
   [[nodiscard]] UtcTime utc() const { return clock_.now().utc; }

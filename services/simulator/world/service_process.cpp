@@ -28,6 +28,8 @@ ProcessSettings ServiceProcess::process_settings() {
   out.store = settings_.store;
   out.send = [this](const Send& one) { send(one); };
   out.after_sends = settings_.after_sends;
+  out.crash = settings_.crash;
+  out.on_crash = settings_.on_crash;
   return out;
 }
 

@@ -27,6 +27,8 @@ struct ServiceSettings {
   const Duration* commit = nullptr;                          ///< what writing a step's records takes, now
   std::function<void(const std::vector<Journal>&)> store{};  ///< puts them on disk
   std::function<void()> after_sends{};
+  CrashPoint* crash = nullptr;
+  std::function<void()> on_crash{};  ///< ends the process: may destroy it
   const Meddler* meddler = nullptr;
 };
 
