@@ -111,8 +111,10 @@ void World::add(const std::string& id, Role role, std::uint32_t number, const No
   std::ranges::copy_if(plan_.sensors, std::back_inserter(plan.sensors),
                        [&](const PlannedSensor& one) { return one.node == id; });
   auto node = std::make_unique<Node>(
-      std::move(plan), Surroundings{events_, network_, meter_, dice_, &meddler_, [this] { return run_seconds(); }});
+      std::move(plan), Surroundings{events_, network_, meter_, dice_, &meddler_, [this] { return run_seconds(); },
+                                    [this](const std::string& dies) { crash(dies); }});
   watch(*node);
+  if (const auto crash = plan_.crashes.find(id); crash != plan_.crashes.end()) node->set_crash(crash->second);
   nodes_[id] = std::move(node);
 }
 
@@ -256,6 +258,11 @@ void World::fail_by_chance(const FaultRate& rate, const std::string& robot) {
 void World::repair_until_next(const FaultRate& rate, const std::string& robot) {
   happen({.kind = FaultKind::repair, .node = robot});
   fail_by_chance(rate, robot);
+}
+
+void World::crash(const std::string& node) {
+  happen({.kind = FaultKind::kill, .node = node});
+  events_.after(std::chrono::seconds(1), [this, node] { happen({.kind = FaultKind::start, .node = node}); });
 }
 
 void World::happen(const Fault& fault) {
