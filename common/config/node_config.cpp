@@ -7,6 +7,7 @@
 
 #include "common/base/files.hpp"
 #include "common/config/cloud_file.hpp"
+#include "common/config/described_names.hpp"
 #include "common/config/interfaces.hpp"
 #include "common/config/json_file.hpp"
 #include "common/config/metrics_file.hpp"
@@ -42,8 +43,7 @@ class NodeChecker {
     places_json();
     description(node);
     mode();
-    check_value_names(out_.config, known_, node.description, out_.faults);
-    check_drive_words(out_.config, known_, node.description, out_.faults);
+    check_described_names(out_.config, known_, node.description, out_.faults);
     read_sensor_files(out_.config.dir, out_.faults);
     read_resilience_file(out_.config.dir, out_.faults);
     read_cloud_file(out_.config.dir, out_.faults);

@@ -25,14 +25,6 @@ Profile read_profile(const Value& json, const FileFaults& faults);
 /// commands.json: the shape of every vendor's part.
 AllCommands read_commands(const Value& json, const Transports& known, const FileFaults& faults);
 
-/// Checks that the robot reports every value that the description watches (faults, sensors); `file`: the description's.
-void check_value_names(const NodeConfig& config, const Transports& known, const std::string& file,
-                       ConfigFaults& faults);
-
-/// Checks that commands.json has the subtype of every drive; `file`: the description's.
-void check_drive_words(const NodeConfig& config, const Transports& known, const std::string& file,
-                       ConfigFaults& faults);
-
 /// "bus" of node.json: absent or "ipc", or "tcp://ADDRESS:PORT". Returns "" or ADDRESS:PORT.
 std::string read_bus_key(ObjectReader& reader);
 

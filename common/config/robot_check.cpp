@@ -5,6 +5,7 @@
 #include <map>
 
 #include "common/base/files.hpp"
+#include "common/config/described_names.hpp"
 #include "common/config/json_file.hpp"
 #include "common/config/readers.hpp"
 #include "common/fleet/did_you_mean.hpp"
@@ -95,8 +96,7 @@ class RobotChecker {
     node.description = out_.description;
     node.commands = words;
     known_.check(node, {commands_path_, faults});
-    check_value_names(node, known_, files_.description, faults);
-    check_drive_words(node, known_, files_.description, faults);
+    check_described_names(node, known_, files_.description, faults);
     return faults;
   }
 

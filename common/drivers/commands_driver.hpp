@@ -21,7 +21,7 @@ class CommandsDriver : public Driver {
   }
   /// A robot that answers every command reports the end of each.
   [[nodiscard]] bool tells_end(std::string_view subtype) const override { return commands_.contains(subtype); }
-  [[nodiscard]] bool told_to_stop() const override { return told_to_stop_; }
+  [[nodiscard]] bool may_be_stopped() const override { return may_be_stopped_; }
 
  protected:
   using Commands = std::map<std::string, Words, std::less<>>;
@@ -46,7 +46,7 @@ class CommandsDriver : public Driver {
   std::string own_id_;
   Commands commands_;                                         ///< by subtype
   std::map<std::string, std::string, std::less<>> requests_;  ///< subtype -> value
-  bool told_to_stop_ = false;
+  bool may_be_stopped_ = false;
   Token last_ticket_ = 0;
 };
 

@@ -169,7 +169,7 @@ class Driver {
   virtual Result<Token> stop(Now now, const DriverOut& out) = 0;
   virtual Result<Token> release(Now now, const DriverOut& out) = 0;
   /// True while the robot may still be in the stop that was ordered.
-  [[nodiscard]] virtual bool told_to_stop() const = 0;
+  [[nodiscard]] virtual bool may_be_stopped() const = 0;
 
   // Of the connections that the shell holds to the robot.
   virtual void on_up(Channel, Now, const DriverOut&) {}

@@ -1,6 +1,6 @@
 #include "common/drivers/polled_check.hpp"
 
-#include "common/drivers/check_names.hpp"
+#include "common/config/described_names.hpp"
 #include "common/fleet/did_you_mean.hpp"
 
 namespace trb::drivers {
@@ -30,11 +30,7 @@ void PolledCheck::check_names() const {
 
 void PolledCheck::check_skill(const Skill& skill) const {
   const VendorCommands& vendor = config_.commands;
-  const bool spoken = vendor.commands.contains(skill.subtype);
-  if (!spoken && !config_.description.has_field_channel) {
-    add("commands." + skill.subtype, "is missing: skill '" + skill.name + "' sends it",
-        "add it with " + examples_.command);
-  }
+  const bool spoken = check_skill_command(config_, skill, faults_, examples_.command);
   const bool position = skill.end.kind == EndKind::position;
   if (!spoken || (!position && skill.end.kind != EndKind::state)) return;
   const std::string watched = skill.end.state.empty() ? "position" : skill.end.state;

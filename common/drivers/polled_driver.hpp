@@ -64,7 +64,7 @@ class PolledDriver : public CommandsDriver<Words> {
     if (!takes_orders() && !up_) return fail(Errc::robot_offline, wording_.offline);
     auto steps = fill("stop", {});
     if (!steps || steps->empty()) return fail(Errc::unknown_subtype, "commands.json has no \"stop\" for this robot");
-    this->told_to_stop_ = true;
+    this->may_be_stopped_ = true;
     const Token ticket = ++this->last_ticket_;
     if (queue_.join_stop(ticket)) return ticket;
     out.out.count("to_robot.stop");
@@ -77,7 +77,7 @@ class PolledDriver : public CommandsDriver<Words> {
     const Token ticket = ++this->last_ticket_;
     auto steps = fill("release", {});
     if (!steps || steps->empty()) {
-      this->told_to_stop_ = false;
+      this->may_be_stopped_ = false;
       out.emit(Released{ticket});
       return ticket;
     }
@@ -103,7 +103,7 @@ class PolledDriver : public CommandsDriver<Words> {
 
   /// The robot has taken a release.
   void on_released(const Job& job, const DriverOut& out) {
-    this->told_to_stop_ = false;
+    this->may_be_stopped_ = false;
     if (job.purpose == Purpose::release) out.emit(Released{job.token});
     out.emit(refused_turn_over(false));
   }
@@ -111,7 +111,7 @@ class PolledDriver : public CommandsDriver<Words> {
   void resume(const DriverOut& out) {
     auto steps = fill("release", {});
     if (!steps || steps->empty()) return;
-    this->told_to_stop_ = true;  // a release that is lost is given again
+    this->may_be_stopped_ = true;  // a release that is lost is given again
     if (queue_.will_release()) return;
     out.out.count("to_robot.release");
     queue_.add_urgent({Purpose::resume, 0, false, std::move(*steps), 0});
@@ -119,12 +119,12 @@ class PolledDriver : public CommandsDriver<Words> {
   /// A halt that was refused behind steps that the robot took; what its fault says of it then.
   std::string half_taken(const Job& halt) {
     if (halt.done == 0) return {};
-    this->told_to_stop_ = true;  // it is released when the link is back
+    this->may_be_stopped_ = true;  // it is released when the link is back
     return kMayStand;
   }
   /// The release of a robot that is in no stop changes nothing: refused, it is no fault.
-  void say_would_not_go_on(const Error& error, const DriverOut& out) const {
-    if (!this->told_to_stop_) return;
+  void report_not_going_on(const Error& error, const DriverOut& out) const {
+    if (!this->may_be_stopped_) return;
     out.emit(
         refused_turn(false, std::string("the ") + wording_.robot + " refused to go on after a stop: " + error.what));
   }

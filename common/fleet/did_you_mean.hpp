@@ -13,6 +13,15 @@ std::string nearest(std::string_view word, const std::vector<std::string>& candi
 /// A hint: "did you mean 'x'?", else `otherwise` followed by the candidates (the first 40 of them).
 std::string did_you_mean(std::string_view word, const std::vector<std::string>& candidates, std::string_view otherwise);
 
+/// The keys of a map, as candidates.
+template <class Map>
+std::vector<std::string> names_in(const Map& map) {
+  std::vector<std::string> names;
+  names.reserve(map.size());
+  for (const auto& [name, ignored] : map) names.push_back(name);
+  return names;
+}
+
 /// "a, b, c", the first 40 of them.
 std::string join(const std::vector<std::string>& words);
 

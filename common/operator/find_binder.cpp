@@ -17,14 +17,14 @@ bool names_every_robot(const Scenario& scenario) {
 
 void find_binder(Session& session, const Scenario& scenario, const RouteTable& table,
                  const std::function<void(Binder)>& found) {
-  const auto tell = [&](Binder binder) {
+  const auto finish = [&](Binder binder) {
     session.after(Duration::zero(), [found, binder = std::move(binder)] { found(binder); });
   };
-  if (names_every_robot(scenario)) return tell({});
+  if (names_every_robot(scenario)) return finish({});
   const auto first = std::ranges::find(table.routes, Role::cloud, &Route::role);
-  if (first == table.routes.end()) return tell({"", "the fleet has no cloud node"});
+  if (first == table.routes.end()) return finish({"", "the fleet has no cloud node"});
   const std::string name = "node '" + first->id + "', which decides, ";
-  if (!is_reached(*first)) return tell({"", name + "is not reached"});
+  if (!is_reached(*first)) return finish({"", name + "is not reached"});
   const auto answered = [found, name, node = first->id](const Result<Message>& answer) {
     if (answer) return found({node, ""});
     found({"", name + "has no resilience that answers: " + answer.error().what});

@@ -13,18 +13,18 @@ bool matches(const FoundSensor& one, const SensorWish& wish) {
   return one.info.identity == wish.identity && (wish.name.empty() || named);
 }
 
-bool tells(const FoundSensor& one) {
+bool works(const FoundSensor& one) {
   return one.info.state == SensorState::ok || one.info.state == SensorState::unread;
 }
 
 bool is_there(const FoundSensor& one) {
-  return one.reached() && tells(one);
+  return one.reached() && works(one);
 }
 
 /// The lower, the better. Of those that claim one serial number the one that is read is there.
 auto preference(const FoundSensor& one, const SensorWish& wish) {
   const bool only_claims = !wish.identity.empty() && one.info.state != SensorState::ok;
-  return std::tuple(!one.reached(), only_claims, one.info.name != wish.name, !tells(one), one.node_state != "self");
+  return std::tuple(!one.reached(), only_claims, one.info.name != wish.name, !works(one), one.node_state != "self");
 }
 
 std::string names_of(const std::vector<FoundSensor>& all) {

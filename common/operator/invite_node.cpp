@@ -57,10 +57,10 @@ class Inviting {
     for (const JoinCall& call : state.words) {
       // Nobody looks after a code that is withdrawn: what waits is not signed any more.
       if (is_over() && !order_.inviter.has_signed()) return;
-      const auto heard = order_.inviter.hear(call.word.bytes);
-      if (heard == Inviter::Heard::nothing) continue;
-      confirmed_ = confirmed_ || heard == Inviter::Heard::done;
-      if (order_.on_word) order_.on_word(heard, order_.inviter);
+      const auto received = order_.inviter.receive(call.word.bytes);
+      if (received == Inviter::Received::nothing) continue;
+      confirmed_ = confirmed_ || received == Inviter::Received::done;
+      if (order_.on_received) order_.on_received(received, order_.inviter);
     }
   }
 

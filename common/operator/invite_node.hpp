@@ -18,9 +18,9 @@ struct InviteNode {
   Duration time = kInvitationTime;
   /// The cloud node keeps it, so the code can be given away.
   std::function<void()> on_held;
-  /// What a word has brought; Heard::nothing is not told.
-  std::function<void(Inviter::Heard heard, const Inviter& inviter)> on_word;
-  /// The cloud node does not answer; it is asked again until the time is over. Told once each time.
+  /// What a message has brought; not called for Received::nothing.
+  std::function<void(Inviter::Received received, const Inviter& inviter)> on_received;
+  /// The cloud node does not answer; it is asked again until the time is over. Called once each time.
   std::function<void(const Error& why)> on_silent;
 };
 

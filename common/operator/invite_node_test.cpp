@@ -12,7 +12,7 @@ namespace {
 struct Invite {
   FakeNode node;
   InvitationKeys keys = (init_crypto(), invitation_keys("the secret"));
-  std::vector<Inviter::Heard> heard;
+  std::vector<Inviter::Received> heard;
   std::size_t held = 0;
   std::size_t silent = 0;
   Ending<InviteEnd> ending;
@@ -27,7 +27,7 @@ struct Invite {
                    .invitation = {"invitation", "", {"payload"}, {"signature"}},
                    .inviter = Inviter(keys, open, [open](const SignedRecord&) { return Result<JoinOffer>(open); }),
                    .on_held = [this] { ++held; },
-                   .on_word = [this](Inviter::Heard word, const Inviter&) { heard.push_back(word); },
+                   .on_received = [this](Inviter::Received word, const Inviter&) { heard.push_back(word); },
                    .on_silent = [this](const Error&) { ++silent; }},
         ending);
   }
@@ -55,7 +55,7 @@ TEST_CASE("the offer goes once, the certificate when a request came, and the end
   CHECK(invite.held == 1);
   CHECK(invite.next().offer.bytes.empty());
   invite.node.answer(InvitationState{1, {invite.word(false)}});
-  CHECK(invite.heard == std::vector{Inviter::Heard::signed_one});
+  CHECK(invite.heard == std::vector{Inviter::Received::signed_one});
   const auto second = invite.next();
   CHECK((second.number == 2 && !second.offer.bytes.empty()));
   invite.node.answer(InvitationState{2, {invite.word(true)}});

@@ -19,18 +19,18 @@ void Inviter::answer(JoinOffer offer) {
   offer_ = lock_join(keys_.to_node, encode(offer));
 }
 
-Inviter::Heard Inviter::hear(BytesView word) {
-  if (seen_.size() >= kMostSeen || !seen_.insert(digest(word)).second) return Heard::nothing;
-  const auto plain = unlock_join(keys_.to_inviter, word);
+Inviter::Received Inviter::receive(BytesView message) {
+  if (seen_.size() >= kMostSeen || !seen_.insert(digest(message)).second) return Received::nothing;
+  const auto plain = unlock_join(keys_.to_inviter, message);
   const auto read = plain ? decode<JoinWord>(*plain) : Result<JoinWord>(plain.error());
-  if (!read) return Heard::nothing;
+  if (!read) return Received::nothing;
   const Bytes request = digest_of_request(read->request);
-  if (chosen_.empty()) return read->done ? Heard::nothing : on_request(read->request, request);
-  if (!same_bytes(request, chosen_)) return Heard::second;
-  return read->done ? Heard::done : Heard::nothing;
+  if (chosen_.empty()) return read->done ? Received::nothing : on_request(read->request, request);
+  if (!same_bytes(request, chosen_)) return Received::second;
+  return read->done ? Received::done : Received::nothing;
 }
 
-Inviter::Heard Inviter::on_request(const SignedRecord& request, const Bytes& digest) {
+Inviter::Received Inviter::on_request(const SignedRecord& request, const Bytes& digest) {
   const auto wanted = decode<CertificateRequest>(request.payload.bytes);
   if (!wanted) return refuse(digest, wanted.error().text());
   if (wanted->id != open_.name || wanted->role != open_.role) {
@@ -43,16 +43,16 @@ Inviter::Heard Inviter::on_request(const SignedRecord& request, const Bytes& dig
   identity_ = wanted->identity_key.bytes;
   offer->request = {digest};
   answer(std::move(*offer));
-  return Heard::signed_one;
+  return Received::signed_one;
 }
 
-Inviter::Heard Inviter::refuse(const Bytes& digest, const std::string& why) {
+Inviter::Received Inviter::refuse(const Bytes& digest, const std::string& why) {
   refusal_ = why;
   JoinOffer offer = open_;
   offer.request = {digest};
   offer.refused = why.substr(0, kDefaultMaxSize);
   answer(std::move(offer));
-  return Heard::refused;
+  return Received::refused;
 }
 
 }  // namespace trb::op

@@ -9,7 +9,7 @@
 
 namespace trb::op {
 
-/// so far       | a word comes                               | next
+/// so far       | a message comes                            | next
 /// -------------|--------------------------------------------|-----------------------------------------------------
 /// any          | not locked with the code, or seen before   | as before
 /// open         | a request for the name and role            | signed: the offer has the certificate
@@ -21,12 +21,12 @@ class Inviter {
  public:
   /// Signs the request and returns the offer with its certificate.
   using Sign = std::function<Result<JoinOffer>(const SignedRecord& request)>;
-  enum class Heard : unsigned char { nothing, refused, signed_one, second, done };
+  enum class Received : unsigned char { nothing, refused, signed_one, second, done };
 
   /// `open`: what a node with the code learns before it has asked: name, role, fleet.
   Inviter(InvitationKeys keys, JoinOffer open, Sign sign);
 
-  Heard hear(BytesView word);
+  Received receive(BytesView message);
 
   /// Of the newest offer; it begins with 1.
   [[nodiscard]] std::uint64_t number() const { return number_; }
@@ -40,8 +40,8 @@ class Inviter {
 
  private:
   void answer(JoinOffer offer);
-  Heard on_request(const SignedRecord& request, const Bytes& digest);
-  Heard refuse(const Bytes& digest, const std::string& why);
+  Received on_request(const SignedRecord& request, const Bytes& digest);
+  Received refuse(const Bytes& digest, const std::string& why);
 
   InvitationKeys keys_;
   JoinOffer open_;

@@ -5,10 +5,10 @@
 namespace trb::op {
 
 void Joiner::write(bool done) {
-  word_ = lock_join(keys_.to_inviter, encode(JoinWord{request_, done}));
+  message_ = lock_join(keys_.to_inviter, encode(JoinWord{request_, done}));
 }
 
-Status Joiner::hear(BytesView box) {
+Status Joiner::receive(BytesView box) {
   if (state_ == State::has_it) state_ = State::over;
   if (state_ == State::over || (!old_refusal_.empty() && box == old_refusal_)) return Done{};
   // A cloud node that answers rubbish can only keep it waiting.

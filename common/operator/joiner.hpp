@@ -28,9 +28,9 @@ class Joiner {
       : keys_(std::move(keys)), ask_(std::move(ask)), take_(std::move(take)) {}
 
   /// What the next call carries, locked; empty: it only asks. The same bytes until there is something new to say.
-  [[nodiscard]] const Bytes& word() const { return word_; }
-  /// The answer to a call that carried word(). Errors end the joining.
-  Status hear(BytesView offer);
+  [[nodiscard]] const Bytes& message() const { return message_; }
+  /// The answer to a call that carried message(). Errors end the joining.
+  Status receive(BytesView offer);
 
   /// Does it know by an answer that its code is good?
   [[nodiscard]] bool is_invited() const { return state_ != State::asks; }
@@ -54,7 +54,7 @@ class Joiner {
   State state_ = State::asks;
   SignedRecord request_;
   JoinOffer offer_;
-  Bytes word_;
+  Bytes message_;
   Bytes old_refusal_;  ///< the cloud node answers it until the inviter has read a word of this joiner
 };
 

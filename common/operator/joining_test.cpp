@@ -10,7 +10,7 @@ using namespace trb::op;
 
 namespace {
 
-using Heard = Inviter::Heard;
+using Received = Inviter::Received;
 
 /// What the new node's request is.
 SignedRecord request_of(const std::string& id, Role role = Role::robot) {
@@ -68,17 +68,17 @@ struct Hall {
 TEST_CASE("a node asks, its request is signed once, it says that it has the certificate") {
   Hall hall;
   NewNode node(hall.keys);
-  CHECK(node.joiner.word().empty());
-  REQUIRE(node.joiner.hear(hall.inviter.offer()));
+  CHECK(node.joiner.message().empty());
+  REQUIRE(node.joiner.receive(hall.inviter.offer()));
   CHECK(node.joiner.is_invited());
-  CHECK(hall.inviter.hear(node.joiner.word()) == Heard::signed_one);
+  CHECK(hall.inviter.receive(node.joiner.message()) == Received::signed_one);
   CHECK(hall.inviter.number() == 2);
-  REQUIRE(node.joiner.hear(hall.inviter.offer()));
+  REQUIRE(node.joiner.receive(hall.inviter.offer()));
   CHECK(node.joiner.has_joined());
   CHECK(node.joiner.offer().certificate.kind == kSignedCertificate);
   CHECK_FALSE(node.joiner.is_over());
-  CHECK(hall.inviter.hear(node.joiner.word()) == Heard::done);
-  REQUIRE(node.joiner.hear(hall.inviter.offer()));
+  CHECK(hall.inviter.receive(node.joiner.message()) == Received::done);
+  REQUIRE(node.joiner.receive(hall.inviter.offer()));
   CHECK(node.joiner.is_over());
   CHECK((hall.signatures == 1 && node.taken == 1));
 }
@@ -87,13 +87,13 @@ TEST_CASE("two computers with one code: one joins, the other is told, and so is 
   Hall hall;
   NewNode first(hall.keys);
   NewNode second(hall.keys);
-  REQUIRE(first.joiner.hear(hall.inviter.offer()));
-  REQUIRE(second.joiner.hear(hall.inviter.offer()));
-  CHECK(hall.inviter.hear(second.joiner.word()) == Heard::signed_one);
-  CHECK(hall.inviter.hear(first.joiner.word()) == Heard::second);
-  CHECK(hall.inviter.hear(first.joiner.word()) == Heard::nothing);
-  CHECK(first.joiner.hear(hall.inviter.offer()).error().code == Errc::already_claimed);
-  CHECK(second.joiner.hear(hall.inviter.offer()).ok());
+  REQUIRE(first.joiner.receive(hall.inviter.offer()));
+  REQUIRE(second.joiner.receive(hall.inviter.offer()));
+  CHECK(hall.inviter.receive(second.joiner.message()) == Received::signed_one);
+  CHECK(hall.inviter.receive(first.joiner.message()) == Received::second);
+  CHECK(hall.inviter.receive(first.joiner.message()) == Received::nothing);
+  CHECK(first.joiner.receive(hall.inviter.offer()).error().code == Errc::already_claimed);
+  CHECK(second.joiner.receive(hall.inviter.offer()).ok());
   CHECK(hall.signatures == 1);
   CHECK(first.taken == 0);
 }
@@ -101,12 +101,12 @@ TEST_CASE("two computers with one code: one joins, the other is told, and so is 
 TEST_CASE("a code that was used signs nothing more, for its own node neither: killed before the disk, it asks again") {
   Hall hall;
   NewNode node(hall.keys);
-  REQUIRE(node.joiner.hear(hall.inviter.offer()));
-  REQUIRE(hall.inviter.hear(node.joiner.word()) == Heard::signed_one);
+  REQUIRE(node.joiner.receive(hall.inviter.offer()));
+  REQUIRE(hall.inviter.receive(node.joiner.message()) == Received::signed_one);
   // Killed, started again with the same keys: another word, the same request, the same certificate.
   NewNode again(hall.keys);
   again.request = node.request;
-  REQUIRE(again.joiner.hear(hall.inviter.offer()));
+  REQUIRE(again.joiner.receive(hall.inviter.offer()));
   CHECK(again.joiner.has_joined());
   CHECK(hall.signatures == 1);
 }
@@ -114,20 +114,20 @@ TEST_CASE("a code that was used signs nothing more, for its own node neither: ki
 TEST_CASE("words that are replayed, changed, of another code, or rubbish change nothing") {
   Hall hall;
   NewNode node(hall.keys);
-  REQUIRE(node.joiner.hear(hall.inviter.offer()));
+  REQUIRE(node.joiner.receive(hall.inviter.offer()));
   const InvitationKeys others = invitation_keys("another secret");
   NewNode stranger(others);
   const Bytes foreign = lock_join(others.to_inviter, encode(JoinWord{stranger.request, false}));
-  CHECK(hall.inviter.hear(foreign) == Heard::nothing);
-  CHECK(hall.inviter.hear("rubbish") == Heard::nothing);
-  CHECK(hall.inviter.hear(lock_join(hall.keys.to_inviter, "no word")) == Heard::nothing);
-  CHECK(hall.inviter.hear(hall.inviter.offer()) == Heard::nothing);  // reflected
-  Bytes changed = node.joiner.word();
+  CHECK(hall.inviter.receive(foreign) == Received::nothing);
+  CHECK(hall.inviter.receive("rubbish") == Received::nothing);
+  CHECK(hall.inviter.receive(lock_join(hall.keys.to_inviter, "no word")) == Received::nothing);
+  CHECK(hall.inviter.receive(hall.inviter.offer()) == Received::nothing);  // reflected
+  Bytes changed = node.joiner.message();
   changed[30] = static_cast<char>(changed[30] ^ 4);
-  CHECK(hall.inviter.hear(changed) == Heard::nothing);
+  CHECK(hall.inviter.receive(changed) == Received::nothing);
   CHECK(hall.signatures == 0);
-  CHECK(hall.inviter.hear(node.joiner.word()) == Heard::signed_one);
-  CHECK(hall.inviter.hear(node.joiner.word()) == Heard::nothing);
+  CHECK(hall.inviter.receive(node.joiner.message()) == Received::signed_one);
+  CHECK(hall.inviter.receive(node.joiner.message()) == Received::nothing);
   CHECK(hall.signatures == 1);
 }
 
@@ -135,38 +135,38 @@ TEST_CASE("a cloud node that invents, changes or reflects offers can only make t
   Hall hall;
   NewNode node(hall.keys);
   const Bytes first = hall.inviter.offer();
-  REQUIRE(node.joiner.hear("").ok());
-  REQUIRE(node.joiner.hear("rubbish").ok());
-  REQUIRE(node.joiner.hear(lock_join(Bytes(32, 'x'), encode(Hall::open()))).ok());
+  REQUIRE(node.joiner.receive("").ok());
+  REQUIRE(node.joiner.receive("rubbish").ok());
+  REQUIRE(node.joiner.receive(lock_join(Bytes(32, 'x'), encode(Hall::open()))).ok());
   CHECK_FALSE(node.joiner.is_invited());
-  REQUIRE(node.joiner.hear(first).ok());
-  REQUIRE(node.joiner.hear(node.joiner.word()).ok());
-  REQUIRE(node.joiner.hear(first).ok());
+  REQUIRE(node.joiner.receive(first).ok());
+  REQUIRE(node.joiner.receive(node.joiner.message()).ok());
+  REQUIRE(node.joiner.receive(first).ok());
   CHECK_FALSE(node.joiner.has_joined());
-  REQUIRE(hall.inviter.hear(node.joiner.word()) == Heard::signed_one);
+  REQUIRE(hall.inviter.receive(node.joiner.message()) == Received::signed_one);
   Bytes changed = hall.inviter.offer();
   changed.back() = static_cast<char>(changed.back() ^ 1);
-  REQUIRE(node.joiner.hear(changed).ok());
+  REQUIRE(node.joiner.receive(changed).ok());
   CHECK_FALSE(node.joiner.has_joined());
-  REQUIRE(node.joiner.hear(hall.inviter.offer()).ok());
+  REQUIRE(node.joiner.receive(hall.inviter.offer()).ok());
   CHECK(node.joiner.has_joined());
 }
 
 TEST_CASE("a folder that is another node's asks nothing; a request for another name is not signed, and costs no code") {
   Hall hall;
   NewNode other(hall.keys, "belt");
-  CHECK(other.joiner.hear(hall.inviter.offer()).error().code == Errc::conflict);
-  CHECK(other.joiner.word().empty());
+  CHECK(other.joiner.receive(hall.inviter.offer()).error().code == Errc::conflict);
+  CHECK(other.joiner.message().empty());
 
   const Bytes lie = lock_join(hall.keys.to_inviter, encode(JoinWord{request_of("belt"), false}));
-  CHECK(hall.inviter.hear(lie) == Heard::refused);
+  CHECK(hall.inviter.receive(lie) == Received::refused);
   CHECK(hall.inviter.refusal().find("belt") != std::string::npos);
   const Bytes cloud = lock_join(hall.keys.to_inviter, encode(JoinWord{request_of("arm", Role::cloud), false}));
-  CHECK(hall.inviter.hear(cloud) == Heard::refused);
+  CHECK(hall.inviter.receive(cloud) == Received::refused);
   NewNode node(hall.keys);
-  REQUIRE(node.joiner.hear(hall.inviter.offer()).ok());  // a refusal of somebody else's
-  CHECK(hall.inviter.hear(node.joiner.word()) == Heard::signed_one);
-  CHECK(node.joiner.hear(hall.inviter.offer()).ok());
+  REQUIRE(node.joiner.receive(hall.inviter.offer()).ok());  // a refusal of somebody else's
+  CHECK(hall.inviter.receive(node.joiner.message()) == Received::signed_one);
+  CHECK(node.joiner.receive(hall.inviter.offer()).ok());
   CHECK(node.joiner.has_joined());
 }
 
@@ -174,9 +174,9 @@ TEST_CASE("what the authority refuses is told to the node; put right, the same c
   Hall hall;
   hall.authority = fail(Errc::conflict, "'arm' has other keys", "trb fleet revoke");
   NewNode node(hall.keys);
-  REQUIRE(node.joiner.hear(hall.inviter.offer()));
-  CHECK(hall.inviter.hear(node.joiner.word()) == Heard::refused);
-  const Status told = node.joiner.hear(hall.inviter.offer());
+  REQUIRE(node.joiner.receive(hall.inviter.offer()));
+  CHECK(hall.inviter.receive(node.joiner.message()) == Received::refused);
+  const Status told = node.joiner.receive(hall.inviter.offer());
   REQUIRE_FALSE(told.ok());
   CHECK(told.error().what.find("has other keys") != std::string::npos);
   const Bytes old = hall.inviter.offer();
@@ -184,30 +184,30 @@ TEST_CASE("what the authority refuses is told to the node; put right, the same c
   // Tried again as it is: the mailbox still holds the old answer, which is none; the new one is told.
   NewNode still(hall.keys);
   still.request = node.request;
-  REQUIRE(still.joiner.hear(old).ok());
-  REQUIRE(still.joiner.hear(old).ok());
-  CHECK(hall.inviter.hear(still.joiner.word()) == Heard::refused);
-  CHECK(still.joiner.hear(hall.inviter.offer()).error().code == Errc::not_permitted);
+  REQUIRE(still.joiner.receive(old).ok());
+  REQUIRE(still.joiner.receive(old).ok());
+  CHECK(hall.inviter.receive(still.joiner.message()) == Received::refused);
+  CHECK(still.joiner.receive(hall.inviter.offer()).error().code == Errc::not_permitted);
 
   hall.authority = Done{};
   NewNode again(hall.keys);
   again.request = node.request;
-  REQUIRE(again.joiner.hear(hall.inviter.offer()).ok());
+  REQUIRE(again.joiner.receive(hall.inviter.offer()).ok());
   CHECK(again.joiner.is_invited());
-  CHECK(hall.inviter.hear(again.joiner.word()) == Heard::signed_one);
-  REQUIRE(again.joiner.hear(hall.inviter.offer()).ok());
+  CHECK(hall.inviter.receive(again.joiner.message()) == Received::signed_one);
+  REQUIRE(again.joiner.receive(hall.inviter.offer()).ok());
   CHECK(again.joiner.has_joined());
 }
 
 TEST_CASE("a node that cannot write its certificate says so, and is not done") {
   Hall hall;
   NewNode node(hall.keys);
-  REQUIRE(node.joiner.hear(hall.inviter.offer()));
-  REQUIRE(hall.inviter.hear(node.joiner.word()) == Heard::signed_one);
+  REQUIRE(node.joiner.receive(hall.inviter.offer()));
+  REQUIRE(hall.inviter.receive(node.joiner.message()) == Received::signed_one);
   node.disk = fail(Errc::io_error, "disk full");
-  CHECK(node.joiner.hear(hall.inviter.offer()).error().code == Errc::io_error);
+  CHECK(node.joiner.receive(hall.inviter.offer()).error().code == Errc::io_error);
   CHECK_FALSE(node.joiner.has_joined());
   node.disk = Done{};
-  CHECK(node.joiner.hear(hall.inviter.offer()).ok());
+  CHECK(node.joiner.receive(hall.inviter.offer()).ok());
   CHECK(node.joiner.has_joined());
 }

@@ -76,7 +76,7 @@ class ServiceShell final : public Service {
     loop_.add_timer([this] { return core_->next_deadline(); },
                     [this](Now) { step([this](Now now, Outbox& out) { core_->tick(now, out); }); });
     loop_.add_timer([this] { return refused_.empty() ? std::nullopt : std::optional(MonotonicTime{0}); },
-                    [this](Now) { tell_refused(); });
+                    [this](Now) { deliver_refused(); });
     loop_.add_timer([this] { return reload_check_; }, [this](Now now) { try_reload(now); });
   }
 
@@ -204,7 +204,7 @@ class ServiceShell final : public Service {
   }
 
   /// In a turn of their own: a core that sends the same again at once must not block the loop.
-  void tell_refused() {
+  void deliver_refused() {
     for (Nack& nack : std::exchange(refused_, {})) {
       const Inbound inbound{MessageType::information, node_,          node_, 0, kRefusedHere, 0,
                             kDefaultRemainingMs,      std::move(nack)};

@@ -28,7 +28,7 @@ bool may_pass(const Status& status) {
 }
 
 /// Also to standard error: on a full disk there is no log.
-void tell(const ServiceOptions& options, const Error& why) {
+void report(const ServiceOptions& options, const Error& why) {
   log_event(Level::error, "waiting", why.text());
   std::fprintf(stderr, "trb-%s: waits: %s\n", options.name.c_str(), why.text().c_str());
 }
@@ -43,7 +43,7 @@ Result<std::optional<int>> wait(const ServiceOptions& options, const Error& why,
                                 const std::function<Status()>& open) {
   const auto service = Service::open(options);
   if (!service) return service.error();
-  tell(options, why);
+  report(options, why);
   WaitingCore core(why);
   (*service)->start(core);
   MonotonicTime again = now().mono + kTryAgain;

@@ -62,16 +62,16 @@ void show_progress(const world::World& world) {
 /// The same for a program: a line of JSON on standard error, ten a second at most.
 class ProgressLines {
  public:
-  void tell(double seconds, std::size_t done, std::size_t tasks) {
+  void print(double seconds, std::size_t done, std::size_t tasks) {
     const auto now = std::chrono::steady_clock::now();
-    if (now - told_ < kBetween) return;
-    told_ = now;
+    if (now - printed_ < kBetween) return;
+    printed_ = now;
     std::fprintf(stderr, "{\"seconds\":%.1f,\"tasks_done\":%zu,\"tasks\":%zu}\n", seconds, done, tasks);
   }
 
  private:
   static constexpr auto kBetween = std::chrono::milliseconds(100);
-  std::chrono::steady_clock::time_point told_;
+  std::chrono::steady_clock::time_point printed_;
 };
 
 void add_to(Value& answer, const Job& job, const TaskTimes& times, const Seen& seen) {
@@ -91,7 +91,7 @@ int simulate_world(const Job& job, const std::string& text, bool for_program) {
   if (is_watched) world.on_second = show_progress;
   if (for_program) {
     world.on_second = [&lines](const world::World& of) {
-      lines.tell(of.seconds_passed(), of.witness().tasks_done(), of.plan().tasks);
+      lines.print(of.seconds_passed(), of.witness().tasks_done(), of.plan().tasks);
     };
   }
   Trace trace(text);
@@ -113,7 +113,7 @@ int simulate_world(const Job& job, const std::string& text, bool for_program) {
 }
 
 int simulate_counting(const Job& job, bool for_program) {
-  constexpr std::uint64_t kTellAt = 1U << 18U;  // messages: some milliseconds
+  constexpr std::uint64_t kPrintAt = 1U << 18U;  // messages: some milliseconds
   const double most_s = std::max(job.plan.seconds, job.plan.task_s * static_cast<double>(job.plan.tasks.size()));
   counting::Tally tally(most_s);
   TaskTimes times;
@@ -124,7 +124,7 @@ int simulate_counting(const Job& job, bool for_program) {
     tally(message);
     times.on_message(message);
     seen.on_message(message);
-    if (for_program && ++count % kTellAt == 0) lines.tell(message.at_s, times.done(), job.plan.tasks.size());
+    if (for_program && ++count % kPrintAt == 0) lines.print(message.at_s, times.done(), job.plan.tasks.size());
   });
   if (!job.trace.empty()) {
     const Status written = write_trace(job, tally.all().messages);

@@ -103,7 +103,7 @@ export class Person {
     const all = await this.page.$$eval('nav a', (links) => links.map((link) => link.getAttribute('href')));
     await this.page.keyboard.press('Escape');
     await this.page.waitForSelector('dialog[open]', { state: 'detached' });
-    return [...all, '#/tokens'];
+    return [...all, '#/design'];
   }
 
   async openMenu() {

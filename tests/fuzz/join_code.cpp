@@ -36,19 +36,19 @@ void heard(BytesView input) {
     ++signatures;
     return Result<JoinOffer>(open);
   });
-  (void)inviter.hear(input);
+  (void)inviter.receive(input);
   require(signatures == 0, "what is not locked with the code is not heard");
-  (void)inviter.hear(lock_join(keys.to_inviter, input));
-  (void)inviter.hear(lock_join(keys.to_inviter, encode(JoinWord{a_request(), false})));
-  (void)inviter.hear(lock_join(keys.to_inviter, input));
+  (void)inviter.receive(lock_join(keys.to_inviter, input));
+  (void)inviter.receive(lock_join(keys.to_inviter, encode(JoinWord{a_request(), false})));
+  (void)inviter.receive(lock_join(keys.to_inviter, input));
   require(signatures == 1, "one request is signed");
   op::Joiner joiner(
       keys, [](const JoinOffer&) { return Result<SignedRecord>(a_request()); },
       [](const JoinOffer&) { return Status(Done{}); });
-  (void)joiner.hear(input);
+  (void)joiner.receive(input);
   require(!joiner.is_invited(), "what is not locked with the code invites nobody");
-  (void)joiner.hear(lock_join(keys.to_node, input));
-  (void)joiner.hear(lock_join(keys.to_node, input));
+  (void)joiner.receive(lock_join(keys.to_node, input));
+  (void)joiner.receive(lock_join(keys.to_node, input));
 }
 
 }  // namespace

@@ -1,15 +1,16 @@
 // The resilience core of the cloud's node, in a fleet in memory.
 #pragma once
 
-#include <map>
 #include <memory>
+#include <vector>
 
 #include "services/resilience/core/resilience_core.hpp"
 #include "services/scheduler/test/fleet.hpp"
+#include "services/simulator/world/alert_store.hpp"
 
 namespace trb::year {
 
-class Decider final : public scheduler::test::Guest {
+class Decider {
  public:
   Decider(scheduler::test::Fleet& fleet, ResilienceSettings settings);
 
@@ -22,22 +23,16 @@ class Decider final : public scheduler::test::Guest {
   /// A person's verdict on an alert; returns the answer.
   Body decide(const AlertDecide& verdict);
 
-  void on(const Inbound& message, Now now, Outbox& out) override;
-  void tick(Now now, Outbox& out) override;
-  [[nodiscard]] std::optional<MonotonicTime> next_deadline() const override;
-
   std::size_t most_alerts = 0;  ///< the most that its database held at a time
 
  private:
-  void keep(const Outbox& out);
-  void forget_old();
+  void store(const std::vector<Journal>& records);
   Body ask(Body question);
 
   scheduler::test::Fleet& fleet_;
   ResilienceSettings settings_;
   std::unique_ptr<resilience::ResilienceCore> core_;
-  std::map<std::string, Alert> alerts_;
-  std::map<std::string, resilience::StoredDecision> decisions_;  ///< by alert
+  world::AlertStore store_;
 };
 
 }  // namespace trb::year

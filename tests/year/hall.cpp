@@ -49,27 +49,11 @@ Hall::Hall(std::uint64_t seed) : dice_(seed), fleet_(seed), decider_(fleet_, pol
   }
   fleet_.weather = {5, 5, 1, seconds(0.05)};
   fleet_.coded_every = 16;  // 1.4 million a day: the codecs have tests of their own
-  fleet_.attach("cloud", decider_);
   decider_.start();
 }
 
 void Hall::tell(const std::string& what) {
   if (errors.size() < kMostTold) errors.push_back(to_iso8601(fleet_.now().utc) + " " + what);
-}
-
-void Hall::plan(Duration after, std::function<void()> what) {
-  plans_.emplace((fleet_.now().mono + after).ns, std::move(what));
-}
-
-void Hall::until(MonotonicTime end) {
-  while (!plans_.empty() && plans_.begin()->first <= end.ns) {
-    const MonotonicTime at{plans_.begin()->first};
-    if (at > fleet_.now().mono) fleet_.pass(at - fleet_.now().mono);
-    const auto what = std::move(plans_.begin()->second);
-    plans_.erase(plans_.begin());
-    what();
-  }
-  if (end > fleet_.now().mono) fleet_.pass(end - fleet_.now().mono);
 }
 
 /// One task in 200 fails; of those one in four with a fault that takes the capability for half an hour.
@@ -82,12 +66,12 @@ std::pair<TaskOutcome, std::string> Hall::work(const std::string& robot, const E
   }
   if (dice_.below(200) == 0) {
     ++figures.failures;
-    if (dice_.chance(25)) {
+    if (dice_.percent(25)) {
       ++figures.faults;
       const std::string capability = execute.skill == "grip" ? "hands" : "wheels";
       fleet_[robot].adapter.set_out_of_use(
           {{capability, Severity::critical, "is stuck", fleet_.now().utc.ns, false, ""}});
-      plan(seconds(1800), [this, robot] { fleet_[robot].adapter.set_out_of_use({}); });
+      fleet_.after(seconds(1800), [this, robot] { fleet_[robot].adapter.set_out_of_use({}); });
     }
     return {TaskOutcome::failed, ""};
   }
@@ -105,18 +89,18 @@ Scenario Hall::scenario(const std::vector<std::string>& team) {
   for (std::size_t i = 0; i < tasks; ++i) {
     Task task;
     task.id = "t" + std::to_string(i);
-    task.skill = dice_.chance(50) ? "grip" : "drive";
+    task.skill = dice_.percent(50) ? "grip" : "drive";
     task.robot = dice_.one_of(team);
-    if (dice_.chance(3)) {  // any robot that can
+    if (dice_.percent(3)) {  // any robot that can
       task.robot.clear();
       task.requires_ = {task.skill == "grip" ? "hands" : "wheels"};
     }
-    if (i > 0 && !dice_.chance(10))
+    if (i > 0 && !dice_.percent(10))
       task.after = {static_cast<std::uint16_t>(i - 1 - dice_.below(std::min<std::size_t>(i, 3)))};
-    task.retries = dice_.chance(20) ? 1 : 0;
-    if (dice_.chance(20)) task.on_failure = dice_.chance(50) ? OnFailure::skip : OnFailure::continue_;
-    if (dice_.chance(3)) task.on_failure = OnFailure::abort;
-    if (dice_.chance(5) && task.on_failure != OnFailure::resilience) task.start_within_s = 120;
+    task.retries = dice_.percent(20) ? 1 : 0;
+    if (dice_.percent(20)) task.on_failure = dice_.percent(50) ? OnFailure::skip : OnFailure::continue_;
+    if (dice_.percent(3)) task.on_failure = OnFailure::abort;
+    if (dice_.percent(5) && task.on_failure != OnFailure::resilience) task.start_within_s = 120;
     out.tasks.push_back(std::move(task));
   }
   return out;
@@ -124,14 +108,14 @@ Scenario Hall::scenario(const std::vector<std::string>& team) {
 
 void Hall::submit() {
   if (!takes_work_) return;
-  plan(seconds(kBetween_s * 0.02 * static_cast<double>(dice_.below(100))), [this] { submit(); });
+  fleet_.after(seconds(kBetween_s * 0.02 * static_cast<double>(dice_.below(100))), [this] { submit(); });
   std::set<std::string> team;
   for (std::size_t i = 0, count = dice_.from(2, 5); i < count; ++i) team.insert(dice_.one_of(robots_));
   const std::vector<std::string> names(team.begin(), team.end());
   Scenario work = scenario(names);
   char id[33];
   std::snprintf(id, sizeof id, "%032llx", static_cast<unsigned long long>(++count_));
-  const std::string node = dice_.chance(80) || !fleet_[names[0]].up ? "cloud" : names[0];
+  const std::string node = dice_.percent(80) || !fleet_[names[0]].up ? "cloud" : names[0];
   if (!fleet_[node].up) return;
   std::vector<Member> members{fleet_.member("cloud")};
   for (const std::string& robot : names) members.push_back(fleet_.member(robot));
@@ -156,10 +140,10 @@ void Hall::restart(const std::string& node) {
   ++figures.restarts;
   if (!fleet_[node].up) return;
   fleet_.stop(node);
-  plan(seconds(static_cast<double>(dice_.from(1, 60))), [this, node] {
+  fleet_.after(seconds(static_cast<double>(dice_.from(1, 60))), [this, node] {
     fleet_.start(node);
     if (node == "cloud") return decider_.start();
-    if (dice_.chance(50)) return;
+    if (dice_.percent(50)) return;
     for (const AttemptKey& key : fleet_[node].adapter.restart()) {
       if (const auto run = open_.find(key.run); run != open_.end()) run->second.unknown.insert(key.task);
     }
@@ -170,7 +154,7 @@ void Hall::cut(const std::string& node) {
   ++figures.cuts;
   fleet_[node].cut = true;
   if (node != "cloud") decider_.tell(PeerExpired{node, "silent"});
-  plan(seconds(60.0 * static_cast<double>(dice_.from(1, 30))), [this, node] {
+  fleet_.after(seconds(60.0 * static_cast<double>(dice_.from(1, 30))), [this, node] {
     fleet_[node].cut = false;
     if (node != "cloud") decider_.tell(PeerJoined{node});
   });
@@ -209,7 +193,7 @@ void Hall::look() {
   for (const auto& member : fleet_.members()) {
     figures.most_journal = std::max(figures.most_journal, fleet_[member.id].journal.size());
   }
-  plan(seconds(300), [this] { look(); });
+  fleet_.after(seconds(300), [this] { look(); });
 }
 
 /// A run without progress for a quarter of an hour must show what it waits for.
@@ -281,20 +265,19 @@ void Hall::count_ended() {
 
 void Hall::day() {
   if (count_ == 0) {
-    plan(seconds(1), [this] { submit(); });
-    plan(seconds(300), [this] { look(); });
+    fleet_.after(seconds(1), [this] { submit(); });
+    fleet_.after(seconds(300), [this] { look(); });
   }
-  const MonotonicTime end = fleet_.now().mono + std::chrono::hours(24);
   const auto some_time = [&] { return seconds(static_cast<double>(dice_.below(86'000))); };
-  for (const std::string& robot : robots_) plan(some_time(), [this, robot] { restart(robot); });
-  plan(some_time(), [this] { restart("cloud"); });
-  plan(some_time(), [this] { cut(dice_.chance(90) ? dice_.one_of(robots_) : "cloud"); });
-  until(end);
+  for (const std::string& robot : robots_) fleet_.after(some_time(), [this, robot] { restart(robot); });
+  fleet_.after(some_time(), [this] { restart("cloud"); });
+  fleet_.after(some_time(), [this] { cut(dice_.percent(90) ? dice_.one_of(robots_) : "cloud"); });
+  fleet_.pass(std::chrono::hours(24));
 }
 
 void Hall::finish() {
   takes_work_ = false;
-  until(fleet_.now().mono + std::chrono::hours(25));
+  fleet_.pass(std::chrono::hours(25));
   count_ended();
   for (const auto& [run, known] : open_) {
     ++figures.lost;

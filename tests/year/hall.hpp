@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <map>
 #include <set>
 #include <string>
@@ -54,8 +53,6 @@ class Hall {
     MonotonicTime submitted;
     std::size_t tasks = 0;
   };
-  void plan(Duration after, std::function<void()> what);
-  void until(MonotonicTime end);
   void submit();
   [[nodiscard]] Scenario scenario(const std::vector<std::string>& team);
   std::pair<TaskOutcome, std::string> work(const std::string& robot, const Execute& execute);
@@ -68,11 +65,10 @@ class Hall {
   [[nodiscard]] static std::string what_differs(const RunView& view, const std::set<std::string>& done);
   void tell(const std::string& what);
 
-  scheduler::test::Dice dice_;
+  world::Dice dice_;
   scheduler::test::Fleet fleet_;
   Decider decider_;
   std::vector<std::string> robots_;
-  std::multimap<std::int64_t, std::function<void()>> plans_;
   std::map<std::string, Known> open_;
   std::map<std::string, MonotonicTime> silent_;  ///< runs that wait without showing for what
   std::uint64_t count_ = 0;

@@ -1,7 +1,8 @@
 // Checks that commands.json has what a robot with ARCOS needs.
 #include "common/config/transports.hpp"
 #include "common/drivers/arcos/commands.hpp"
-#include "common/drivers/check_names.hpp"
+#include "common/drivers/check_requests.hpp"
+#include "common/fleet/did_you_mean.hpp"
 
 namespace trb::drivers {
 namespace {

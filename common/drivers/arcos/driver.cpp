@@ -103,7 +103,7 @@ Result<Token> ArcosDriver::stop(Now now, const DriverOut& out) {
   if (!online()) return offline();
   const auto words = own_words("stop");
   if (!words) return words.error();
-  told_to_stop_ = true;
+  may_be_stopped_ = true;
   release_waits_.reset();
   told_at_ = now.mono;
   out.out.count("to_robot.stop");
@@ -114,7 +114,7 @@ Result<Token> ArcosDriver::stop(Now now, const DriverOut& out) {
 
 Result<Token> ArcosDriver::release(Now now, const DriverOut& out) {
   if (!online()) return offline();
-  told_to_stop_ = false;
+  may_be_stopped_ = false;
   stop_waits_.reset();
   told_at_ = now.mono;
   const auto words = own_words("release");
@@ -151,7 +151,7 @@ void ArcosDriver::on_down(Channel channel, const std::string& reason, Now, const
 
 void ArcosDriver::on_bytes(Channel channel, BytesView bytes, Now now, const DriverOut& out) {
   if (channel != Channel::command || link_.stage() == ArcosLink::Stage::down) return;
-  for (const ArcosPacket& packet : link_.hear(bytes, now, out)) {
+  for (const ArcosPacket& packet : link_.receive(bytes, now, out)) {
     if (const auto sip = read_arcos_sip(packet)) {
       on_sip(*sip, now, out);
     } else if (packet.type == kArcosStopped || packet.type == kArcosMoving) {
@@ -163,12 +163,12 @@ void ArcosDriver::on_bytes(Channel channel, BytesView bytes, Now now, const Driv
 void ArcosDriver::on_sip(const ArcosSip& sip, Now now, const DriverOut& out) {
   const bool first = !sip_;
   sip_ = sip;
-  odometry_.hear(sip);
+  odometry_.update(sip);
   for (const auto& [name, fields] : fields_) values_[name] = arcos_value(fields, sip, odometry_, now);
   if (first) on_first_sip(now, out);
   if (sip.motors() && !sip.emergency_stop()) out.emit(FaultOver{kArcosHalted});
   const bool by_now = motors_wanted_ && now.mono - enabled_at_ >= kEnabling;
-  if (auto fault = faults_.hear(sip, by_now)) out.emit(std::move(*fault));
+  if (auto fault = faults_.update(sip, by_now)) out.emit(std::move(*fault));
   go_on(now, out);
   confirm(now, out);
   out.emit(ValuesHeard{});
@@ -190,7 +190,7 @@ void ArcosDriver::go_on(Now now, const DriverOut& out) {
   if (!journey_) return;
   std::string failure = arcos_hindrance(*sip_);
   if (failure.empty()) {
-    auto next = journey_->way.on_pose({odometry_.x(), odometry_.y(), sip_->heading}, sip_->stands(), now.mono);
+    auto next = journey_->way.on_pose({odometry_.x(), odometry_.y(), sip_->heading}, sip_->is_still(), now.mono);
     if (!next.packet.empty()) link_.send(std::move(next.packet), now, out);
     if (!next.over) return;
     failure = std::move(next.failure);
@@ -201,8 +201,8 @@ void ArcosDriver::go_on(Now now, const DriverOut& out) {
 
 void ArcosDriver::confirm(Now now, const DriverOut& out) {
   if (now.mono - told_at_ < kSipPeriod) return;
-  if (halting_ && sip_->stands()) out.emit(Halted{*std::exchange(halting_, std::nullopt)});
-  if (stop_waits_ && sip_->stands()) out.emit(Stopped{*std::exchange(stop_waits_, std::nullopt)});
+  if (halting_ && sip_->is_still()) out.emit(Halted{*std::exchange(halting_, std::nullopt)});
+  if (stop_waits_ && sip_->is_still()) out.emit(Stopped{*std::exchange(stop_waits_, std::nullopt)});
   if (release_waits_ && sip_->motors()) out.emit(Released{*std::exchange(release_waits_, std::nullopt)});
 }
 

@@ -57,7 +57,7 @@ void ArcosLink::send(Bytes packets, Now now, const DriverOut& out) {
   out.robot.write(Channel::command, std::move(packets));
 }
 
-const std::vector<ArcosPacket>& ArcosLink::hear(BytesView bytes, Now now, const DriverOut& out) {
+const std::vector<ArcosPacket>& ArcosLink::receive(BytesView bytes, Now now, const DriverOut& out) {
   packets_.clear();
   reader_.add(bytes, packets_);
   const ArcosReader::Losses losses = reader_.take_losses();

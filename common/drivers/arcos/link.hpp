@@ -34,7 +34,7 @@ class ArcosLink {
   void send(Bytes packets, Now now, const DriverOut& out);
 
   /// The robot's packets once it is open; valid until the next call.
-  const std::vector<ArcosPacket>& hear(BytesView bytes, Now now, const DriverOut& out);
+  const std::vector<ArcosPacket>& receive(BytesView bytes, Now now, const DriverOut& out);
   /// Why the connection is given up, if it is.
   std::optional<std::string> tick(Now now, const DriverOut& out);
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const;

@@ -92,7 +92,7 @@ RobotValue arcos_value(const std::vector<ArcosField>& fields, const ArcosSip& si
   return value;
 }
 
-std::optional<FaultSaid> ArcosFaults::hear(const ArcosSip& sip, bool motors_wanted) {
+std::optional<FaultSaid> ArcosFaults::update(const ArcosSip& sip, bool motors_wanted) {
   std::uint32_t wrong = sip.stall;
   if (motors_wanted && !sip.motors()) wrong |= kMotorsOff;
   if (sip.emergency_stop()) wrong |= kStopButton;

@@ -20,7 +20,7 @@ constexpr const char* kArcosHalted = "halted";
 class ArcosFaults {
  public:
   /// A fault, if there is a new one. `motors_wanted`: they should be on by now.
-  std::optional<FaultSaid> hear(const ArcosSip& sip, bool motors_wanted);
+  std::optional<FaultSaid> update(const ArcosSip& sip, bool motors_wanted);
   void begin_again() { known_ = 0; }
 
  private:

@@ -76,7 +76,7 @@ bool near_origin(const ArcosSip& sip) {
 
 }  // namespace
 
-bool ArcosSip::stands() const {
+bool ArcosSip::is_still() const {
   return std::abs(left) <= kStandingSpeed && std::abs(right) <= kStandingSpeed;
 }
 
@@ -104,7 +104,7 @@ std::optional<ArcosSip> read_arcos_sip(const ArcosPacket& packet) {
   return sip;
 }
 
-void ArcosOdometry::hear(const ArcosSip& sip) {
+void ArcosOdometry::update(const ArcosSip& sip) {
   if (!known_ || (origin_comes_ && near_origin(sip))) {
     set(sip);
   } else {

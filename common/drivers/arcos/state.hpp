@@ -31,7 +31,7 @@ struct ArcosSip {
   [[nodiscard]] bool emergency_stop() const { return (flags & (1U << 5U)) != 0; }
   [[nodiscard]] bool stalled() const { return (stall & 0x0101U) != 0; }
   [[nodiscard]] bool bumped() const { return (stall & 0xfefeU) != 0; }
-  [[nodiscard]] bool stands() const;
+  [[nodiscard]] bool is_still() const;
 };
 
 /// Empty if the packet is not a SIP, or is incomplete.
@@ -41,7 +41,7 @@ std::optional<ArcosSip> read_arcos_sip(const ArcosPacket& packet);
 /// added up. One that is met for the first time is within 16 m of its origin: more cannot be told of it.
 class ArcosOdometry {
  public:
-  void hear(const ArcosSip& sip);
+  void update(const ArcosSip& sip);
   /// A connection begins: the robot may have been switched on again since.
   void begin_again() { known_ = false; }
   /// On this connection the robot began at its origin, this far (mm) from where it was at the end of the last one.

@@ -1,9 +1,11 @@
 // Checks that commands.json and the description have all that a KUKA over C3 needs.
 #include <algorithm>
 
+#include "common/config/described_names.hpp"
 #include "common/config/transports.hpp"
 #include "common/drivers/c3/commands.hpp"
-#include "common/drivers/check_names.hpp"
+#include "common/drivers/check_requests.hpp"
+#include "common/fleet/did_you_mean.hpp"
 
 namespace trb::drivers {
 namespace {
@@ -42,7 +44,7 @@ void check_c3(const NodeConfig& config, const FileFaults& faults) {
   }
   const bool tells_end = fields || vendor.values.contains("trb_done");
   for (const Skill& skill : config.description.skills) {
-    check_command(config, skill, faults);
+    check_skill_command(config, skill, faults);
     check_end(config, skill, tells_end, faults);
   }
 }

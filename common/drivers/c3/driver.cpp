@@ -76,7 +76,7 @@ void C3Driver::halt(Token token, Now now, const DriverOut& out) {
 }
 
 void C3Driver::end_motion(Token token, Now now, const DriverOut& out) {
-  if (!up_ || (turns_.told_to_stop() && !turns_.releases())) return;
+  if (!up_ || (turns_.may_be_stopped() && !turns_.releases())) return;
   out.out.count("to_robot.stop");
   turns_.end_motion(token, now, out);
   go_on(true, now, out);

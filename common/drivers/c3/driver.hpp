@@ -29,7 +29,7 @@ class C3Driver : public Driver {
   [[nodiscard]] Duration silence_bound() const override { return C3Link::kAnswerTime; }
   Result<Token> stop(Now now, const DriverOut& out) override;
   Result<Token> release(Now now, const DriverOut& out) override;
-  [[nodiscard]] bool told_to_stop() const override { return turns_.told_to_stop() || turns_.may_stand(); }
+  [[nodiscard]] bool may_be_stopped() const override { return turns_.may_be_stopped() || turns_.may_stand(); }
 
   void on_up(Channel channel, Now now, const DriverOut& out) override;
   void on_down(Channel channel, const std::string& reason, Now now, const DriverOut& out) override;

@@ -7,7 +7,7 @@
 namespace trb::drivers {
 
 Token C3Turns::stop(Now now, const DriverOut& out) {
-  told_to_stop_ = true;
+  may_be_stopped_ = true;
   return begin(true, false, 0, now, out);
 }
 
@@ -51,7 +51,7 @@ bool C3Turns::on_refused(const Error& why, const DriverOut& out) {
   // All its writes are on their way: others of them may be taken.
   const bool half_taken = halts() && words_.stop.size() > 1;
   // Of a robot that was in no stop: it goes on.
-  const bool idle_release = !open_->own && !open_->stop && !told_to_stop_ && !may_stand_;
+  const bool idle_release = !open_->own && !open_->stop && !may_be_stopped_ && !may_stand_;
   give_up_halt(why.what, out);
   out.refuse("robot_error", why.text());
   std::string text = std::string("the robot refuses to ") + (open_->stop ? "stop" : "go on") + ": " + why.what;
@@ -86,7 +86,7 @@ bool C3Turns::confirm(bool by_robot, Now now, const DriverOut& out) {
   }
   may_stand_ = false;
   if (!turn.own) {
-    told_to_stop_ = false;
+    may_be_stopped_ = false;
     out.emit(Released{turn.ticket});
   }
   if (!turn.then_halts) return true;

@@ -38,7 +38,7 @@ class C3Turns {
   [[nodiscard]] bool ends_motion() const { return open_ && (halts() || open_->then_halts); }
 
   [[nodiscard]] bool open() const { return open_.has_value(); }
-  [[nodiscard]] bool told_to_stop() const { return told_to_stop_; }
+  [[nodiscard]] bool may_be_stopped() const { return may_be_stopped_; }
   /// In the stop of an end_motion: no release behind it is confirmed yet.
   [[nodiscard]] bool may_stand() const { return may_stand_; }
   /// The connection is lost: there will be no confirmation.
@@ -68,7 +68,7 @@ class C3Turns {
   C3Link& link_;
   C3PollTimes& polls_;
   Words words_;
-  bool told_to_stop_ = false;
+  bool may_be_stopped_ = false;
   bool may_stand_ = false;
   Token last_ticket_ = 0;
   std::optional<Turn> open_;

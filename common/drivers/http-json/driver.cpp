@@ -162,11 +162,11 @@ void HttpJsonDriver::on_refused(const Job& job, Error error, const DriverOut& ou
   if (job.done > 0) error.what += "; the " + std::to_string(job.done) + " requests before it were answered well";
   if (job.purpose == Purpose::command) return out.emit(Refused{job.token, std::move(error)});
   out.refuse("robot_error", error.text());
-  stops(job) ? say_would_not_stop(job, error, out) : say_would_not_go_on(error, out);
+  stops(job) ? report_not_stopped(job, error, out) : report_not_going_on(error, out);
 }
 
 /// Its requester is notified at its deadline that nothing was confirmed; all others must know at once.
-void HttpJsonDriver::say_would_not_stop(const Job& job, const Error& error, const DriverOut& out) {
+void HttpJsonDriver::report_not_stopped(const Job& job, const Error& error, const DriverOut& out) {
   std::string text = "the robot refused to stop: " + error.what;
   if (job.purpose == Purpose::halt) {
     out.emit(Halted{job.token, false, error.what});
@@ -205,7 +205,7 @@ void HttpJsonDriver::on_lost_job(const std::string& reason, const DriverOut& out
   // Stopping or releasing twice does no harm: it stays, and is sent first on the next connection.
   out.out.count(stops(job) ? "to_robot.stop_again" : "to_robot.release_again");
   if (++job.lost != kLostOften) return;
-  stops(job) ? say_would_not_stop(job, lost, out) : say_would_not_go_on(lost, out);
+  stops(job) ? report_not_stopped(job, lost, out) : report_not_going_on(lost, out);
 }
 
 void HttpJsonDriver::go_offline(const std::string& reason, const DriverOut& out) {

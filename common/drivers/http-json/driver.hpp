@@ -63,7 +63,7 @@ class HttpJsonDriver : public PolledDriver<std::vector<HttpCall>, HttpStep, Http
     return job.purpose == Purpose::stop || job.purpose == Purpose::halt;
   }
   void on_lost_job(const std::string& reason, const DriverOut& out);
-  void say_would_not_stop(const Job& job, const Error& error, const DriverOut& out);
+  void report_not_stopped(const Job& job, const Error& error, const DriverOut& out);
   void on_unanswered(const std::string& reason, Now now, const DriverOut& out);
   void go_offline(const std::string& reason, const DriverOut& out);
 

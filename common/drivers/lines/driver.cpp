@@ -70,7 +70,7 @@ void LinesDriver::halt(Token token, Now now, const DriverOut& out) {
   // The robot discards its incomplete message, whoever sent it.
   sender_.drop_current(token, fail(Errc::conflict, "the robot was stopped while it took this message", "send it again"),
                        out);
-  told_to_stop_ = true;
+  may_be_stopped_ = true;
   halting_ = Halting{token, last_ticket_ + 1};
   sender_.urgent(Urgent::stop, ++last_ticket_, now, out);
   sender_.urgent(Urgent::release, last_ticket_, now, out);
@@ -92,7 +92,7 @@ Result<Token> LinesDriver::stop(Now now, const DriverOut& out) {
   sender_.drop_all(fail(Errc::fenced, "the robot was stopped before it took this message", "trb release " + own_id_),
                    out);
   if (!up_) return not_connected();
-  told_to_stop_ = true;
+  may_be_stopped_ = true;
   sender_.urgent(Urgent::stop, ++last_ticket_, now, out);
   return last_ticket_;
 }
@@ -160,7 +160,7 @@ void LinesDriver::take_confirmation(Urgent urgent, Now now, const DriverOut& out
   if (urgent == Urgent::stop && halting_ && confirmed && *confirmed >= halting_->ticket) {
     on_halted(std::exchange(halting_, std::nullopt)->token, out);
   }
-  if (urgent == Urgent::release && !sender_.urgent_pending()) told_to_stop_ = false;
+  if (urgent == Urgent::release && !sender_.urgent_pending()) may_be_stopped_ = false;
 }
 
 void LinesDriver::take_message(FieldMessage message, const DriverOut& out) {

@@ -25,7 +25,7 @@ class LinesDriver : public Driver {
   [[nodiscard]] Duration silence_bound() const override;
   Result<Token> stop(Now now, const DriverOut& out) override;
   Result<Token> release(Now now, const DriverOut& out) override;
-  [[nodiscard]] bool told_to_stop() const override { return told_to_stop_; }
+  [[nodiscard]] bool may_be_stopped() const override { return may_be_stopped_; }
 
   void on_up(Channel channel, Now now, const DriverOut& out) override;
   void on_down(Channel channel, const std::string& reason, Now now, const DriverOut& out) override;
@@ -62,7 +62,7 @@ class LinesDriver : public Driver {
   FieldReceiver receiver_;
   FieldSender sender_;
   bool up_ = false;
-  bool told_to_stop_ = false;
+  bool may_be_stopped_ = false;
   Token last_ticket_ = 0;
   std::optional<Tracked> tracked_;
   std::optional<Halting> halting_;

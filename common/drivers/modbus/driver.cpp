@@ -122,7 +122,7 @@ void ModbusDriver::on_exception(const Job& job, std::uint8_t exception, const Dr
   }
   // Its requester is notified at its deadline that nothing was confirmed; all others must know at once.
   if (job.purpose == Purpose::release || job.purpose == Purpose::resume) {
-    say_would_not_go_on(error, out);
+    report_not_going_on(error, out);
   } else {
     out.emit(refused_turn(true, "the device refused to stop: " + error.what + half));
   }

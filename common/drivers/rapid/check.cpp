@@ -1,8 +1,9 @@
 // Checks that commands.json and the description have all that an ABB with a RAPID server needs.
 #include <algorithm>
 
+#include "common/config/described_names.hpp"
 #include "common/config/transports.hpp"
-#include "common/drivers/check_names.hpp"
+#include "common/drivers/check_requests.hpp"
 #include "common/drivers/rapid/commands.hpp"
 #include "common/fleet/did_you_mean.hpp"
 
@@ -33,7 +34,7 @@ std::vector<std::string> value_names(const VendorCommands& vendor) {
 
 void check_skill(const NodeConfig& config, const Skill& skill, const FileFaults& faults) {
   const VendorCommands& vendor = config.commands;
-  check_command(config, skill, faults);
+  check_skill_command(config, skill, faults);
   const auto told = [&](const std::string& value) {
     return vendor.values.contains(value) ||
            std::ranges::find(rapid_state_values(), value) != rapid_state_values().end();

@@ -77,7 +77,7 @@ Result<Progress> RapidDriver::hand_over(const Handover& message, Now now, const 
   if (message.type == MessageType::request) {
     const auto request = requests_.find(message.subtype);
     if (request == requests_.end()) return fail(Errc::unknown_subtype, "commands.json has no such request");
-    return ask_value(message, request->second, now, out);
+    return request_value(message, request->second, now, out);
   }
   if (const Status taken = may_take(); !taken) return taken.error();
   auto steps = fill(message.subtype, message.data);
@@ -94,8 +94,8 @@ Result<Progress> RapidDriver::hand_over(const Handover& message, Now now, const 
   return Progress::queued;
 }
 
-Result<Progress> RapidDriver::ask_value(const Handover& message, const std::string& name, Now now,
-                                        const DriverOut& out) {
+Result<Progress> RapidDriver::request_value(const Handover& message, const std::string& name, Now now,
+                                            const DriverOut& out) {
   if (!online()) return offline();
   const std::string subtype(message.subtype);
   const auto question = std::ranges::find(questions_, name, &Question::name);
@@ -161,7 +161,7 @@ void RapidDriver::end_motion(Token token, Now now, const DriverOut& out) {
     turn_->then_halts = token;
     return;
   }
-  if (told_to_stop_) return;
+  if (may_be_stopped_) return;
   out.out.count("to_robot.stop");
   begin_turn(true, true, now, out, token);
 }
@@ -181,7 +181,7 @@ Result<Token> RapidDriver::stop(Now now, const DriverOut& out) {
   if (current_) answer_by_ = now.mono + kAnswerTime;
   drop_all(fail(Errc::fenced, "the robot was stopped before it took this message", "trb release " + own_id_), out);
   if (!service_up_) return offline();
-  told_to_stop_ = true;
+  may_be_stopped_ = true;
   out.out.count("to_robot.stop");
   return begin_turn(true, false, now, out);
 }

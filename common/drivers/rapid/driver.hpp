@@ -28,7 +28,7 @@ class RapidDriver : public CommandsDriver<RapidCommand> {
 
   [[nodiscard]] bool online() const override { return program_up_ && service_up_ && heard_; }
   [[nodiscard]] const RobotValue* value(std::string_view name) const override { return find_value(values_, name); }
-  [[nodiscard]] bool told_to_stop() const override { return told_to_stop_ || may_stand_; }
+  [[nodiscard]] bool may_be_stopped() const override { return may_be_stopped_ || may_stand_; }
 
   Result<Progress> hand_over(const Handover& message, Now now, const DriverOut& out) override;
   [[nodiscard]] bool runs(Token token) const override;
@@ -87,7 +87,7 @@ class RapidDriver : public CommandsDriver<RapidCommand> {
 
   [[nodiscard]] Result<std::vector<Step>> fill(std::string_view subtype, BytesView data) const;
   [[nodiscard]] Status may_take() const;
-  Result<Progress> ask_value(const Handover& message, const std::string& name, Now now, const DriverOut& out);
+  Result<Progress> request_value(const Handover& message, const std::string& name, Now now, const DriverOut& out);
   void begin_next(Now now, const DriverOut& out);
   void send_step(Now now, const DriverOut& out);
   void end_motion(Token token, Now now, const DriverOut& out);

@@ -115,7 +115,7 @@ void RapidDriver::on_turn(const RapidPort::Answer& answer, Now now, const Driver
 void RapidDriver::on_turn_refused(const std::string& why, Now now, const DriverOut& out) {
   const bool halts = turn_->own && turn_->stop;
   // Of a robot that was in no stop: it goes on.
-  const bool idle_release = !turn_->own && !turn_->stop && !told_to_stop();
+  const bool idle_release = !turn_->own && !turn_->stop && !may_be_stopped();
   std::string text = std::string("the robot refuses to ") + (turn_->stop ? "stop" : "go on") + ": " + why;
   give_up_halt(text, out);
   out.refuse("robot_error", text);
@@ -143,7 +143,7 @@ void RapidDriver::confirm_turn(bool by_robot, Now now, const DriverOut& out) {
   } else {
     may_stand_ = false;
     if (!turn.own) {
-      told_to_stop_ = false;
+      may_be_stopped_ = false;
       out.emit(Released{turn.ticket});
     }
     if (turn.then_halts) return end_motion(*turn.then_halts, now, out);

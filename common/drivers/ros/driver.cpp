@@ -169,7 +169,7 @@ Result<Token> RosDriver::stop(Now, const DriverOut& out) {
   if (!up_) return fail(Errc::robot_offline, "ROS is not there");
   auto commands = fill("stop", {});
   if (!commands) return fail(Errc::unknown_subtype, "commands.json has no \"stop\" for this robot");
-  told_to_stop_ = true;
+  may_be_stopped_ = true;
   out.out.count("to_robot.stop");
   send(std::move(*commands), {Purpose::stop, ++last_ticket_, "stop", {}, 0}, out);
   return last_ticket_;
@@ -177,7 +177,7 @@ Result<Token> RosDriver::stop(Now, const DriverOut& out) {
 
 Result<Token> RosDriver::release(Now, const DriverOut& out) {
   if (!up_) return fail(Errc::robot_offline, "ROS is not there");
-  told_to_stop_ = false;
+  may_be_stopped_ = false;
   drop_all(Purpose::stop, out);
   const Token ticket = ++last_ticket_;
   auto commands = fill("release", {});

@@ -1,6 +1,6 @@
 // What the transport tcp-text requires of commands.json.
+#include "common/config/described_names.hpp"
 #include "common/config/transports.hpp"
-#include "common/drivers/check_names.hpp"
 #include "common/drivers/tcp-text/reach.hpp"
 #include "common/drivers/tcp-text/ur_rtde.hpp"
 
@@ -33,7 +33,7 @@ void check_skills(const NodeConfig& config, const FileFaults& faults) {
       faults.add(config.framework + ".monitor", "is missing: the end of skill '" + skill.name + "' is seen by it",
                  R"(add "monitor": {"protocol": "ur-primary", "port": 30001}, or give the skill another end)");
     }
-    check_command(config, skill, faults);
+    check_skill_command(config, skill, faults);
   }
 }
 

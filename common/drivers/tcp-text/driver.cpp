@@ -138,7 +138,7 @@ Result<Token> TcpTextDriver::stop(Now now, const DriverOut& out) {
                   out);
   if (!command_up_) return fail(Errc::robot_offline, "the robot's controller is not connected");
   if (stop_text_.empty()) return fail(Errc::unknown_subtype, "commands.json has no \"stop\" for this robot");
-  told_to_stop_ = true;
+  may_be_stopped_ = true;
   out.out.count("to_robot.stop");
   write_line(stop_text_, now, out);
   stop_waits_ = ++last_ticket_;
@@ -154,7 +154,7 @@ void TcpTextDriver::confirm_stop(const DriverOut& out) {
 
 Result<Token> TcpTextDriver::release(Now now, const DriverOut& out) {
   if (!command_up_) return fail(Errc::robot_offline, "the robot's controller is not connected");
-  told_to_stop_ = false;
+  may_be_stopped_ = false;
   if (!release_text_.empty()) {
     out.out.count("to_robot.release");
     write_line(release_text_, now, out);

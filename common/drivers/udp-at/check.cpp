@@ -2,7 +2,6 @@
 #include <algorithm>
 
 #include "common/config/transports.hpp"
-#include "common/drivers/check_names.hpp"
 #include "common/drivers/udp-at/commands.hpp"
 #include "common/fleet/did_you_mean.hpp"
 

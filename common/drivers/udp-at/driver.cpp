@@ -126,7 +126,7 @@ Result<Token> AtDriver::stop(Now now, const DriverOut& out) {
                     out);
   if (!online_) return offline();
   if (!commands_.contains("stop")) return fail(Errc::unknown_subtype, "commands.json has no \"stop\" for this robot");
-  told_to_stop_ = true;
+  may_be_stopped_ = true;
   halting_.reset();
   out.out.count("to_robot.stop");
   flight_.stop(drone_, stop_lands_);
@@ -137,14 +137,14 @@ Result<Token> AtDriver::stop(Now now, const DriverOut& out) {
 }
 
 void AtDriver::confirm_stop(Now now, const DriverOut& out) {
-  if (now.mono - stopped_at_ < kYounger || !at_stands(drone_)) return;
+  if (now.mono - stopped_at_ < kYounger || !at_is_still(drone_)) return;
   if (halting_) out.emit(Halted{*std::exchange(halting_, std::nullopt)});
   if (stop_waits_) out.emit(Stopped{*std::exchange(stop_waits_, std::nullopt), true});
 }
 
 Result<Token> AtDriver::release(Now, const DriverOut& out) {
   if (!online_) return offline();
-  told_to_stop_ = false;
+  may_be_stopped_ = false;
   stop_waits_.reset();
   out.emit(Released{++last_ticket_});
   return last_ticket_;
@@ -197,7 +197,7 @@ void AtDriver::on_navdata(const ArNavdata& drone, Now now, const DriverOut& out)
   if (!online_) return;
   remember(drone, now);
   flight_.on_navdata(drone, now, out);
-  tell_faults(without_passing(drone, now), out);
+  report_faults(without_passing(drone, now), out);
   confirm_stop(now, out);
   out.emit(ValuesHeard{});
 }
@@ -240,7 +240,7 @@ ArNavdata AtDriver::without_passing(ArNavdata drone, Now now) {
   return drone;
 }
 
-void AtDriver::tell_faults(const ArNavdata& drone, const DriverOut& out) {
+void AtDriver::report_faults(const ArNavdata& drone, const DriverOut& out) {
   const std::uint32_t risen = drone.state & ~known_faults_;
   known_faults_ = drone.state;
   const bool cut = (risen & kArEmergency) != 0;

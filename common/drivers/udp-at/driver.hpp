@@ -46,7 +46,7 @@ class AtDriver : public CommandsDriver<std::vector<AtLine>> {
   void come_up(Now now, const DriverOut& out);
   void go_down(const std::string& reason, const DriverOut& out);
   ArNavdata without_passing(ArNavdata drone, Now now);
-  void tell_faults(const ArNavdata& drone, const DriverOut& out);
+  void report_faults(const ArNavdata& drone, const DriverOut& out);
   void remember(const ArNavdata& drone, Now now);
   void confirm_stop(Now now, const DriverOut& out);
   void write(Now now, const DriverOut& out);

@@ -25,7 +25,7 @@ std::string why(const std::string& what, const ArNavdata& drone) {
 
 }  // namespace
 
-bool at_stands(const ArNavdata& drone) {
+bool at_is_still(const ArNavdata& drone) {
   if (!drone.demo || !drone.has(kArFlying)) return true;
   const bool level = std::hypot(drone.demo->vx, drone.demo->vy) < kStanding_m_s;
   return level && (drone.control() == ArControl::landing || std::abs(drone.demo->vz) < kStanding_m_s);

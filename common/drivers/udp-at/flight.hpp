@@ -62,6 +62,6 @@ class AtFlight {
 };
 
 /// True if it neither drifts nor climbs, or is landing.
-bool at_stands(const ArNavdata& drone);
+bool at_is_still(const ArNavdata& drone);
 
 }  // namespace trb::drivers

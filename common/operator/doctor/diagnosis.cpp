@@ -229,13 +229,13 @@ class Doctor {
     for (const LinkErrorRow& row : seen_.errors.errors) {
       const bool of_it = (!id.empty() && row.peer == id) || (!address.empty() && row.address == address);
       if (!of_it || (online && row.code != "clock_off" && row.last_s > kRecent)) continue;
-      named = tell(row, id.empty() ? address : id, online) || named;
+      named = add_cause_of(row, id.empty() ? address : id, online) || named;
     }
     if (named) named_.insert(id.empty() ? address : id);
     return named;
   }
 
-  bool tell(const LinkErrorRow& row, const std::string& subject, bool online) {
+  bool add_cause_of(const LinkErrorRow& row, const std::string& subject, bool online) {
     if (row.code == "refused_us") {
       const Cause* cause = cause_of(row.text);
       if (cause == nullptr) {

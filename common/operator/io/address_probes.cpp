@@ -57,7 +57,7 @@ class AddressProbes::Batch {
   }
 
   void finish() {
-    for (std::size_t i = 0; i < attempts_.size(); ++i) attempts_[i]->tell(addresses_[i]);
+    for (std::size_t i = 0; i < attempts_.size(); ++i) attempts_[i]->write_result(addresses_[i]);
     drop();
     // The callback may begin the next call.
     std::exchange(done_, nullptr)(std::move(addresses_));

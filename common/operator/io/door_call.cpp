@@ -56,14 +56,14 @@ void DoorCall::on_event(LinkEvent event) {
   if (!until_) return;
   if (event == LinkEvent::connected) {
     connected_ = true;
-    return send_word();
+    return send_message();
   }
   if (event == LinkEvent::refused_key) return end({Kind::refused, {}, {}});
   if (event == LinkEvent::disconnected && connected_) return end({Kind::silent, {}, "it ended the connection"});
   end({Kind::nobody, {}, {}});
 }
 
-void DoorCall::send_word() {
+void DoorCall::send_message() {
   Message message;
   message.type = MessageType::information;
   message.subtype = JoinCall::kSubtype;

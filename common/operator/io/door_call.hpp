@@ -30,7 +30,7 @@ class DoorCall {
  private:
   void on_event(LinkEvent event);
   void on_frame();
-  void send_word();
+  void send_message();
   void end(DoorAnswer answer);
   void close();
 

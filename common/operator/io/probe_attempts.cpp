@@ -45,7 +45,7 @@ class Connection final : public Attempt {
     wait_for(POLLIN, deadline());
   }
   void on_late(MonotonicTime /*now*/) override { end_with(connected_ ? Port::not_zmtp : Port::no_answer); }
-  void tell(AddressProbe& probe) const override { probe.port = result_; }
+  void write_result(AddressProbe& probe) const override { probe.port = result_; }
 
  private:
   void begin(const std::string& address, MonotonicTime now) {
@@ -77,7 +77,7 @@ class Datagrams final : public Attempt {
     refused ? arrived(now) : send(now);
   }
   void on_late(MonotonicTime now) override { send(now); }
-  void tell(AddressProbe& probe) const override { probe.large = result_; }
+  void write_result(AddressProbe& probe) const override { probe.large = result_; }
 
  private:
   void begin(const std::string& address, MonotonicTime now) {

@@ -24,7 +24,7 @@ class Attempt {
   virtual void on_ready(MonotonicTime now) = 0;
   virtual void on_late(MonotonicTime now) = 0;
   /// Writes the result into `probe`.
-  virtual void tell(AddressProbe& probe) const = 0;
+  virtual void write_result(AddressProbe& probe) const = 0;
 
  protected:
   Attempt() = default;

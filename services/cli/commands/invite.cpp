@@ -109,33 +109,35 @@ Result<JoinOffer> sign_offer(const Wish& wish, const std::vector<FleetSeed>& see
   return offer;
 }
 
-void say(const Wish& wish, const std::string& event, const std::string& text, Value::Object more = {}) {
+void print_event(const Wish& wish, const std::string& event, const std::string& text, Value::Object more = {}) {
   if (!wish.json) return print_line(text);
   more.insert(more.begin(), {"event", Value{event}});
   print_json(Value{std::move(more)});
 }
 
-void say_code(const Wish& wish, const std::string& code, UtcTime until, const Doors& doors) {
+void print_code(const Wish& wish, const std::string& code, UtcTime until, const Doors& doors) {
   if (wish.json) {
-    return say(wish, "code", "",
-               {{"code", Value{code}}, {"name", Value{wish.name}}, {"until", Value{to_iso8601(until)}}});
+    return print_event(wish, "code", "",
+                       {{"code", Value{code}}, {"name", Value{wish.name}}, {"until", Value{to_iso8601(until)}}});
   }
   print_line("the code for '" + wish.name + "', once, until " + to_iso8601(until) + ":\n\n  " + code + "\n");
   print_line("on the new computer:  trb node join DIR  (it asks for the code)");
   print_line("waiting for it at " + doors.id + " (" + doors.door.address + "); Ctrl-C withdraws the code");
 }
 
-void say_word(const Wish& wish, op::Inviter::Heard heard, const op::Inviter& inviter) {
-  using Heard = op::Inviter::Heard;
+void print_received(const Wish& wish, op::Inviter::Received received, const op::Inviter& inviter) {
+  using Received = op::Inviter::Received;
   const std::string identity = to_hex(inviter.identity()).substr(0, 16);
-  if (heard == Heard::signed_one) {
-    say(wish, "signed", "signed for '" + wish.name + "', identity " + identity + " (the new computer shows the same)",
-        {{"identity", Value{to_hex(inviter.identity())}}});
-  } else if (heard == Heard::refused) {
-    say(wish, "refused", "a request came and was not signed: " + inviter.refusal(),
-        {{"why", Value{inviter.refusal()}}});
-  } else if (heard == Heard::second) {
-    say(wish, "second",
+  if (received == Received::signed_one) {
+    print_event(wish, "signed",
+                "signed for '" + wish.name + "', identity " + identity + " (the new computer shows the same)",
+                {{"identity", Value{to_hex(inviter.identity())}}});
+  } else if (received == Received::refused) {
+    print_event(wish, "refused", "a request came and was not signed: " + inviter.refusal(),
+                {{"why", Value{inviter.refusal()}}});
+  } else if (received == Received::second) {
+    print_event(
+        wish, "second",
         "ATTENTION: a second computer has used this code and got nothing. If the first was not yours (identity " +
             identity + "), end it: trb fleet revoke " + wish.dir + " " + wish.name);
   }
@@ -144,7 +146,7 @@ void say_word(const Wish& wish, op::Inviter::Heard heard, const op::Inviter& inv
 int report_end(const Arguments& arguments, const Wish& wish, const Result<op::InviteEnd>& end) {
   if (!end) return print_error(arguments, end.error());
   if (*end == op::InviteEnd::joined) {
-    say(wish, "joined", "'" + wish.name + "' has joined");
+    print_event(wish, "joined", "'" + wish.name + "' has joined");
     return kGood;
   }
   if (*end == op::InviteEnd::unused)
@@ -172,9 +174,11 @@ int wait_for_node(const Arguments& arguments, const Wish& wish, const Authority&
                                     authority.key),
       .inviter = op::Inviter(keys, open_offer(wish, authority.fleet),
                              [&](const SignedRecord& request) { return sign_offer(wish, doors.seeds, request); }),
-      .on_held = [&] { say_code(wish, *code, until, doors); },
-      .on_word = [&](op::Inviter::Heard heard, const op::Inviter& inviter) { say_word(wish, heard, inviter); },
-      .on_silent = [&](const Error& why) { say(wish, "silent", "waiting for " + doors.id + ": " + why.text()); }};
+      .on_held = [&] { print_code(wish, *code, until, doors); },
+      .on_received = [&](op::Inviter::Received received,
+                         const op::Inviter& inviter) { print_received(wish, received, inviter); },
+      .on_silent =
+          [&](const Error& why) { print_event(wish, "silent", "waiting for " + doors.id + ": " + why.text()); }};
   std::optional<Result<op::InviteEnd>> end;
   const op::InvitingPtr inviting = op::invite_node(
       probe.session(), std::move(order), [&end](Result<op::InviteEnd> result) { end.emplace(std::move(result)); });

@@ -81,12 +81,12 @@ class Joining {
  private:
   void call() {
     next_.reset();
-    call_.call(address_, joiner_.word(), [this](const op::DoorAnswer& answer) { on_answer(answer); });
+    call_.call(address_, joiner_.message(), [this](const op::DoorAnswer& answer) { on_answer(answer); });
   }
 
   void on_answer(const op::DoorAnswer& answer) {
     const MonotonicTime now = read_clocks().mono;
-    const Status goes_on = hear(answer, now);
+    const Status goes_on = receive(answer, now);
     if (!goes_on) {
       end_ = goes_on;
     } else if (joiner_.is_over()) {
@@ -96,9 +96,9 @@ class Joining {
     }
   }
 
-  Status hear(const op::DoorAnswer& answer, MonotonicTime now) {
+  Status receive(const op::DoorAnswer& answer, MonotonicTime now) {
     if (answer.kind != op::DoorAnswer::Kind::offer) return patience_.on_none(answer, stage(), now);
-    if (Status good = joiner_.hear(answer.offer); !good) return good;
+    if (Status good = joiner_.receive(answer.offer); !good) return good;
     return patience_.on_offer(stage(), now);
   }
 

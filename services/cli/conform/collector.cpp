@@ -26,8 +26,8 @@ std::optional<std::string> word_of(const Codes& codes, const std::string& field)
   return std::nullopt;
 }
 
-Heard nonsense(std::string text) {
-  return {Heard::Kind::nonsense, {}, std::move(text)};
+Received nonsense(std::string text) {
+  return {Received::Kind::nonsense, {}, std::move(text)};
 }
 
 }  // namespace
@@ -68,7 +68,7 @@ std::optional<std::string> Words::id_of(const std::string& field) const {
   return is_valid_id(field) ? std::optional(field) : std::nullopt;
 }
 
-std::optional<Heard> Collector::take(const std::string& field) {
+std::optional<Received> Collector::take(const std::string& field) {
   if (fields_ == 0) return begin(field);
   const bool head = fields_ < 4;
   if (head && !words_.numeric() && field == words_.ok()) {
@@ -95,10 +95,10 @@ std::optional<Heard> Collector::take(const std::string& field) {
   return said_.data.size() == size_ ? finish() : std::nullopt;
 }
 
-std::optional<Heard> Collector::begin(const std::string& field) {
-  if (field == words_.ok()) return Heard{Heard::Kind::ok, {}, ""};
-  if (field == words_.stopped()) return Heard{Heard::Kind::stopped, {}, ""};
-  if (field == words_.released()) return Heard{Heard::Kind::released, {}, ""};
+std::optional<Received> Collector::begin(const std::string& field) {
+  if (field == words_.ok()) return Received{Received::Kind::ok, {}, ""};
+  if (field == words_.stopped()) return Received{Received::Kind::stopped, {}, ""};
+  if (field == words_.released()) return Received{Received::Kind::released, {}, ""};
   const auto type = words_.type_of(field);
   if (!type) return nonsense("the field " + shown(field) + ", where a message or an '" + words_.ok() + "' begins");
   said_ = {*type, "", "", ""};
@@ -106,7 +106,7 @@ std::optional<Heard> Collector::begin(const std::string& field) {
   return std::nullopt;
 }
 
-std::optional<Heard> Collector::take_size(const std::string& field) {
+std::optional<Received> Collector::take_size(const std::string& field) {
   const auto size = parse_number<std::size_t>(field);
   if (!size || *size > kMaxDataSize) return nonsense("the fourth field " + shown(field) + " is no size in bytes");
   size_ = *size;
@@ -114,8 +114,8 @@ std::optional<Heard> Collector::take_size(const std::string& field) {
   return size_ == 0 && delayed_ ? finish() : std::nullopt;
 }
 
-std::optional<Heard> Collector::finish() {
-  Heard out{Heard::Kind::said, std::move(said_), ""};
+std::optional<Received> Collector::finish() {
+  Received out{Received::Kind::said, std::move(said_), ""};
   restart();
   return out;
 }

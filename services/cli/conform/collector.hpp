@@ -14,7 +14,7 @@ struct Said {
   std::string type, subtype, target, data;
 };
 
-struct Heard {
+struct Received {
   enum class Kind : std::uint8_t { ok, stopped, released, said, closed, silence, nonsense };
   Kind kind{};
   Said said;
@@ -52,15 +52,15 @@ class Collector {
   Collector(const Words& words, bool delayed) : words_(words), delayed_(delayed) {}
 
   /// What is whole with this field.
-  std::optional<Heard> take(const std::string& field);
+  std::optional<Received> take(const std::string& field);
   void restart();
   /// The fields of a message that are there; 0 between two messages.
   [[nodiscard]] std::size_t fields() const { return fields_; }
 
  private:
-  std::optional<Heard> begin(const std::string& field);
-  std::optional<Heard> take_size(const std::string& field);
-  std::optional<Heard> finish();
+  std::optional<Received> begin(const std::string& field);
+  std::optional<Received> take_size(const std::string& field);
+  std::optional<Received> finish();
 
   const Words& words_;
   bool delayed_;

@@ -23,24 +23,24 @@ std::string name_of(const Said& said) {
          shown(said.data);
 }
 
-std::string name_of(const Heard& heard) {
-  switch (heard.kind) {
-    case Heard::Kind::ok:
+std::string name_of(const Received& received) {
+  switch (received.kind) {
+    case Received::Kind::ok:
       return "an acknowledgement";
-    case Heard::Kind::stopped:
+    case Received::Kind::stopped:
       return "the confirmation of a stop";
-    case Heard::Kind::released:
+    case Received::Kind::released:
       return "the confirmation of a release";
-    case Heard::Kind::said:
-      return name_of(heard.said);
-    case Heard::Kind::closed:
+    case Received::Kind::said:
+      return name_of(received.said);
+    case Received::Kind::closed:
       return "the robot closed the connection";
-    case Heard::Kind::silence:
+    case Received::Kind::silence:
       return "nothing";
-    case Heard::Kind::nonsense:
+    case Received::Kind::nonsense:
       break;
   }
-  return heard.text;
+  return received.text;
 }
 
 /// Numbers may come back written in another way.
@@ -126,10 +126,10 @@ void Play::send_part(const std::string& type, const std::string& subtype, const 
   if (!going()) return;
   const std::vector<std::string> all = fields(type, subtype, data);
   for (std::size_t i = 0; i < std::min(all.size(), most) && going(); ++i) {
-    const Heard early = hear(Duration::zero());
-    if (early.kind == Heard::Kind::said) inbox_.push_back(early.said);
+    const Received early = receive(Duration::zero());
+    if (early.kind == Received::Kind::said) inbox_.push_back(early.said);
     const std::string name = i < kHead.size() ? kHead[i] : "chunk " + std::to_string(i - kHead.size() + 1);
-    if (early.kind == Heard::Kind::ok) return wrong("no acknowledgement before the field '" + name + "'", "one");
+    if (early.kind == Received::Kind::ok) return wrong("no acknowledgement before the field '" + name + "'", "one");
     write(all[i]);
     if (acknowledged()) expect_ok("the field '" + name + "' of a " + type + " " + subtype);
   }
@@ -149,12 +149,12 @@ void Play::raw(const std::string& bytes) {
 
 void Play::write(const std::string& bytes) {
   if (!going()) return;
-  std::string heard;
-  if (!end_.write(bytes, heard, settings_.patience)) {
+  std::string received;
+  if (!end_.write(bytes, received, settings_.patience)) {
     return wrong("the robot reads",
                  "it closed the connection, or took nothing for " + short_seconds(settings_.patience));
   }
-  cutter_.add(heard);
+  cutter_.add(received);
   // Also who speaks has to listen all the time: a pause that is missed is a border that is lost.
   const MonotonicTime end = read_clocks().mono + seconds(settings_.channel.delay_s);
   for (Duration left{1}; delayed() && left > Duration::zero(); left = end - read_clocks().mono) pump(left);
@@ -178,61 +178,61 @@ Play::Came Play::pump(Duration patience) {
   return bytes.empty() && fields_.size() == before ? Came::nothing : Came::something;
 }
 
-Heard Play::hear(Duration patience) {
+Received Play::receive(Duration patience) {
   MonotonicTime deadline = read_clocks().mono + patience;
   while (true) {
     if (!fields_.empty()) {
       const Field field = std::move(fields_.front());
       fields_.pop_front();
-      if (!field.fault.empty()) return {Heard::Kind::nonsense, {}, field.fault};
-      if (auto heard = collector_.take(field.text)) return std::move(*heard);
+      if (!field.fault.empty()) return {Received::Kind::nonsense, {}, field.fault};
+      if (auto received = collector_.take(field.text)) return std::move(*received);
       continue;
     }
     const Came came = pump(std::max(Duration::zero(), deadline - read_clocks().mono));
-    if (came == Came::end) return {Heard::Kind::closed, {}, ""};
-    if (came == Came::nothing) return {Heard::Kind::silence, {}, ""};
+    if (came == Came::end) return {Received::Kind::closed, {}, ""};
+    if (came == Came::nothing) return {Received::Kind::silence, {}, ""};
     deadline = read_clocks().mono + patience;
   }
 }
 
-Heard Play::next(Duration patience) {
-  if (inbox_.empty()) return hear(patience);
-  Heard heard{Heard::Kind::said, std::move(inbox_.front()), ""};
+Received Play::next(Duration patience) {
+  if (inbox_.empty()) return receive(patience);
+  Received received{Received::Kind::said, std::move(inbox_.front()), ""};
   inbox_.pop_front();
-  return heard;
+  return received;
 }
 
 void Play::expect_ok(const std::string& after) {
   while (going()) {
-    const Heard heard = hear(ack_patience());
-    if (heard.kind == Heard::Kind::ok) return;
-    if (heard.kind == Heard::Kind::said) {
-      inbox_.push_back(heard.said);
+    const Received received = receive(ack_patience());
+    if (received.kind == Received::Kind::ok) return;
+    if (received.kind == Received::Kind::said) {
+      inbox_.push_back(received.said);
       continue;
     }
-    wrong("'" + words_.ok() + "' after " + after + " within " + short_seconds(ack_patience()), name_of(heard));
+    wrong("'" + words_.ok() + "' after " + after + " within " + short_seconds(ack_patience()), name_of(received));
   }
 }
 
 void Play::expect_stopped() {
-  expect_order(Heard::Kind::stopped, words_.stopped());
+  expect_order(Received::Kind::stopped, words_.stopped());
 }
 
 void Play::expect_released() {
-  expect_order(Heard::Kind::released, words_.released());
+  expect_order(Received::Kind::released, words_.released());
 }
 
-void Play::expect_order(Heard::Kind wanted, const std::string& word) {
+void Play::expect_order(Received::Kind wanted, const std::string& word) {
   while (going()) {
-    const Heard heard = hear(ack_patience());
-    if (heard.kind == wanted) return;
-    if (heard.kind == Heard::Kind::said) {
-      inbox_.push_back(heard.said);
+    const Received received = receive(ack_patience());
+    if (received.kind == wanted) return;
+    if (received.kind == Received::Kind::said) {
+      inbox_.push_back(received.said);
       continue;
     }
     // An acknowledgement that was under way before the confirmation counts for nothing.
-    if (heard.kind == Heard::Kind::ok && wanted == Heard::Kind::stopped) continue;
-    wrong("'" + word + "' within " + short_seconds(ack_patience()), name_of(heard));
+    if (received.kind == Received::Kind::ok && wanted == Received::Kind::stopped) continue;
+    wrong("'" + word + "' within " + short_seconds(ack_patience()), name_of(received));
   }
 }
 
@@ -240,9 +240,9 @@ void Play::expect_answer(const std::string& subtype, const std::string& data) {
   const std::string to = requester_ == settings_.own_id ? "" : requester_;
   const std::string expected = name_of(Said{"information", subtype, to, data});
   while (going()) {
-    const Heard heard = next(settings_.patience);
-    const Said& said = heard.said;
-    if (heard.kind != Heard::Kind::said) return wrong(expected, name_of(heard));
+    const Received received = next(settings_.patience);
+    const Said& said = received.said;
+    if (received.kind != Received::Kind::said) return wrong(expected, name_of(received));
     if (said.subtype != subtype) continue;  // a report or a fault of its own
     const bool same = words_.numeric() ? same_numbers(said.data, data) : said.data == data;
     if (said.type != "information" || said.target != to || !same) wrong(expected, name_of(said));
@@ -252,10 +252,10 @@ void Play::expect_answer(const std::string& subtype, const std::string& data) {
 
 void Play::expect_quiet(Duration duration, const std::string& why) {
   while (going()) {
-    const Heard heard = hear(duration);
-    if (heard.kind == Heard::Kind::silence) return;
-    if (heard.kind != Heard::Kind::said) return wrong(why, name_of(heard));
-    inbox_.push_back(heard.said);
+    const Received received = receive(duration);
+    if (received.kind == Received::Kind::silence) return;
+    if (received.kind != Received::Kind::said) return wrong(why, name_of(received));
+    inbox_.push_back(received.said);
   }
 }
 
@@ -263,13 +263,13 @@ std::string Play::report(Duration patience) {
   const auto skill = words_.subtype(settings_.skill);
   const MonotonicTime end = read_clocks().mono + patience;
   while (going()) {
-    const Heard heard = next(std::max(Duration::zero(), end - read_clocks().mono));
-    if (heard.kind == Heard::Kind::silence) return {};
-    if (heard.kind != Heard::Kind::said) {
-      wrong("'done' or 'failed' of " + settings_.skill, name_of(heard));
+    const Received received = next(std::max(Duration::zero(), end - read_clocks().mono));
+    if (received.kind == Received::Kind::silence) return {};
+    if (received.kind != Received::Kind::said) {
+      wrong("'done' or 'failed' of " + settings_.skill, name_of(received));
       return {};
     }
-    const Said& said = heard.said;
+    const Said& said = received.said;
     if (said.subtype != "done" && said.subtype != "failed") continue;
     const std::string word = said.data.substr(0, said.data.find(' '));
     if (said.type == "information" && said.target.empty() && word == skill.value_or("")) {
@@ -288,12 +288,13 @@ void Play::learn_how_it_answers() {
   if (!going()) return;
   answers_ = Answers::none;
   while (true) {
-    const Heard heard = next(settings_.patience);
-    if (heard.kind == Heard::Kind::silence) return;
-    if (heard.kind != Heard::Kind::said) return wrong("an answer to the request " + settings_.echo, name_of(heard));
-    no_answer_ = name_of(heard);
-    if (heard.said.subtype != settings_.echo) continue;
-    const bool same = words_.numeric() ? same_numbers(heard.said.data, data) : heard.said.data == data;
+    const Received received = next(settings_.patience);
+    if (received.kind == Received::Kind::silence) return;
+    if (received.kind != Received::Kind::said)
+      return wrong("an answer to the request " + settings_.echo, name_of(received));
+    no_answer_ = name_of(received);
+    if (received.said.subtype != settings_.echo) continue;
+    const bool same = words_.numeric() ? same_numbers(received.said.data, data) : received.said.data == data;
     answers_ = same ? Answers::echo : Answers::other;
     return;
   }

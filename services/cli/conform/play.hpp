@@ -90,11 +90,11 @@ class Play {
 
   /// Reads once, into fields_.
   Came pump(Duration patience);
-  Heard hear(Duration patience);
+  Received receive(Duration patience);
   /// The same, but first what has come already.
-  Heard next(Duration patience);
+  Received next(Duration patience);
   void learn_how_it_answers();
-  void expect_order(Heard::Kind wanted, const std::string& word);
+  void expect_order(Received::Kind wanted, const std::string& word);
   void write(const std::string& bytes);
   [[nodiscard]] Duration ack_patience() const { return seconds(settings_.channel.ack_timeout_s); }
 

@@ -91,7 +91,7 @@ void DriveDesk::note(const std::vector<DriveNote>& notes) {
 
 void DriveDesk::answer(const DriveAnswer& answer) {
   const auto at = gateway_.sockets.find(answer.client);
-  if (at != gateway_.sockets.end()) at->second->tell_drive(answer);
+  if (at != gateway_.sockets.end()) at->second->send_drive(answer);
 }
 
 }  // namespace trb::gateway

@@ -113,7 +113,7 @@ std::string json_row(const Row& row) {
   out.text("kind", name_of(row.key.kind)).text("node", row.key.node).text("name", row.key.name);
   out.number("number", row.number);
   if (row.is_removed()) return out.flag("removed", true).done();
-  out.number("version", row.version).text("live", name_of(row.live)).time("heard", row.told.utc);
+  out.number("version", row.version).text("live", name_of(row.live)).time("heard", row.published.utc);
   if (const auto* alert = std::get_if<AlertRow>(&row.content)) out.raw("alarm", json_alarm(alert->alarm));
   return out.raw("content", json_content(row.content)).done();
 }

@@ -129,7 +129,7 @@ Result<Driver> LiveSocket::driver() {
               "sign in as an operator, or use a token that may change something");
 }
 
-void LiveSocket::tell_drive(const DriveAnswer& answer) {
+void LiveSocket::send_drive(const DriveAnswer& answer) {
   if (is_ending_) return;
   // Why a drive is over is told, whatever is refused after it.
   const auto at = drive_answers_.find(answer.robot);

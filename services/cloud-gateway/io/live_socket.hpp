@@ -41,7 +41,7 @@ class LiveSocket final : public WebSocketIn, public std::enable_shared_from_this
   /// A frame may be due.
   void pump();
   /// News of this client's own drive.
-  void tell_drive(const DriveAnswer& answer);
+  void send_drive(const DriveAnswer& answer);
   /// Closes it if its session has ended, or its user may not see the fleet any more. Counts as a use of the session: a
   /// wall screen stays signed in.
   void check_rights();

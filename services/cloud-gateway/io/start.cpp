@@ -93,7 +93,7 @@ Result<int> start(NodeConfig config) {
   const CloudSettings cloud = read_cloud_file(config.dir, faults);
   const auto keys = load_node_certificate(config.dir);
   if (!keys) return keys.error();
-  const ServiceOptions options{config.dir, "cloud-gateway", {}, FleetView::hears()};
+  const ServiceOptions options{config.dir, "cloud-gateway", {}, FleetView::subscriptions()};
   Stores stores;
   const auto waited = wait_for_files(options, [&] { return open_stores(config, cloud, *keys, stores); });
   if (!waited || *waited) return waited ? Result<int>(**waited) : waited.error();

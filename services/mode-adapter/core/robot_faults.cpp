@@ -29,22 +29,22 @@ void RobotFaults::on_values(const Driver& mode, Now now, Outbox& out) {
   for (const FaultRule& rule : robot_.settings.description.faults) {
     if (const RobotValue* value = mode.value(rule.value)) rules_.on_value(rule.value, *value, now, changes);
   }
-  tell(changes, now, out);
+  notify(changes, now, out);
 }
 
 void RobotFaults::on_value(std::string_view name, const RobotValue& value, Now now, Outbox& out) {
   FaultChanges changes;
   rules_.on_value(name, value, now, changes);
-  tell(changes, now, out);
+  notify(changes, now, out);
 }
 
 void RobotFaults::tick(Now now, Outbox& out) {
   FaultChanges changes;
   rules_.tick(now, changes);
-  tell(changes, now, out);
+  notify(changes, now, out);
 }
 
-void RobotFaults::tell(const FaultChanges& changes, Now now, Outbox& out) {
+void RobotFaults::notify(const FaultChanges& changes, Now now, Outbox& out) {
   for (const FaultOver& over : changes.over) on_over(over, now, out);
   for (const FaultSaid& fault : changes.said) on_fault(fault, now, out);
 }
@@ -84,10 +84,10 @@ void RobotFaults::keep(const FaultSaid& fault, Now now, Outbox& out) {
 }
 
 void RobotFaults::on_over(const FaultOver& over, Now now, Outbox& out) {
-  if (const auto ended = book_.end(over.cause, now, out)) tell_end(*ended, ended->text, out);
+  if (const auto ended = book_.end(over.cause, now, out)) notify_end(*ended, ended->text, out);
 }
 
-void RobotFaults::tell_end(const OutOfUse& ended, const std::string& text, Outbox& out) {
+void RobotFaults::notify_end(const OutOfUse& ended, const std::string& text, Outbox& out) {
   out.log(LogLevel::info, "fault_over", name_of_whole(ended.capability) + ": " + text);
   for (const std::string& capability : concerned(ended.capability)) {
     if (book_.faulty(capability)) continue;
@@ -158,7 +158,7 @@ Status RobotFaults::repaired(const TakeIntoUse& order, Outbox& out) {
   const auto ended = book_.repaired(order.capability, robot_.primary().online());
   if (!ended) return ended.error();
   rules_.begin_again(order.capability);
-  for (const OutOfUse& one : *ended) tell_end(one, "repaired, says " + order.by, out);
+  for (const OutOfUse& one : *ended) notify_end(one, "repaired, says " + order.by, out);
   return Done{};
 }
 

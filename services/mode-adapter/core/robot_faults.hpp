@@ -45,8 +45,8 @@ class RobotFaults {
  private:
   [[nodiscard]] std::optional<Error> refusal(const std::string& capability, const FaultSaid* standing) const;
   void keep(const FaultSaid& fault, Now now, Outbox& out);
-  void tell(const FaultChanges& changes, Now now, Outbox& out);
-  void tell_end(const OutOfUse& ended, const std::string& text, Outbox& out);
+  void notify(const FaultChanges& changes, Now now, Outbox& out);
+  void notify_end(const OutOfUse& ended, const std::string& text, Outbox& out);
   [[nodiscard]] Status may_take_out(const Inbound& message, const OutOfUse& what) const;
   Status returned(const TakeIntoUse& order, Outbox& out);
   Status repaired(const TakeIntoUse& order, Outbox& out);

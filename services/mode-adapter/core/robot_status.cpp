@@ -61,7 +61,7 @@ void RobotStatus::welcome(const Condition& condition, Outbox& out) {
   told_ = {connection_, condition};
   had_contact_ = had_contact_ || connection_ == Connection::online;
   out.information(settings_.id, state(condition));
-  tell_profile(condition, out);
+  send_profile(condition, out);
 }
 
 void RobotStatus::publish(const Condition& condition, Outbox& out) {
@@ -72,14 +72,14 @@ void RobotStatus::publish(const Condition& condition, Outbox& out) {
   const bool shown = now.connection != before.connection || condition.fenced != before.condition.fenced ||
                      condition.control != before.condition.control ||
                      condition.out_of_use != before.condition.out_of_use;
-  if (shown || detail_changed_) tell_profile(condition, out);
+  if (shown || detail_changed_) send_profile(condition, out);
   if (now.connection != before.connection && had_contact_) {
     out.information(std::string(kEveryNode), RobotConnection{connection_name(), detail_});
   }
   had_contact_ = had_contact_ || connection_ == Connection::online;
 }
 
-void RobotStatus::tell_profile(const Condition& condition, Outbox& out) {
+void RobotStatus::send_profile(const Condition& condition, Outbox& out) {
   detail_changed_ = false;
   NodeProfile profile = profile_;
   profile.robot = connection_name();

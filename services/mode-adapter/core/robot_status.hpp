@@ -39,7 +39,7 @@ class RobotStatus {
     bool operator==(const Told&) const = default;
   };
 
-  void tell_profile(const Condition& condition, Outbox& out);
+  void send_profile(const Condition& condition, Outbox& out);
   [[nodiscard]] std::string connection_name() const;
 
   const Settings& settings_;

@@ -20,7 +20,7 @@ void StopControl::on_stop(const Inbound& message, Now now, Outbox& out) {
   fenced_ = true;
   refuse_pending(true, "stopped by " + message.source + " before the robot confirmed the release", out);
   Pending pending{message, false, now.mono + kConfirmation, {}, {}, true};
-  robot_.for_each([&](Driver& mode) { tell_stop(pending, mode, now, out); });
+  robot_.for_each([&](Driver& mode) { send_stop(pending, mode, now, out); });
   out.log(LogLevel::warning, "stopped", "by " + message.source);
   if (try_answer(pending, out)) return;
   if (pending_.size() >= kMaxPending) {
@@ -30,7 +30,7 @@ void StopControl::on_stop(const Inbound& message, Now now, Outbox& out) {
   pending_.push_back(std::move(pending));
 }
 
-void StopControl::tell_stop(Pending& pending, Driver& mode, Now now, Outbox& out) {
+void StopControl::send_stop(Pending& pending, Driver& mode, Now now, Outbox& out) {
   const auto ticket = mode.stop(now, robot_.to(mode, out));
   if (ticket) {
     pending.told.push_back({&mode, *ticket, false});
@@ -90,7 +90,7 @@ void StopControl::on_link_up(Driver& mode, Now now, Outbox& out) {
   Result<Token> told = fail(Errc::ok, {});
   if (fenced_) {
     told = mode.stop(now, to);
-  } else if (mode.told_to_stop()) {
+  } else if (mode.may_be_stopped()) {
     told = mode.release(now, to);
   }
   if (!told && told.error().code != Errc::ok) out.log(LogLevel::error, "not_told", told.error().text());

@@ -39,7 +39,7 @@ class StopControl {
     bool by_robot = true;
   };
 
-  void tell_stop(Pending& pending, Driver& mode, Now now, Outbox& out);
+  void send_stop(Pending& pending, Driver& mode, Now now, Outbox& out);
   /// What waits for its confirmation, and never gets it now.
   void refuse_pending(bool release, const std::string& why, Outbox& out);
   void confirm(const Driver* mode, Token ticket, bool release, bool by_robot, Outbox& out);

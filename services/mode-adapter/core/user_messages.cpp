@@ -95,11 +95,11 @@ bool UserMessages::begin_stream(const Inbound& message, const Opaque& body, Driv
   return begun.ok();
 }
 
-std::optional<Token> UserMessages::wait_or_answer(PendingRequests& pending, const Inbound& message, const Opaque& body,
+std::optional<Token> UserMessages::wait_or_answer(WaitingSenders& waiting, const Inbound& message, const Opaque& body,
                                                   Driver& mode, Now now, Outbox& out) {
   const Token token = robot_.next_token();
   const auto progress = mode.hand_over(
-      {token, message.type, body.subtype, message.source, body.data, {}, PendingRequests::wait_s(message)}, now,
+      {token, message.type, body.subtype, message.source, body.data, {}, WaitingSenders::wait_s(message)}, now,
       robot_.to(mode, out));
   if (!progress) {
     out.count("refused." + std::string(errc_name(progress.error().code)));
@@ -109,7 +109,7 @@ std::optional<Token> UserMessages::wait_or_answer(PendingRequests& pending, cons
   if (*progress == Progress::handed_over) {
     out.reply(message, Ack{"handed_over", ""});
   } else {
-    pending.add(token, message, mode, now);
+    waiting.add(token, message, mode, now);
   }
   return token;
 }
@@ -150,11 +150,11 @@ void UserMessages::on_nack(const Inbound& message, const Nack& nack, Now now, Ou
   inform(Nack::kSubtype, message.source, nack.code + " " + nack.what, now, out);
 }
 
-void UserMessages::expire(PendingRequests& pending, const char* what, Now now, Outbox& out) {
-  while (auto expired = pending.take_expired(now)) {
-    PendingRequest& request = expired->second;
-    out.nack(request.message, fail(Errc::timeout, what, "look at the robot's program"));
-    request.mode->forget(expired->first, now, robot_.to(*request.mode, out));
+void UserMessages::expire(WaitingSenders& waiting, const char* what, Now now, Outbox& out) {
+  while (auto expired = waiting.take_expired(now)) {
+    WaitingSender& sender = expired->second;
+    out.nack(sender.message, fail(Errc::timeout, what, "look at the robot's program"));
+    sender.mode->forget(expired->first, now, robot_.to(*sender.mode, out));
   }
 }
 

@@ -1,10 +1,10 @@
 // The users' own messages: to the robot and from it, and which senders wait for an answer.
 #pragma once
 
-#include "services/mode-adapter/core/pending_requests.hpp"
 #include "services/mode-adapter/core/robot_control.hpp"
 #include "services/mode-adapter/core/robot_side.hpp"
 #include "services/mode-adapter/core/streams.hpp"
+#include "services/mode-adapter/core/waiting_senders.hpp"
 
 namespace trb::adapter {
 
@@ -42,16 +42,16 @@ class UserMessages {
   void answer_from_monitor(const Inbound& message, const Opaque& body, Driver& mode, Now now, Outbox& out);
   void inform(std::string_view subtype, std::string_view source, BytesView data, Now now, Outbox& out);
   /// The message's token; none: refused, and its sender notified.
-  std::optional<Token> wait_or_answer(PendingRequests& pending, const Inbound& message, const Opaque& body,
-                                      Driver& mode, Now now, Outbox& out);
+  std::optional<Token> wait_or_answer(WaitingSenders& waiting, const Inbound& message, const Opaque& body, Driver& mode,
+                                      Now now, Outbox& out);
   [[nodiscard]] Error explain(const Error& error, std::string_view subtype) const;
-  void expire(PendingRequests& pending, const char* what, Now now, Outbox& out);
+  void expire(WaitingSenders& waiting, const char* what, Now now, Outbox& out);
 
   RobotSide& robot_;
   RobotControl& control_;
-  PendingRequests commands_;  ///< until the robot has them
-  PendingRequests requests_;  ///< until the robot has answered them
-  Streams streams_;           ///< requests with a stream
+  WaitingSenders commands_;  ///< until the robot has them
+  WaitingSenders requests_;  ///< until the robot has answered them
+  Streams streams_;          ///< requests with a stream
 };
 
 }  // namespace trb::adapter

@@ -44,7 +44,7 @@ class Worker {
       ++connection_;
       const Status connected = link_.connect();
       if (connected) serve();
-      if (!connected) say(Kind::down, connected.error().what);
+      if (!connected) put(Kind::down, connected.error().what);
       link_.close();
       pause();
     }
@@ -52,11 +52,11 @@ class Worker {
 
  private:
   void serve() {
-    say(Kind::up, {});
+    put(Kind::up, {});
     while (const auto call = next_call(-1)) {
       const auto answer = link_.perform(*call);
-      if (!answer) return say(Kind::down, answer.error().what);
-      say(Kind::answer, encode(*answer));
+      if (!answer) return put(Kind::down, answer.error().what);
+      put(Kind::answer, encode(*answer));
       back_off_.reset();
     }
   }
@@ -88,7 +88,7 @@ class Worker {
     return std::nullopt;
   }
 
-  void say(Kind kind, BytesView rest) {
+  void put(Kind kind, BytesView rest) {
     const Bytes packet = packet_of(kind, connection_, rest);
     if (::send(socket_.get(), packet.data(), packet.size(), MSG_NOSIGNAL) < 0) ended_ = true;
   }

@@ -51,7 +51,7 @@ RobotIo::~RobotIo() {
 }
 
 void RobotIo::accept_all() {
-  tell_losses();
+  report_losses();
   for (int i = 0; i < kAcceptBatch; ++i) {
     Accepted accepted = tcp_accept(listener_.get());
     if (!accepted.fd) return;
@@ -120,9 +120,9 @@ void RobotIo::watch(RobotConnection& connection) {
 }
 
 void RobotIo::on_ready(RobotConnection& connection, short revents) {
-  tell_losses();
+  report_losses();
   if (connection.state != State::up) return;
-  if ((revents & POLLOUT) != 0 && !flush(connection)) return tell_losses();
+  if ((revents & POLLOUT) != 0 && !flush(connection)) return report_losses();
   if ((revents & (POLLIN | POLLERR | POLLHUP)) != 0) read(connection);
 }
 
@@ -132,7 +132,7 @@ void RobotIo::read(RobotConnection& connection) {
   if (!got) return go_down(connection, got.error().what);
   if (got->closed) return go_down(connection, "closed by the robot");
   if (got->bytes == 0) return;
-  hear(connection, got->bytes);
+  receive(connection, got->bytes);
 }
 
 void RobotIo::read_datagram(RobotConnection& connection) {
@@ -140,10 +140,10 @@ void RobotIo::read_datagram(RobotConnection& connection) {
   if (!got) return go_down(connection, got.error().what);
   if (!got->came) return;
   connection.last_failure.clear();
-  hear(connection, got->bytes);
+  receive(connection, got->bytes);
 }
 
-void RobotIo::hear(RobotConnection& connection, std::size_t size) {
+void RobotIo::receive(RobotConnection& connection, std::size_t size) {
   connection.back_off.reset();
   const BytesView bytes(buffer_.data(), size);
   service_.step([&](Now at, Outbox& out) { core_.on_bytes(connection.channel, bytes, at, out); });
@@ -244,7 +244,7 @@ void RobotIo::notice_loss(RobotConnection& connection, const std::string& reason
   retry_later(connection);
 }
 
-void RobotIo::tell_losses() {
+void RobotIo::report_losses() {
   const std::vector<Notice> losses = std::exchange(losses_, {});
   for (const Notice& loss : losses) {
     service_.step([&](Now at, Outbox& out) {
@@ -266,7 +266,7 @@ std::optional<MonotonicTime> RobotIo::next_deadline() const {
 
 void RobotIo::tick(Now at) {
   for (RobotConnection& written : connections_) push(written);
-  tell_losses();
+  report_losses();
   for (RobotConnection& connection : connections_) {
     if (!connection.due || at.mono < *connection.due) continue;
     if (connection.state == State::connecting) {

@@ -72,7 +72,7 @@ class RobotIo {
   void on_ready(RobotConnection& connection, short revents);
   void read(RobotConnection& connection);
   void read_datagram(RobotConnection& connection);
-  void hear(RobotConnection& connection, std::size_t size);
+  void receive(RobotConnection& connection, std::size_t size);
   static bool is_new_reason(const RobotConnection& connection, const std::string& reason);
   void go_down(RobotConnection& connection, const std::string& reason);
   void close(RobotConnection& connection);
@@ -86,7 +86,7 @@ class RobotIo {
 
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const;
   void tick(Now now);
-  void tell_losses();
+  void report_losses();
 
   RobotIoSettings settings_;
   Service& service_;

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::string_view kSensor = "sensor:";
 
-Measured told(const std::optional<Reported<double>>& number) {
+Measured reported(const std::optional<Reported<double>>& number) {
   return number ? Measured{number->is, number->at} : Measured{};
 }
 
@@ -40,15 +40,15 @@ Measured measure(const ReplacementCriterion& criterion, const RobotRecord& robot
                  const std::optional<HallPoint>& place) {
   switch (criterion.from) {
     case CriterionSource::charge:
-      return told(charge_of(robot));
+      return reported(charge_of(robot));
     case CriterionSource::distance:
       return place ? distance_of(robot, *place) : Measured{};
     case CriterionSource::availability:
       return {availability(robot), std::nullopt};
     case CriterionSource::robot:
-      return told(number_of(robot, criterion.value));
+      return reported(number_of(robot, criterion.value));
     case CriterionSource::sensor:
-      return told(number_of(robot, sensor_value(criterion.value)));
+      return reported(number_of(robot, sensor_value(criterion.value)));
     case CriterionSource::description:
       break;
   }

@@ -10,7 +10,7 @@ namespace trb::resilience {
 
 class Decisions {
  public:
-  Decisions(Situation& situation, Alerts& alerts, Repairs& repairs)
+  Decisions(Situation& situation, AlertLifecycle& alerts, Repairs& repairs)
       : situation_(situation), alerts_(alerts), repairs_(repairs) {}
 
   /// The next step of an alert with a verdict.
@@ -35,7 +35,7 @@ class Decisions {
   [[nodiscard]] std::string busy_with(const Alert& alert);
 
   Situation& situation_;
-  Alerts& alerts_;
+  AlertLifecycle& alerts_;
   Repairs& repairs_;
   std::string handed_;  ///< the alert whose decision or order was sent last
 };

@@ -155,7 +155,7 @@ void Detection::on_grown(Alert& alert, const WatchedRun& run, bool is_new, Now n
   if (alert.state == AlertState::expired) alert.state = AlertState::open;
   alerts_.work(alert.id).grown_at = now.mono;
   if (may_be_ruled(alert)) proposer_.propose(alert, run, now);
-  if (may_be_ruled(alert)) proposer_.ask_values(alert, now, out);
+  if (may_be_ruled(alert)) proposer_.request_values(alert, now, out);
   out.log(wants_robot(alert) ? LogLevel::info : LogLevel::warning, is_new ? "alert_raised" : "alert_grown",
           alert.id + ": " + alert.robot + (alert.robot.empty() ? "" : ": ") + alert.cause + ": " + alert.text +
               " (run " + alert.run.substr(0, 8) + ", tasks " + joined(alert.tasks) + ")");

@@ -13,7 +13,7 @@ namespace trb::resilience {
 
 class Detection {
  public:
-  Detection(Situation& situation, Alerts& alerts, Proposer& proposer, Verdicts& verdicts)
+  Detection(Situation& situation, AlertLifecycle& alerts, Proposer& proposer, Verdicts& verdicts)
       : situation_(situation), alerts_(alerts), proposer_(proposer), verdicts_(verdicts) {}
 
   /// Looks at the runs that have changed, and at those that are due.
@@ -33,7 +33,7 @@ class Detection {
   void skip_unbegun(const WatchedRun& run, Now now, Outbox& out);
 
   Situation& situation_;
-  Alerts& alerts_;
+  AlertLifecycle& alerts_;
   Proposer& proposer_;
   Verdicts& verdicts_;
   Overdue overdue_;

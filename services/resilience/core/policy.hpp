@@ -9,7 +9,7 @@ namespace trb::resilience {
 
 class Policy {
  public:
-  Policy(Situation& situation, Alerts& alerts, Proposer& proposer, Verdicts& verdicts)
+  Policy(Situation& situation, AlertLifecycle& alerts, Proposer& proposer, Verdicts& verdicts)
       : situation_(situation), alerts_(alerts), proposer_(proposer), verdicts_(verdicts) {}
 
   /// Decides if nothing prevents it; else the alert shows what does.
@@ -22,7 +22,7 @@ class Policy {
   [[nodiscard]] std::string why_moved_enough(const Alert& alert) const;
 
   Situation& situation_;
-  Alerts& alerts_;
+  AlertLifecycle& alerts_;
   Proposer& proposer_;
   Verdicts& verdicts_;
 };

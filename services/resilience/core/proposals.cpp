@@ -49,13 +49,13 @@ class Bounds {
     std::vector<std::string> kept;
     for (const std::string& id : robots) {
       const std::string why = why_out(criteria_, needs, *fleet_.find(id), place);
-      why.empty() ? kept.push_back(id) : tell(id, why + of);
+      why.empty() ? kept.push_back(id) : add_unfit(id, why + of);
     }
     return kept;
   }
 
  private:
-  void tell(const std::string& id, const std::string& why) {
+  void add_unfit(const std::string& id, const std::string& why) {
     const bool known = std::ranges::find(out_.bounded, id) != out_.bounded.end();
     if (known || out_.bounded.size() >= kMaxProposals) return;
     out_.bounded.push_back(id);

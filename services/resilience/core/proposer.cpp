@@ -70,7 +70,7 @@ Result<AlertRanking> Proposer::rank_by(const Alert& alert, const std::vector<Wei
   }
   const auto by = weighed(criteria(), weights);
   if (!by) return by.error();
-  ask_values(alert, now, out);
+  request_values(alert, now, out);
   Alert other = alert;
   fill(other, *run, *by, now);
   AlertRanking answer{alert.id, {}, other.proposals, other.unfit, flips_of(std::move(other), *run, *by, now), false};
@@ -103,14 +103,14 @@ void Proposer::refresh(Alert& alert, const WatchedRun& run, Now now, Outbox& out
     const std::vector<Proposal> proposals = alert.proposals;
     const std::vector<Unfit> unfit = alert.unfit;
     propose(alert, run, now);
-    ask_values(alert, now, out);
+    request_values(alert, now, out);
     if (!(alert.proposals == proposals && alert.unfit == unfit)) out.record(alert);
   }
   const auto follow_at = inquiry.follow_at();
   if (follow_at && *follow_at <= now.mono) follow_answers(alert, now, out);
 }
 
-void Proposer::ask_values(const Alert& alert, Now now, Outbox& out) {
+void Proposer::request_values(const Alert& alert, Now now, Outbox& out) {
   Inquiry& inquiry = alerts_.work(alert.id).inquiry;
   if (!inquiry.begin(now)) return;
   if (wants_robot(alert)) {  // no message reports that a robot was stopped, only the table
@@ -124,11 +124,12 @@ void Proposer::ask_values(const Alert& alert, Now now, Outbox& out) {
   // A task is often due because a robot has just arrived: values that it reported on its way are outdated.
   const Duration fresh = wants_robot(alert) ? Duration{0} : kFresh;
   for (const std::string& id : robots) {
-    if (const RobotRecord* robot = situation_.fleet().find(id)) ask_robot(*robot, fresh, inquiry, now, out);
+    if (const RobotRecord* robot = situation_.fleet().find(id)) request_values_of(*robot, fresh, inquiry, now, out);
   }
 }
 
-void Proposer::ask_robot(const RobotRecord& robot, Duration fresh, Inquiry& inquiry, Now now, Outbox& out) const {
+void Proposer::request_values_of(const RobotRecord& robot, Duration fresh, Inquiry& inquiry, Now now,
+                                 Outbox& out) const {
   for (const Question& one : questions(criteria(), robot, now.utc, fresh)) {
     one.sensor.empty() ? out.request(robot.id, Opaque{one.subtype, ""})
                        : out.request(robot.id, SensorRead{one.sensor, "", 0});

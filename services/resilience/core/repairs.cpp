@@ -46,7 +46,7 @@ std::vector<std::string> Repairs::still_broken(const Alert& alert) const {
 }
 
 /// Empty: the repair has not failed.
-std::string Repairs::why_failed(const Repair& repair, const std::vector<std::string>& broken, Now now) {
+std::string Repairs::why_failed(const RepairReport& repair, const std::vector<std::string>& broken, Now now) {
   if (repair.is_done()) return "is broken again: " + quoted(broken);
   const auto refusal = repair.refusal(now);
   return refusal ? "does not take it into use: " + *refusal : std::string();
@@ -54,7 +54,7 @@ std::string Repairs::why_failed(const Repair& repair, const std::vector<std::str
 
 bool Repairs::is_awaited(Alert& alert, Now now, Outbox& out) {
   const std::vector<std::string> broken = still_broken(alert);
-  Repair& repair = alerts_.work(alert.id).repair;
+  RepairReport& repair = alerts_.work(alert.id).repair;
   if (broken.empty()) {
     repair.on_done();
     return false;

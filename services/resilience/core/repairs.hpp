@@ -4,13 +4,13 @@
 #include <string>
 #include <vector>
 
-#include "services/resilience/core/alerts.hpp"
+#include "services/resilience/core/alert_lifecycle.hpp"
 
 namespace trb::resilience {
 
 class Repairs {
  public:
-  Repairs(Situation& situation, Alerts& alerts) : situation_(situation), alerts_(alerts) {}
+  Repairs(Situation& situation, AlertLifecycle& alerts) : situation_(situation), alerts_(alerts) {}
 
   /// Ends at once the faults that only this node knows; the others when the robot's node reports it. `why`: for the
   /// history.
@@ -27,11 +27,12 @@ class Repairs {
   void on_refused(const Nack& nack, const std::string& from, Now now, Outbox& out);
 
  private:
-  [[nodiscard]] static std::string why_failed(const Repair& repair, const std::vector<std::string>& broken, Now now);
+  [[nodiscard]] static std::string why_failed(const RepairReport& repair, const std::vector<std::string>& broken,
+                                              Now now);
   static void command(const Alert& alert, const std::vector<std::string>& broken, Outbox& out);
 
   Situation& situation_;
-  Alerts& alerts_;
+  AlertLifecycle& alerts_;
 };
 
 }  // namespace trb::resilience

@@ -13,7 +13,7 @@ constexpr std::uint32_t kMostEvents = 500;             ///< the bound of a Histo
 
 }  // namespace
 
-std::vector<std::string> ResilienceCore::hears() {
+std::vector<std::string> ResilienceCore::subscriptions() {
   std::vector<std::string> out;
   for (const std::string_view word : {RobotFault::kSubtype, RobotConnection::kSubtype, RobotState::kSubtype,
                                       PeerJoined::kSubtype, PeerExpired::kSubtype}) {
@@ -191,7 +191,7 @@ void ResilienceCore::look(Now now, Outbox& out) {
   if (!situation_.take_change() && !due) return;
   looked_at_ = now.mono;
   look_at_alerts(now, out);
-  standing_.tell(now, out);
+  standing_.raise_due(now, out);
 }
 
 void ResilienceCore::look_at_alerts(Now now, Outbox& out) {
@@ -201,7 +201,7 @@ void ResilienceCore::look_at_alerts(Now now, Outbox& out) {
     } else if (alert->state == AlertState::releasing) {
       decisions_.advance(*alert, now, out);
     } else {
-      open_alerts_.look(*alert, now, out);
+      alert_updater_.look(*alert, now, out);
     }
   }
   alerts_.book().prune();

@@ -8,9 +8,9 @@
 
 #include "common/actor/core.hpp"
 #include "common/actor/takes.hpp"
+#include "services/resilience/core/alert_updater.hpp"
 #include "services/resilience/core/detection.hpp"
 #include "services/resilience/core/history_reader.hpp"
-#include "services/resilience/core/open_alerts.hpp"
 
 namespace trb::resilience {
 
@@ -25,7 +25,7 @@ class ResilienceCore final : public Core {
 
   using Taken = Takes<AlertListRequest, AlertDecide, AlertRankRequest, HistoryListRequest>;
   /// Information of which the service wants a copy.
-  static std::vector<std::string> hears();
+  static std::vector<std::string> subscriptions();
 
   void restore(std::vector<Alert> alerts, const std::vector<StoredDecision>& decisions);
 
@@ -60,14 +60,14 @@ class ResilienceCore final : public Core {
 
   Situation situation_;
   HistoryReader* history_;
-  Alerts alerts_{situation_};
+  AlertLifecycle alerts_{situation_};
   Proposer proposer_{situation_, alerts_};
   Repairs repairs_{situation_, alerts_};
   Decisions decisions_{situation_, alerts_, repairs_};
   StandingAlerts standing_{situation_, alerts_, repairs_};
   Verdicts verdicts_{VerdictParts{situation_, alerts_, proposer_, repairs_, decisions_, standing_}};
   Policy policy_{situation_, alerts_, proposer_, verdicts_};
-  OpenAlerts open_alerts_{situation_, alerts_, proposer_, policy_};
+  AlertUpdater alert_updater_{situation_, alerts_, proposer_, policy_};
   Detection detection_{situation_, alerts_, proposer_, verdicts_};
   bool welcomed_ = false;
   std::optional<MonotonicTime> looked_at_;

@@ -9,7 +9,7 @@
 namespace trb::resilience {
 namespace {
 
-bool tells(const SensorInfo& sensor) {
+bool works(const SensorInfo& sensor) {
   return sensor.state == SensorState::ok || sensor.state == SensorState::unread;
 }
 
@@ -17,7 +17,7 @@ bool tells(const SensorInfo& sensor) {
 bool sensors_fail(const std::vector<SensorInfo>& plugged, std::string_view kind) {
   const auto is_kind = [&](const SensorInfo& sensor) { return sensor.kind == kind; };
   return std::ranges::any_of(plugged, is_kind) &&
-         std::ranges::none_of(plugged, [&](const SensorInfo& sensor) { return is_kind(sensor) && tells(sensor); });
+         std::ranges::none_of(plugged, [&](const SensorInfo& sensor) { return is_kind(sensor) && works(sensor); });
 }
 
 }  // namespace

@@ -42,20 +42,20 @@ class Finder {
     out_.tasks.push_back(index);
     out_.failed = out_.failed || stopped;
     out_.needs_confirmation = out_.needs_confirmation || !why_confirmation(run_, index, fleet_, false).empty();
-    if (gone_ != nullptr) tell(gone_->cause, Severity::critical, "", gone_->text);
+    if (gone_ != nullptr) add_cause(gone_->cause, Severity::critical, "", gone_->text);
     if (leaves)
-      tell(kRobotRetired, Severity::warning, "", run_.view->tasks[index].robot + " " + retired_text(*retired));
-    if (fault != nullptr) tell(kRobotFault, fault->severity, fault->capability, fault->text);
+      add_cause(kRobotRetired, Severity::warning, "", run_.view->tasks[index].robot + " " + retired_text(*retired));
+    if (fault != nullptr) add_cause(kRobotFault, fault->severity, fault->capability, fault->text);
     if (!stopped) return;
     const bool interrupted = task.outcome == TaskOutcome::interrupted;
-    tell(interrupted ? kTaskInterrupted : kTaskFailed, interrupted ? Severity::critical : Severity::urgent, capability,
-         "task '" + task.id + "': " + (task.reason.empty() ? "stopped" : task.reason));
+    add_cause(interrupted ? kTaskInterrupted : kTaskFailed, interrupted ? Severity::critical : Severity::urgent,
+              capability, "task '" + task.id + "': " + (task.reason.empty() ? "stopped" : task.reason));
   }
 
   RunProblem take() { return std::move(out_); }
 
  private:
-  void tell(std::string_view cause, Severity severity, const std::string& capability, const std::string& text) {
+  void add_cause(std::string_view cause, Severity severity, const std::string& capability, const std::string& text) {
     const int mine = strength_of(cause);
     const int known = strength_of(out_.cause);
     if (mine < known || (mine == known && severity <= out_.severity && !out_.cause.empty())) return;

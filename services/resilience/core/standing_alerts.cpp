@@ -5,17 +5,17 @@
 
 namespace trb::resilience {
 
-void StandingAlerts::tell(Now now, Outbox& out) {
-  standing_.follow(situation_.fleet(), now);
+void StandingAlerts::raise_due(Now now, Outbox& out) {
+  uncovered_.follow(situation_.fleet(), now);
   for (const Alert* alert : alerts_.open()) {
     if (alert->cause != kRobotFault) continue;
     const RobotRecord* robot = situation_.fleet().find(alert->robot);
     if (robot == nullptr) continue;
     for (const Fault& fault : robot->faults) {
-      if (covers(*alert, fault.capability)) standing_.cover({alert->robot, fault.capability}, now);
+      if (covers(*alert, fault.capability)) uncovered_.cover({alert->robot, fault.capability}, now);
     }
   }
-  for (const Standing::Key& key : standing_.uncovered(now)) {
+  for (const UncoveredFaults::Key& key : uncovered_.uncovered(now)) {
     if (!alerts_.book().has_room_for_lone(key.robot)) {
       out.count("dropped.alerts");
       continue;
@@ -26,7 +26,7 @@ void StandingAlerts::tell(Now now, Outbox& out) {
   }
 }
 
-Alert* StandingAlerts::raise(const Standing::Key& key, Now now, Outbox& out) {
+Alert* StandingAlerts::raise(const UncoveredFaults::Key& key, Now now, Outbox& out) {
   const Fault& fault = *worst_fault(*situation_.fleet().find(key.robot), key.capability);
   Alert fresh;
   fresh.robot = key.robot;
@@ -37,7 +37,7 @@ Alert* StandingAlerts::raise(const Standing::Key& key, Now now, Outbox& out) {
   fresh.time = now.utc.ns;
   Alert* alert = alerts_.raise(std::move(fresh), now, out);
   if (alert == nullptr) return nullptr;
-  standing_.cover(key, now);
+  uncovered_.cover(key, now);
   look(*alert, now, out);
   out.record(*alert);
   out.log(LogLevel::warning, "alert_raised", alert->id + ": " + alert->robot + ": " + alert->text + " (no run)");
@@ -55,16 +55,16 @@ void StandingAlerts::look(Alert& alert, Now now, Outbox& out) {
     return alerts_.close(alert, "the whole robot is broken", out);
   }
   for (const Alert* other : alerts_.open()) {
-    const bool tells = !other->run.empty() && other->robot == alert.robot && covers(*other, alert.capability);
-    if (tells) return alerts_.close(alert, "run alert " + other->id, out);
+    const bool is_covered = !other->run.empty() && other->robot == alert.robot && covers(*other, alert.capability);
+    if (is_covered) return alerts_.close(alert, "run alert " + other->id, out);
   }
   alert.waits_for =
       "somebody to mend " + alert.robot + "; then: trb alert decide " + alert.id.substr(0, 8) + " --retry";
 }
 
 std::optional<MonotonicTime> StandingAlerts::next(Now now) {
-  standing_.follow(situation_.fleet(), now);
-  return standing_.next(now);
+  uncovered_.follow(situation_.fleet(), now);
+  return uncovered_.next(now);
 }
 
 }  // namespace trb::resilience

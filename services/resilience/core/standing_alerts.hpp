@@ -2,19 +2,19 @@
 #pragma once
 
 #include "services/resilience/core/repairs.hpp"
-#include "services/resilience/core/standing.hpp"
+#include "services/resilience/core/uncovered_faults.hpp"
 
 namespace trb::resilience {
 
 class StandingAlerts {
  public:
-  StandingAlerts(Situation& situation, Alerts& alerts, Repairs& repairs)
+  StandingAlerts(Situation& situation, AlertLifecycle& alerts, Repairs& repairs)
       : situation_(situation), alerts_(alerts), repairs_(repairs) {}
 
   /// Raises the alerts of faults that were uncovered for long enough.
-  void tell(Now now, Outbox& out);
+  void raise_due(Now now, Outbox& out);
   /// Raises the alert of a standing fault. nullptr: too many alerts are open.
-  Alert* raise(const Standing::Key& fault, Now now, Outbox& out);
+  Alert* raise(const UncoveredFaults::Key& fault, Now now, Outbox& out);
   /// The alert stays as long as the fault, or until a run's alert covers it.
   void look(Alert& alert, Now now, Outbox& out);
   /// When the next fault has been uncovered for long enough.
@@ -22,9 +22,9 @@ class StandingAlerts {
 
  private:
   Situation& situation_;
-  Alerts& alerts_;
+  AlertLifecycle& alerts_;
   Repairs& repairs_;
-  Standing standing_;
+  UncoveredFaults uncovered_;
 };
 
 }  // namespace trb::resilience

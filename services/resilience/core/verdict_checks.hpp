@@ -7,7 +7,7 @@ namespace trb::resilience {
 
 class VerdictChecks {
  public:
-  VerdictChecks(Situation& situation, Alerts& alerts, Proposer& proposer)
+  VerdictChecks(Situation& situation, AlertLifecycle& alerts, Proposer& proposer)
       : situation_(situation), alerts_(alerts), proposer_(proposer) {}
 
   /// Does this node decide on the alert's run now, and does its cause allow the verdict? Errors: unknown_run,
@@ -30,7 +30,7 @@ class VerdictChecks {
   [[nodiscard]] Status check_decisions(const Alert& alert, const WatchedRun& run);
 
   Situation& situation_;
-  Alerts& alerts_;
+  AlertLifecycle& alerts_;
   Proposer& proposer_;
 };
 

@@ -158,11 +158,11 @@ Result<std::string> Verdicts::mend_again(Alert& alert, const AlertDecide& body, 
     const bool decided = alert.verdict != Verdict::none;
     return alert.robot + " is taken as mended; " + name + (decided ? decided_text(alert) : "is closed");
   }
-  Alert* stands = alert_of_fault(alert);
-  if (stands == nullptr) stands = standing_.raise({alert.robot, broken.front()}, now, out);
-  if (stands == nullptr) return fail(Errc::queue_full, "too many alerts are open", "decide on some: trb alert list");
-  if (stands->run.empty()) return decide_lone(*stands, body, now, out);
-  return fail(Errc::conflict, name + "is closed: alert " + stands->id + " tells of the fault", "decide on that one");
+  Alert* standing = alert_of_fault(alert);
+  if (standing == nullptr) standing = standing_.raise({alert.robot, broken.front()}, now, out);
+  if (standing == nullptr) return fail(Errc::queue_full, "too many alerts are open", "decide on some: trb alert list");
+  if (standing->run.empty()) return decide_lone(*standing, body, now, out);
+  return fail(Errc::conflict, name + "is closed: alert " + standing->id + " tells of the fault", "decide on that one");
 }
 
 /// The alert was decided before, or its run has ended: repeating the verdict does no harm, --stands may be added, and

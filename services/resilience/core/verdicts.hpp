@@ -14,7 +14,7 @@ namespace trb::resilience {
 /// The objects that verdicts change. Each must outlive its users.
 struct VerdictParts {
   Situation& situation;
-  Alerts& alerts;
+  AlertLifecycle& alerts;
   Proposer& proposer;
   Repairs& repairs;
   Decisions& decisions;
@@ -57,7 +57,7 @@ class Verdicts {
   [[nodiscard]] Result<Alert*> alert_of_tasks(const WatchedRun& run, const std::vector<std::string>& tasks);
 
   Situation& situation_;
-  Alerts& alerts_;
+  AlertLifecycle& alerts_;
   Repairs& repairs_;
   Decisions& decisions_;
   StandingAlerts& standing_;

@@ -29,7 +29,8 @@ Status open_db(const NodeConfig& config, std::unique_ptr<CapabilityDb>& db) {
 }  // namespace
 
 Result<int> start(NodeConfig config) {
-  const ServiceOptions options{config.dir, "resilience", ResilienceCore::Taken::subtypes(), ResilienceCore::hears()};
+  const ServiceOptions options{config.dir, "resilience", ResilienceCore::Taken::subtypes(),
+                               ResilienceCore::subscriptions()};
   std::unique_ptr<CapabilityDb> db;
   const auto waited = wait_for_files(options, [&] { return open_db(config, db); });
   if (!waited || *waited) return waited ? Result<int>(**waited) : waited.error();

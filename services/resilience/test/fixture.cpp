@@ -17,6 +17,7 @@ Fixture::Fixture(ResilienceSettings resilience, Role role)
 }
 
 Fixture::~Fixture() {
+  process_.reset();
   steps_.reset();
   core_.reset();
   db_.reset();
@@ -30,14 +31,22 @@ void Fixture::open() {
   const Status restored = trb::resilience::restore(*db_, *core_);
   REQUIRE_MESSAGE(restored.ok(), (restored ? "" : restored.error().text()));
   steps_ = std::make_unique<RecordingCore>(*core_, *db_);
-  step([&](Outbox& out) { steps_->on_welcome({"cloud", settings.role, 1}, now, out); });
+  world::ProcessSettings process;
+  process.store = [this](const std::vector<Journal>& records) { store(records); };
+  process.send = [this](const Send& send) { handle(send); };
+  process.crash = &crash;
+  process.on_crash = [this] { restart(); };
+  process_ = std::make_unique<world::CoreProcess>(std::move(process), *steps_, events_, clock_);
+  bus_ = std::make_shared<char>();
+  process_->welcome({"cloud", settings.role, 1});
 }
 
 void Fixture::restart() {
+  bus_.reset();
+  process_.reset();
   steps_.reset();
   core_.reset();
   db_.reset();
-  inbox_.clear();
   watched_ = false;
   open();
 }
@@ -55,51 +64,29 @@ SignedRecord Fixture::certificate(const std::string& id, Role role) const {
 
 // ---- the loop
 
-void Fixture::step(const std::function<void(Outbox&)>& effect) {
-  Outbox out;
-  effect(out);
-  carry_out(out);
+void Fixture::post(Inbound message) {
+  events_.after({}, bus_, [this, message = std::move(message)] { process_->take(message); });
 }
 
-void Fixture::carry_out(const Outbox& out) {
-  if (!out.journal.empty()) {
-    const Status done = commit(*db_, out.journal);
-    REQUIRE_MESSAGE(done.ok(), (done ? "" : done.error().text()));
-    if (++commits == crash_at) return restart();
-  }
-  for (const Send& send : out.sends) handle(send);
+void Fixture::store(const std::vector<Journal>& records) {
+  const Status done = commit(*db_, records);
+  REQUIRE_MESSAGE(done.ok(), (done ? "" : done.error().text()));
 }
 
 void Fixture::settle() {
-  for (int i = 0; i < 10'000; ++i) {
-    if (!inbox_.empty()) {
-      const Inbound message = std::move(inbox_.front());
-      inbox_.pop_front();
-      step([&](Outbox& out) { steps_->on(message, now, out); });
-    } else if (const auto next = steps_->next_deadline(); next && *next <= now.mono) {
-      step([&](Outbox& out) { steps_->tick(now, out); });
-    } else {
-      return;
-    }
-  }
-  FAIL("the core never comes to rest");
+  constexpr int kMost = 10'000;
+  int steps = 0;
+  while (events_.step(events_.now())) REQUIRE_MESSAGE(++steps < kMost, "the core never comes to rest");
 }
 
 void Fixture::wait(Duration time) {
-  settle();
-  const MonotonicTime end = now.mono + time;
-  while (true) {
-    const auto next = steps_->next_deadline();
-    const MonotonicTime to = next ? std::min(std::max(*next, now.mono), end) : end;
-    const Duration passed = to - now.mono;
-    now = {to, now.utc + passed};
-    settle();
-    if (to >= end) return;
+  const MonotonicTime end = events_.now() + time;
+  while (events_.step(end)) {
   }
 }
 
 void Fixture::answer(const std::string& from, Body body) {
-  inbox_.push_back({MessageType::information, from, "cloud", ++count_, 1, 0, 1000, std::move(body)});
+  post({MessageType::information, from, "cloud", ++count_, 1, 0, 1000, std::move(body)});
 }
 
 void Fixture::nack(const Send& send, const std::string& from, const std::string& code, const std::string& what) {
@@ -187,7 +174,7 @@ void Fixture::handle_own(const Send& send) {
 Body Fixture::ask(Body question) {
   asked_ = 1'000'000 + ++count_;
   told_.reset();
-  inbox_.push_back({MessageType::request, "cloud", "cloud", asked_, 0, 0, 1000, std::move(question)});
+  post({MessageType::request, "cloud", "cloud", asked_, 0, 0, 1000, std::move(question)});
   settle();
   REQUIRE(told_);
   return *told_;
@@ -227,7 +214,7 @@ std::string Fixture::decide(AlertDecide verdict, const std::string& from) {
   asked_ = 1'000'000 + ++count_;
   told_.reset();
   verdict.person = "ann";
-  inbox_.push_back({MessageType::command, from, "cloud", asked_, 0, 0, 1000, verdict});
+  post({MessageType::command, from, "cloud", asked_, 0, 0, 1000, verdict});
   settle();
   if (!told_) return "lost";
   if (const auto* ack = get_if<Ack>(&*told_)) {

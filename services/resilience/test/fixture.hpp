@@ -1,10 +1,10 @@
-// A resilience core in virtual time, on a real capability.db: the test plays the router, the robots and a scheduler
-// that accepts decisions as the real one does.
+// A resilience core in the simulator's time and process, on a real capability.db: the test plays the router, the robots
+// and a scheduler that accepts decisions as the real one does.
 #pragma once
 
 #include <doctest/doctest.h>
 
-#include <deque>
+#include <functional>
 #include <map>
 #include <memory>
 #include <set>
@@ -16,6 +16,9 @@
 #include "services/resilience/io/recording_core.hpp"
 #include "services/resilience/io/store.hpp"
 #include "services/resilience/test/fleet_fixture.hpp"
+#include "services/simulator/world/clock.hpp"
+#include "services/simulator/world/core_process.hpp"
+#include "services/simulator/world/events.hpp"
 
 namespace trb::resilience::test {
 
@@ -83,7 +86,7 @@ class Fixture {
   void wait(Duration time);
   void restart();
 
-  Now now{{1'000'000'000'000}, {1'700'000'000'000'000'000}};
+  [[nodiscard]] Now now() const { return clock_.now(); }
   std::map<std::string, Route> routes;
   std::map<std::string, std::map<std::string, std::string>> values;  ///< the robots' answers, by name
   std::map<std::string, SensorReading> readings;                     ///< of robots' sensors
@@ -95,11 +98,10 @@ class Fixture {
   std::vector<ReleaseTasks> releases;  ///< sent to robots
   std::map<std::string, int> heard;    ///< by subtype: messages of the core
   std::string last_text;               ///< of the last Ack or Nack to a person
-  std::size_t commits = 0;
-  std::size_t crash_at = 0;  ///< the process ends with this commit, its messages are lost; 0: never
-  bool deaf = false;         ///< the scheduler does not answer
-  bool no_table = false;     ///< the router does not answer route_list, or it is lost
-  std::size_t page = 1024;   ///< rows of the router's table in a message
+  world::CrashPoint crash;
+  bool deaf = false;        ///< the scheduler does not answer
+  bool no_table = false;    ///< the router does not answer route_list, or it is lost
+  std::size_t page = 1024;  ///< rows of the router's table in a message
   bool knows_watch = true;
   std::string refuses;               ///< the scheduler Nacks decisions with this code
   std::set<std::string> keeps;       ///< robots that do not answer release_tasks
@@ -110,8 +112,8 @@ class Fixture {
   CoreSettings settings;
 
  private:
-  void step(const std::function<void(Outbox&)>& effect);
-  void carry_out(const Outbox& out);
+  void post(Inbound message);
+  void store(const std::vector<Journal>& records);
   void handle(const Send& send);
   void handle_own(const Send& send);
   void release(const std::string& robot, const ReleaseTasks& order);
@@ -129,7 +131,10 @@ class Fixture {
   std::unique_ptr<CapabilityDb> db_;
   std::unique_ptr<ResilienceCore> core_;
   std::unique_ptr<RecordingCore> steps_;
-  std::deque<Inbound> inbox_;
+  world::Events events_;
+  world::Clock clock_{events_};
+  std::unique_ptr<world::CoreProcess> process_;
+  std::shared_ptr<char> bus_;  ///< what is on its way to the process ends with it
   std::uint64_t count_ = 0;
   std::uint64_t version_ = 0;
   std::uint64_t asked_ = 0;  ///< id of the person's message

@@ -59,7 +59,7 @@ void Fixture::changed() {
 
 RunSummary Fixture::summary() const {
   RunSummary out{kRun, view.name, view.state, "", 0, 9, 3, view.epoch, version_};
-  if (ends_at) out.left_s = static_cast<double>((*ends_at - now.mono).count()) / 1e9;
+  if (ends_at) out.left_s = static_cast<double>((*ends_at - now().mono).count()) / 1e9;
   return out;
 }
 
@@ -158,7 +158,7 @@ void Fixture::add(const std::string& id, const NodeProfile& profile, double char
 }
 
 void Fixture::say(const std::string& robot, Body information) {
-  inbox_.push_back({MessageType::information, robot, "*", ++count_, 0, 0, 1000, std::move(information)});
+  post({MessageType::information, robot, "*", ++count_, 0, 0, 1000, std::move(information)});
   settle();
 }
 
@@ -169,7 +169,7 @@ void Fixture::fault(const std::string& robot, const std::string& capability, Sev
 void Fixture::stand(const std::string& robot, const std::string& capability, Severity severity) {
   auto& kept = routes[robot].profile.out_of_use;
   std::erase_if(kept, [&](const OutOfUse& one) { return !one.retired && one.capability == capability; });
-  kept.push_back({capability, severity, capability + " is broken", now.utc.ns, false, ""});
+  kept.push_back({capability, severity, capability + " is broken", now().utc.ns, false, ""});
   fault(robot, capability, severity);
 }
 
@@ -180,7 +180,7 @@ void Fixture::end_fault(const std::string& robot, const std::string& capability,
 }
 
 void Fixture::retire(const std::string& robot, const std::string& text, const std::string& by) {
-  routes[robot].profile.out_of_use.push_back({"", Severity::warning, text, now.utc.ns, true, by});
+  routes[robot].profile.out_of_use.push_back({"", Severity::warning, text, now().utc.ns, true, by});
 }
 
 void Fixture::return_to_service(const std::string& robot) {

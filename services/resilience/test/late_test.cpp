@@ -220,14 +220,14 @@ namespace {
 std::size_t killed(std::size_t at) {
   auto fixture = hall();
   tell(*fixture, "pioneer2", 90, 0.1, 0);
-  fixture->commits = 0;
-  fixture->crash_at = at;
+  fixture->crash.commits = 0;
+  fixture->crash.at = at;
   wants_robot(*fixture, {"t7"});
   fixture->wait(seconds(30));
   REQUIRE(fixture->taken.size() == 1);
   CHECK(rulings(fixture->taken[0]) == "t7>pioneer2");
   CHECK(fixture->alerts().empty());
-  return fixture->commits;
+  return fixture->crash.commits;
 }
 
 }  // namespace

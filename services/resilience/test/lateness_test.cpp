@@ -34,7 +34,7 @@ std::unique_ptr<Fixture> ending(double life_s, double left_s) {
   auto fixture = paper();
   fixture->start.created = 1;
   fixture->start.expires = 1 + static_cast<std::int64_t>(life_s * 1e9);
-  fixture->ends_at = fixture->now.mono + seconds(left_s);
+  fixture->ends_at = fixture->now().mono + seconds(left_s);
   fixture->restart();
   fixture->wait(seconds(6));
   return fixture;
@@ -83,10 +83,10 @@ TEST_CASE(
 TEST_CASE("a run whose end comes near because a clock was put right is told of, though nothing else happens in it") {
   auto fixture = ending(24 * 3600, 10 * 3600);
   CHECK(fixture->run_alerts().empty());
-  fixture->ends_at = fixture->now.mono + seconds(360);
+  fixture->ends_at = fixture->now().mono + seconds(360);
   fixture->wait(seconds(15));
   CHECK(fixture->alert().cause == kRunEnds);
-  fixture->ends_at = fixture->now.mono + seconds(10 * 3600);
+  fixture->ends_at = fixture->now().mono + seconds(10 * 3600);
   fixture->wait(seconds(15));
   CHECK(fixture->run_alerts().empty());
 }

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "services/resilience/core/alert_updater.hpp"
 #include "services/resilience/core/detection.hpp"
-#include "services/resilience/core/open_alerts.hpp"
 #include "services/resilience/test/add_task.hpp"
 #include "services/resilience/test/fleet_fixture.hpp"
 
@@ -72,14 +72,14 @@ class Parts {
   Outbox out;
   RunView view;
   Situation situation;
-  Alerts alerts{situation};
+  AlertLifecycle alerts{situation};
   Proposer proposer{situation, alerts};
   Repairs repairs{situation, alerts};
   Decisions decisions{situation, alerts, repairs};
   StandingAlerts standing{situation, alerts, repairs};
   Verdicts verdicts{VerdictParts{situation, alerts, proposer, repairs, decisions, standing}};
   Policy policy{situation, alerts, proposer, verdicts};
-  OpenAlerts open_alerts{situation, alerts, proposer, policy};
+  AlertUpdater alert_updater{situation, alerts, proposer, policy};
   Detection detection{situation, alerts, proposer, verdicts};
 
  private:

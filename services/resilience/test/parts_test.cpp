@@ -138,24 +138,24 @@ TEST_CASE("policy: it waits for other failures of the same cause and for answers
 TEST_CASE("open alerts: nobody has decided in time") {
   Parts parts;
   Alert& alert = parts.fail_task(0);
-  parts.open_alerts.look(alert, parts.now, parts.out);
+  parts.alert_updater.look(alert, parts.now, parts.out);
   CHECK(alert.waits_for.starts_with("a verdict: trb alert decide"));
   parts.tell_routes("r3");
   parts.wait(default_resilience().expires + seconds(1));
   alert.expires = parts.now.utc.ns;
   parts.alerts.work(alert.id).inquiry.on_ranked(parts.now);
-  parts.open_alerts.look(alert, parts.now, parts.out);
+  parts.alert_updater.look(alert, parts.now, parts.out);
   CHECK(alert.state == AlertState::expired);
 }
 
 TEST_CASE("standing alerts: a fault that no run's alert tells of is an alert of its own, until it is over") {
   Parts parts;
   parts.break_down("r3");
-  parts.standing.tell(parts.now, parts.out);
+  parts.standing.raise_due(parts.now, parts.out);
   CHECK(parts.alerts.open().empty());
-  CHECK(parts.standing.next(parts.now) == parts.now.mono + Standing::kSettle);
-  parts.wait(Standing::kSettle);
-  parts.standing.tell(parts.now, parts.out);
+  CHECK(parts.standing.next(parts.now) == parts.now.mono + UncoveredFaults::kSettle);
+  parts.wait(UncoveredFaults::kSettle);
+  parts.standing.raise_due(parts.now, parts.out);
   REQUIRE(parts.alerts.open().size() == 1);
   Alert& alert = *parts.alerts.open().front();
   CHECK(alert.run.empty());
@@ -180,7 +180,7 @@ TEST_CASE("repairs: the robot's node is told to take into use what its profile h
   REQUIRE(parts.take_sent<TakeIntoUse>().size() == 1);
   const Nack nack{"conflict", std::string(TakeIntoUse::kSubtype), "r3", "it does not turn", ""};
   parts.repairs.on_refused(nack, "r3", parts.now, parts.out);
-  parts.wait(Repair::kProfile);
+  parts.wait(RepairReport::kProfile);
   CHECK(parts.repairs.is_awaited(alert, parts.now, parts.out));
   CHECK(alert.text.ends_with("r3 does not take it into use: it does not turn"));
 }

@@ -12,8 +12,8 @@ namespace {
 /// The paper's story; its person repeats an unanswered verdict. Returns the number of commits.
 std::size_t story(std::size_t crash_at, Verdict verdict) {
   auto fixture = paper();
-  fixture->commits = 0;
-  fixture->crash_at = crash_at;
+  fixture->crash.commits = 0;
+  fixture->crash.at = crash_at;
   fixture->fault("ridgeback", "mobile");
   fixture->end_task("t4", TaskOutcome::failed, "mobile is broken");
   fixture->wait(seconds(10));
@@ -33,7 +33,7 @@ std::size_t story(std::size_t crash_at, Verdict verdict) {
     REQUIRE(fixture->taken.size() == 1);
     CHECK(rulings(fixture->taken[0]) == (verdict == Verdict::retry ? "t4!ridgeback" : "t4>pioneer1 t7>pioneer1"));
   }
-  return fixture->commits;
+  return fixture->crash.commits;
 }
 
 }  // namespace
@@ -54,8 +54,8 @@ namespace {
 /// A person wants to move a task without an alert, and repeats the request if there is no answer.
 std::size_t asked_story(std::size_t crash_at) {
   auto fixture = paper();
-  fixture->commits = 0;
-  fixture->crash_at = crash_at;
+  fixture->crash.commits = 0;
+  fixture->crash.at = crash_at;
   AlertDecide word{"", Verdict::accept, "pioneer2", "", "", false, kRun, {"t7"}};
   if (fixture->decide(word) == "lost") {
     fixture->wait(seconds(8));
@@ -65,7 +65,7 @@ std::size_t asked_story(std::size_t crash_at) {
   REQUIRE(fixture->taken.size() == 1);
   CHECK(rulings(fixture->taken[0]) == "t7>pioneer2");
   CHECK(fixture->alerts().empty());
-  return fixture->commits;
+  return fixture->crash.commits;
 }
 
 /// A person reports that a robot is repaired.
@@ -74,13 +74,13 @@ std::size_t repair_story(std::size_t crash_at) {
   fixture->stand("pioneer2", "mobile");
   fixture->wait(seconds(3));
   const AlertDecide word{fixture->alert().id, Verdict::retry, "", "", "", false};
-  fixture->commits = 0;
-  fixture->crash_at = crash_at;
+  fixture->crash.commits = 0;
+  fixture->crash.at = crash_at;
   fixture->decide(word);
   fixture->wait(seconds(30));
   CHECK(fixture->alerts().empty());
   CHECK(fixture->any(word.alert).state == AlertState::closed);
-  return fixture->commits;
+  return fixture->crash.commits;
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "services/resilience/test/fixture.hpp"
+#include "services/simulator/world/dice.hpp"
 
 using namespace trb;
 using namespace trb::resilience;
@@ -14,14 +15,14 @@ namespace {
 
 class Storm {
  public:
-  explicit Storm(std::uint64_t seed, ResilienceSettings settings) : state_(seed), bench_(paper(std::move(settings))) {}
+  explicit Storm(std::uint64_t seed, ResilienceSettings settings) : dice_(seed), bench_(paper(std::move(settings))) {}
 
   void blow(int steps) {
     for (int i = 0; i < steps; ++i) {
       step();
-      bench_->crash_at = below(4) == 0 ? bench_->commits + 1 + below(2) : 0;
+      bench_->crash.at = below(4) == 0 ? bench_->crash.commits + 1 + below(2) : 0;
       bench_->wait(std::chrono::milliseconds(100 << below(8)));
-      bench_->crash_at = 0;
+      bench_->crash.at = 0;
     }
   }
 
@@ -54,11 +55,7 @@ class Storm {
   }
 
  private:
-  std::uint64_t below(std::uint64_t end) {
-    state_ = state_ * 6364136223846793005ULL + 1442695040888963407ULL;
-    return (state_ >> 33U) % end;
-  }
-
+  std::uint64_t below(std::uint64_t end) { return dice_.below(end); }
   std::string robot() {
     return std::next(bench_->routes.begin(), static_cast<long>(below(bench_->routes.size())))->first;
   }
@@ -137,7 +134,7 @@ class Storm {
     bench_->decide(word);
   }
 
-  std::uint64_t state_;
+  world::Dice dice_;
   std::unique_ptr<Fixture> bench_;
 };
 

@@ -95,7 +95,7 @@ void BridgeCore::begin_publish(const BridgeCommand& command, Now now, Outbox& ou
   if (waiting.size() >= kMaxWaiting) {
     return fail_event(command.token, fail(Errc::queue_full, "too many messages wait for the ROS master"), out);
   }
-  if (waiting.empty()) send_word(Word::look_up, {command.name});
+  if (waiting.empty()) send_to_worker(Word::look_up, {command.name});
   waiting.push_back(std::move(publication));
 }
 
@@ -118,9 +118,9 @@ void BridgeCore::publish(Publication publication, const std::string& name, Now n
   }
   const auto left = std::chrono::duration_cast<milliseconds>(publication.deadline - now.mono).count();
   const std::uint64_t key = ++last_key_;
-  send_word(Word::publish,
-            {std::to_string(key), publication.topic, (*type)->name, (*type)->md5, full_definition(**type),
-             std::to_string(std::max<std::int64_t>(left, 0)), std::move(*wire)});
+  send_to_worker(Word::publish,
+                 {std::to_string(key), publication.topic, (*type)->name, (*type)->md5, full_definition(**type),
+                  std::to_string(std::max<std::int64_t>(left, 0)), std::move(*wire)});
   out.count("to_ros." + publication.topic);
   published_.emplace(key, std::move(publication));
 }
@@ -134,7 +134,7 @@ void BridgeCore::listen(const BridgeCommand& command, Now now, Outbox& out) {
   if (topic.listeners.size() >= kMaxWaiting) {
     return fail_event(command.token, fail(Errc::queue_full, "too many wait for " + command.name), out);
   }
-  if (known == topics_.end()) send_word(Word::subscribe, {command.name});
+  if (known == topics_.end()) send_to_worker(Word::subscribe, {command.name});
   topic.idle_since.reset();
   topic.listeners.push_back({command.token, command.paths, command.action == BridgeAction::watch,
                              now.mono + patience(command.timeout_s), now.mono});
@@ -144,7 +144,7 @@ void BridgeCore::forget(std::uint64_t token, Now now) {
   for (auto& [topic, waiting] : looked_up_) std::erase_if(waiting, [&](const auto& one) { return one.token == token; });
   std::erase_if(published_, [&](const auto& entry) {
     if (entry.second.token != token) return false;
-    send_word(Word::drop, {std::to_string(entry.first)});
+    send_to_worker(Word::drop, {std::to_string(entry.first)});
     return true;
   });
   for (auto& [name, topic] : topics_) {
@@ -160,7 +160,7 @@ void BridgeCore::forget_adapter() {
 }
 
 void BridgeCore::drop_published() {
-  for (const auto& [key, publication] : published_) send_word(Word::drop, {std::to_string(key)});
+  for (const auto& [key, publication] : published_) send_to_worker(Word::drop, {std::to_string(key)});
   published_.clear();
 }
 
@@ -177,14 +177,14 @@ void BridgeCore::on_worker_bytes(BytesView bytes, Now now, Outbox& out) {
   if (!worker_) return;
   std::vector<WorkerMessage> messages;
   const Status read = reader_.add(bytes, messages);
-  for (WorkerMessage& message : messages) on_word(message, now, out);
+  for (WorkerMessage& message : messages) on_worker_message(message, now, out);
   if (read) return;
   out.log(LogLevel::error, "worker_garbled", read.error().text());
   output_.kill = true;
   on_worker_ended("the ROS worker could not be understood", now, out);
 }
 
-void BridgeCore::on_word(WorkerMessage& message, Now now, Outbox& out) {
+void BridgeCore::on_worker_message(WorkerMessage& message, Now now, Outbox& out) {
   alive_ = now.mono;
   const auto& parts = message.parts;
   const auto token = [&parts] { return parse_number<std::uint64_t>(parts[0]).value_or(0); };
@@ -269,10 +269,10 @@ void BridgeCore::on_message(WorkerMessage& message, Now now, Outbox& out) {
   Topic& topic = at->second;
   for (Listener& listener : topic.listeners) listener.owed = true;
   topic.newest.reset();
-  if (tell_message(topic, message, now, out)) topic.newest = std::move(message);
+  if (send_message(topic, message, now, out)) topic.newest = std::move(message);
 }
 
-bool BridgeCore::tell_message(Topic& topic, const WorkerMessage& message, Now now, Outbox& out) {
+bool BridgeCore::send_message(Topic& topic, const WorkerMessage& message, Now now, Outbox& out) {
   auto& listeners = topic.listeners;
   const auto is_due = [&](const Listener& one) { return one.owed && (!one.watch || now.mono >= one.next); };
   if (!std::ranges::any_of(listeners, is_due)) return std::ranges::any_of(listeners, &Listener::owed);
@@ -295,9 +295,9 @@ bool BridgeCore::tell_message(Topic& topic, const WorkerMessage& message, Now no
 }
 
 /// A topic that tells only changes may say nothing more for hours: its last message must not be lost.
-void BridgeCore::tell_owed(Now now, Outbox& out) {
+void BridgeCore::send_owed(Now now, Outbox& out) {
   for (auto& [name, topic] : topics_) {
-    if (topic.newest && !tell_message(topic, *topic.newest, now, out)) topic.newest.reset();
+    if (topic.newest && !send_message(topic, *topic.newest, now, out)) topic.newest.reset();
   }
 }
 
@@ -323,7 +323,7 @@ void BridgeCore::tick(Now now, Outbox& out) {
     output_.kill = true;
     on_worker_ended("the ROS master at " + settings_.master + " does not answer", now, out);
   }
-  tell_owed(now, out);
+  send_owed(now, out);
   expire(now, out);
   if (welcomed_ && now.mono >= next_state_) send_state(now, out);
 }
@@ -356,7 +356,7 @@ void BridgeCore::expire_listeners(Now now, Outbox& out) {
   }
   std::erase_if(topics_, [&](const auto& entry) {
     if (!entry.second.idle_since || now.mono - *entry.second.idle_since < kIdle) return false;
-    send_word(Word::unsubscribe, {entry.first});
+    send_to_worker(Word::unsubscribe, {entry.first});
     return true;
   });
 }

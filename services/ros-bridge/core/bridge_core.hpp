@@ -80,13 +80,13 @@ class BridgeCore : public Core {
   void forget_adapter();
   /// Neither is it published later.
   void drop_published();
-  void on_word(WorkerMessage& message, Now now, Outbox& out);
+  void on_worker_message(WorkerMessage& message, Now now, Outbox& out);
   void on_alive(bool up, const std::string& detail, Now now, Outbox& out);
   void on_type(const std::string& topic, const std::string& type, Now now, Outbox& out);
   void on_message(WorkerMessage& message, Now now, Outbox& out);
   /// Tells it to those listeners whose time has come. True: it is still owed to others.
-  bool tell_message(Topic& topic, const WorkerMessage& message, Now now, Outbox& out);
-  void tell_owed(Now now, Outbox& out);
+  bool send_message(Topic& topic, const WorkerMessage& message, Now now, Outbox& out);
+  void send_owed(Now now, Outbox& out);
   Result<Value> read_message(const WorkerMessage& message);
   Result<RosTypePtr> type_of(const std::string& name);
   void end_publish(std::uint64_t token, const std::optional<Error>& error, Outbox& out);
@@ -97,7 +97,7 @@ class BridgeCore : public Core {
   void fail_event(std::uint64_t token, const Error& error, Outbox& out) const {
     event(token, BridgeResult::failed, {}, error, out);
   }
-  void send_word(Word word, std::vector<Bytes> parts) { output_.bytes += to_bytes({word, std::move(parts)}); }
+  void send_to_worker(Word word, std::vector<Bytes> parts) { output_.bytes += to_bytes({word, std::move(parts)}); }
   void forget_all();
   void set_state(bool up, const std::string& detail, Now now, Outbox& out);
   void send_state(Now now, Outbox& out);

@@ -42,7 +42,7 @@ class Worker {
       if (!node_) continue;
       roscpp::getGlobalCallbackQueue()->callAvailable();
       publish_due();
-      tell_newest();
+      send_newest();
     }
   }
 
@@ -66,7 +66,7 @@ class Worker {
     Heard::ConstMessagePtr newest{};  ///< it came too soon after the last one that was told
   };
 
-  static void send_word(Word word, std::vector<Bytes> parts) {
+  static void send_to_bridge(Word word, std::vector<Bytes> parts) {
     const Bytes bytes = to_bytes({word, std::move(parts)});
     for (std::size_t sent = 0; sent < bytes.size();) {
       const ssize_t now = ::send(kBridge, bytes.data() + sent, bytes.size() - sent, MSG_NOSIGNAL);
@@ -75,7 +75,7 @@ class Worker {
     }
   }
   static void refuse(const Bytes& token, std::string_view code, const std::string& what, const std::string& hint) {
-    send_word(Word::failed, {token, Bytes(code), what, hint});
+    send_to_bridge(Word::failed, {token, Bytes(code), what, hint});
   }
 
   /// False: the bridge is gone.
@@ -112,7 +112,7 @@ class Worker {
     const bool there = roscpp::master::execute("getPid", request, response, pid, false);
     next_alive_ = Clock::now() + kAlive;
     if (!there) {
-      send_word(Word::alive, {"absent", "no ROS master at " + master_});
+      send_to_bridge(Word::alive, {"absent", "no ROS master at " + master_});
       return true;
     }
     const int number = pid;
@@ -124,7 +124,7 @@ class Worker {
       node_ = std::make_unique<roscpp::NodeHandle>();
       (void)remembers();  // at once: the next look may already find another master
     }
-    send_word(Word::alive, {"up", ""});
+    send_to_bridge(Word::alive, {"up", ""});
     return true;
   }
 
@@ -153,7 +153,7 @@ class Worker {
         if (std::string(types[i][0]) == full) type = std::string(types[i][1]);
       }
     }
-    send_word(Word::type, {topic, type == "*" ? "" : type});
+    send_to_bridge(Word::type, {topic, type == "*" ? "" : type});
   }
 
   void take_publication(const std::vector<Bytes>& parts) {
@@ -201,7 +201,7 @@ class Worker {
       if (!blocked[waiting.topic] && publisher.publisher.getNumSubscribers() > 0) {
         fill(publisher.message, waiting.wire);
         publisher.publisher.publish(publisher.message);
-        send_word(Word::published, {waiting.token});
+        send_to_bridge(Word::published, {waiting.token});
       } else if (Clock::now() >= waiting.deadline) {
         refuse(waiting.token, "timeout", waiting.topic + ": nobody subscribes to it as " + publisher.type,
                "start the robot's node; if it runs, compare the sums: rosmsg md5 " + publisher.type + " is " +
@@ -217,30 +217,31 @@ class Worker {
   void subscribe(const std::string& topic) {
     Subscription& subscription = subscriptions_[topic];
     subscription.subscriber = node_->subscribe<topic_tools::ShapeShifter const>(
-        topic, 2, boost::function<void(const Heard&)>([this, topic](const Heard& heard) { on_heard(topic, heard); }));
+        topic, 2,
+        boost::function<void(const Heard&)>([this, topic](const Heard& heard) { on_received(topic, heard); }));
   }
 
-  void on_heard(const std::string& topic, const Heard& heard) {
+  void on_received(const std::string& topic, const Heard& heard) {
     const auto at = subscriptions_.find(topic);
     if (at == subscriptions_.end()) return;
     at->second.newest = heard.getConstMessage();
-    tell_if_due(topic, at->second);
+    send_if_due(topic, at->second);
   }
 
   /// The last message of a topic that then falls silent is not lost.
-  void tell_newest() {
-    for (auto& [topic, subscription] : subscriptions_) tell_if_due(topic, subscription);
+  void send_newest() {
+    for (auto& [topic, subscription] : subscriptions_) send_if_due(topic, subscription);
   }
 
-  static void tell_if_due(const std::string& topic, Subscription& subscription) {
+  static void send_if_due(const std::string& topic, Subscription& subscription) {
     if (!subscription.newest || Clock::now() < subscription.next) return;
     subscription.next = Clock::now() + kBetweenMessages;
     const auto message = std::exchange(subscription.newest, nullptr);
     Bytes wire(message->size(), '\0');
     roscpp::serialization::OStream stream(reinterpret_cast<std::uint8_t*>(wire.data()), message->size());
     message->write(stream);
-    send_word(Word::message,
-              {topic, message->getDataType(), message->getMD5Sum(), message->getMessageDefinition(), wire});
+    send_to_bridge(Word::message,
+                   {topic, message->getDataType(), message->getMD5Sum(), message->getMessageDefinition(), wire});
   }
 
   std::string master_;

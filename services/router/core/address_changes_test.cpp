@@ -172,7 +172,7 @@ TEST_CASE("a peer that tells no address is not dialled when its link has ended, 
   fleet.carry_out(ant, effects);
   REQUIRE(ant.link_to("bee") == 9);
   Effects ended;
-  ant.core->links().on_ended(9, LinkEnd::disconnected, fleet.now, ended);
+  ant.core->links().on_ended(9, LinkEndReason::disconnected, fleet.now, ended);
   fleet.carry_out(ant, ended);
   fleet.run(Seconds(30));
   CHECK(ant.dials.empty());

@@ -34,7 +34,7 @@ void Beacons::refuse(std::string_view reason, const std::string& text, Now now, 
 
 /// A starting node sends several beacons. No signature need be checked to see that one changes nothing: the peer is
 /// linked, with that boot and address, and a beacon of it was checked just now.
-bool Beacons::tells_nothing(const std::string& signer, const Beacon& beacon, Now now) const {
+bool Beacons::is_repeated(const std::string& signer, const Beacon& beacon, Now now) const {
   constexpr Duration kFresh = std::chrono::seconds(2);
   const Peer* known = table_.find(signer);
   if (known == nullptr || known->link == 0) return false;
@@ -51,7 +51,7 @@ void Beacons::on_beacon(BytesView plain, Now now, Effects& out) {
   if (record->signer == node_.id()) return;
   auto beacon = decode<Beacon>(record->payload.bytes);
   if (!beacon) return refuse_for(beacon.error());
-  if (tells_nothing(record->signer, *beacon, now)) return;
+  if (is_repeated(record->signer, *beacon, now)) return;
   // Any holder of the fleet's beacon key, for example a revoked node, could keep this node busy checking signatures.
   if (!budget_.take(now.mono))
     return refuse("too_many", "over " + std::to_string(kBeaconsChecked) + " in a second; links do without", now, out);

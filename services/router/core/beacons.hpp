@@ -42,7 +42,7 @@ class Beacons {
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const { return next_; }
 
  private:
-  [[nodiscard]] bool tells_nothing(const std::string& signer, const Beacon& beacon, Now now) const;
+  [[nodiscard]] bool is_repeated(const std::string& signer, const Beacon& beacon, Now now) const;
   Result<Certificate> check(const SignedRecord& record, const Beacon& beacon, Now now, Effects& out);
   [[nodiscard]] bool is_replayed(const Peer& peer, const Certificate& certificate, const Beacon& beacon) const;
   void follow(Peer& peer, const Beacon& beacon, Now now, Effects& out);

@@ -70,21 +70,21 @@ TEST_CASE("several services hear one information, whether or not somebody takes 
     bus.fleet.carry_out(bus.ant, effects);
     return bus.ant.bus.back().message.subtype;
   };
-  const auto hearers = [&](const Message& message) { return bus.ant.core->bus().copies_for(header_of(message)); };
+  const auto subscribers = [&](const Message& message) { return bus.ant.core->bus().copies_for(header_of(message)); };
   using Ids = std::vector<ConnectionId>;
   CHECK(hear(1, "scheduler", {"robot_fault", "robot_fault"}) == "service_welcome");
   CHECK(hear(2, "resilience", {"robot_fault", "peer_expired"}) == "service_welcome");
   CHECK(hear(3, "mode-adapter", {"move"}) == "nack");
   const Message fault = make_message(MessageType::information, "bee", "*", RobotFault{"grab", Severity::fatal, "x"});
-  CHECK(hearers(fault) == Ids{1, 2});
+  CHECK(subscribers(fault) == Ids{1, 2});
   Message command = fault;
   command.type = MessageType::command;
-  CHECK(hearers(command).empty());
+  CHECK(subscribers(command).empty());
   Message answer = fault;
   answer.reply_to = 7;
-  CHECK(hearers(answer).empty());
+  CHECK(subscribers(answer).empty());
   bus.gone(2);
-  CHECK(hearers(fault) == Ids{1});
+  CHECK(subscribers(fault) == Ids{1});
 }
 
 TEST_CASE("a service is who its socket or key proves, whatever it says, and a probe is none") {

@@ -65,7 +65,7 @@ TEST_CASE("who is at the door is not dialled: its own dial has its time to say H
   TestNode& ant = inbox.ant;
   inbox.say_hello(9, inbox.bee);
   Effects effects;
-  ant.core->links().on_ended(9, LinkEnd::disconnected, inbox.fleet.now, effects);
+  ant.core->links().on_ended(9, LinkEndReason::disconnected, inbox.fleet.now, effects);
   inbox.fleet.carry_out(ant, effects);
   CHECK(inbox.admit(inbox.bee.link.public_key));
   inbox.fleet.run(milliseconds(1900));

@@ -97,13 +97,13 @@ struct DeliverHeld {
   std::uint64_t last = 0;
 };
 
-/// The link ends: frames held for it are not delivered. With `tell` it can still carry the Nacks; a seal and a Goodbye
-/// follow.
+/// The link ends: frames held for it are not delivered. With `may_send` it can still carry the Nacks; a seal and a
+/// Goodbye follow.
 struct ReturnHeld {
   LinkId link = 0;
   std::string peer;
   std::string why;
-  bool tell = false;
+  bool may_send = false;
 };
 
 using Effect = std::variant<BusSend, LinkSend, Dial, CloseLink, AcceptLink, SendBeacon, StorePeers, RefuseCandidate,

@@ -89,7 +89,7 @@ void Forwarding::on_unsent(ConnectionId from, const HeaderView& header, Errc rea
 void Forwarding::on_bus_message(ConnectionId from, const Message& message, Now now, Effects& out) {
   const Connection* connection = at_.bus.services().find(from);
   if (connection == nullptr) return;
-  at_.bus.heard(from, now);
+  at_.bus.on_received(from, now);
   const auto body = decode_body(message.subtype, message.data);
   if (!body) return at_.bus.deny(from, message, body.error(), out);
   const std::string_view service =
@@ -123,7 +123,7 @@ FrameOrders Forwarding::from_link(LinkId id, const HeaderView& header, BytesView
   orders.way = link == nullptr ? Routing{.reason = Errc::unknown_peer_key} : route(*link, header, now, out);
   link = at_.table.link(id);
   const bool was_up = link != nullptr && link->up;
-  if (was_up && !hear(id, header, frame, now, orders, out)) {
+  if (was_up && !receive(id, header, frame, now, orders, out)) {
     unsealed(id, header, orders, out);
     return orders;
   }
@@ -156,8 +156,8 @@ Routing Forwarding::route(Link& link, const HeaderView& header, Now now, Effects
 }
 
 /// Adds the frame to the running hash of its link, and to the log of proof. False: the link was closed because of it.
-bool Forwarding::hear(LinkId id, const HeaderView& header, BytesView frame, Now now, FrameOrders& orders,
-                      Effects& out) {
+bool Forwarding::receive(LinkId id, const HeaderView& header, BytesView frame, Now now, FrameOrders& orders,
+                         Effects& out) {
   const Link* link = at_.table.link(id);
   if (link == nullptr || !link->up) return link != nullptr;
   orders.proof = at_.seals.find(id);
@@ -174,7 +174,7 @@ void Forwarding::to_router(LinkId id, const HeaderView& header, BytesView frame,
   const Bytes key = was_up ? Bytes() : link.key;
   if (!was_up || !inbox_.on_usual(link, header, now, out))
     inbox_.on_message(id, key, to_message(header), header.sequence, now, out);
-  if (!was_up) hear(id, header, frame, now, orders, out);
+  if (!was_up) receive(id, header, frame, now, orders, out);
   orders.sealed = header.subtype == Seal::kSubtype && at_.table.link(id) != nullptr;
 }
 
@@ -189,7 +189,7 @@ FrameOrders Forwarding::from_stranger(BytesView key, const HeaderView& header, B
   FrameOrders orders;
   const bool fresh = at_.table.link(header.link) == nullptr;
   inbox_.on_message(header.link, key, to_message(header), header.sequence, now, out);
-  if (fresh) hear(header.link, header, frame, now, orders, out);
+  if (fresh) receive(header.link, header, frame, now, orders, out);
   return orders;
 }
 
@@ -232,12 +232,12 @@ void Forwarding::on_returned(const ReturnHeld& of, const std::vector<HeaderView>
     if (std::exchange(last, header.sequence) == header.sequence) continue;
     ++messages;
     auto nack = at_.messages.nack_elsewhere(header, Errc::seal_broken, out);
-    if (nack && of.tell) out.add(LinkSend{of.link, std::move(*nack)});
+    if (nack && of.may_send) out.add(LinkSend{of.link, std::move(*nack)});
   }
   if (messages == 0) return;
   out.log(LogLevel::warning, "undelivered",
           std::to_string(messages) + " messages of " + of.peer +
-              " waited for their seal and are not delivered: " + of.why + (of.tell ? "" : "; it cannot be told"));
+              " waited for their seal and are not delivered: " + of.why + (of.may_send ? "" : "; it cannot be told"));
 }
 
 }  // namespace trb::router

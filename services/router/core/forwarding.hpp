@@ -65,7 +65,7 @@ class Forwarding {
   void lossy_to_every_peer(ConnectionId from, const HeaderView& header, BytesView frame, Now now, FrameOrders& orders,
                            Effects& out);
   Routing route(Link& link, const HeaderView& header, Now now, Effects& out);
-  bool hear(LinkId link, const HeaderView& header, BytesView frame, Now now, FrameOrders& orders, Effects& out);
+  bool receive(LinkId link, const HeaderView& header, BytesView frame, Now now, FrameOrders& orders, Effects& out);
   void to_router(LinkId link, const HeaderView& header, BytesView frame, Now now, FrameOrders& orders, Effects& out);
   void unsealed(LinkId link, const HeaderView& header, FrameOrders& orders, Effects& out);
 

@@ -107,7 +107,7 @@ bool Handshake::proves_name(const Link& link, const Message& message, const Hell
 
 /// A member makes a link only now and then. Each further Hello costs a check of its signature, descriptors, and all
 /// trust updates: a member that sends too many stays out for a while, and has three links at most.
-bool Handshake::may_say_hello(LinkId id, BytesView key, Now now, Effects& out) {
+bool Handshake::may_send_hello(LinkId id, BytesView key, Now now, Effects& out) {
   Peer* peer = table_.by_key(key);
   if (peer == nullptr) return true;
   if (!peer->hellos.take(now.mono)) {
@@ -116,7 +116,7 @@ bool Handshake::may_say_hello(LinkId id, BytesView key, Now now, Effects& out) {
             peer->id + " says Hello over " + std::to_string(kHellosOfOne) +
                 " times in a second; its key stays out for a while");
     admission_.silence(key, now.mono);
-    say(id, Goodbye{"too many Hellos"}, out);
+    send(id, Goodbye{"too many Hellos"}, out);
     return false;
   }
   std::vector<const Link*> waiting;
@@ -152,7 +152,7 @@ void Handshake::on_other_version(LinkId id, BytesView key, std::uint8_t version,
   out.log(LogLevel::warning, "version_mismatch", text);
   errors_.note(name, "", errc_name(Errc::version_mismatch), text, now);
   if (table_.link(id) != nullptr) return links_.drop(id, "version_mismatch: " + apart + " there", false, now, out);
-  say(header.link, Goodbye{"version_mismatch: " + apart + " there: install the same on both nodes"}, out, version);
+  send(header.link, Goodbye{"version_mismatch: " + apart + " there: install the same on both nodes"}, out, version);
 }
 
 std::optional<Carried> Handshake::on_hello(LinkId id, BytesView key, const Message& message, std::uint64_t sequence,
@@ -163,7 +163,7 @@ std::optional<Carried> Handshake::on_hello(LinkId id, BytesView key, const Messa
     out.count("refused.repeated_hello");
     return std::nullopt;
   }
-  if (!dialled && !may_say_hello(id, key, now, out)) return std::nullopt;
+  if (!dialled && !may_send_hello(id, key, now, out)) return std::nullopt;
   const Link fresh = fresh_link(id, key, now.mono);
   const auto hello = read(id, message);
   const auto certificate =
@@ -196,7 +196,7 @@ void Handshake::refuse_dialled(Link& link, const Message& message, const Result<
 
 void Handshake::refuse_accepted(const Link& link, const Message& message, const Result<Hello>& hello, const Error& why,
                                 Now now, Effects& out) {
-  if (const auto update = hello ? trust_.for_refused(why, *hello) : std::nullopt) say(link.id, *update, out);
+  if (const auto update = hello ? trust_.for_refused(why, *hello) : std::nullopt) send(link.id, *update, out);
   // An unproven name is not recorded: a stranger could fill the table with names, or blame a member.
   const std::string_view name = hello && proves_name(link, message, *hello) ? message.source : std::string_view();
   errors_.note(name, "", errc_name(why.code), why.what, now);
@@ -207,11 +207,11 @@ void Handshake::refuse(LinkId id, BytesView key, const Error& error, Now now, Ef
   out.count("refused." + std::string(errc_name(error.code)));
   out.log(LogLevel::warning, "candidate_refused", error.text());
   if (!table_.is_expected(key)) admission_.deny(key, now.mono);
-  say(id, Goodbye{std::string(errc_name(error.code))}, out);
+  send(id, Goodbye{std::string(errc_name(error.code))}, out);
 }
 
 /// Answers the connection whose message is being handled; there is no link yet.
-void Handshake::say(LinkId id, const Body& body, Effects& out, std::uint8_t version) {
+void Handshake::send(LinkId id, const Body& body, Effects& out, std::uint8_t version) {
   if (auto message = messages_.make("", 0, body, out)) out.add(RefuseCandidate{id, std::move(*message), version});
 }
 

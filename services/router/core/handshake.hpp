@@ -57,7 +57,7 @@ class Handshake {
   /// The first message of a connection is not valid: it is answered by a Goodbye.
   void refuse(LinkId link, BytesView key, const Error& error, Now now, Effects& out);
   /// The last word to the connection whose message is being handled; it has no link.
-  void say(LinkId link, const Body& body, Effects& out, std::uint8_t version = kWireVersion);
+  void send(LinkId link, const Body& body, Effects& out, std::uint8_t version = kWireVersion);
 
  private:
   void send_hello(Link& link, Now now, Effects& out);
@@ -68,7 +68,7 @@ class Handshake {
   [[nodiscard]] Status check_known(const Link& link, const Hello& hello, const Certificate& certificate) const;
   [[nodiscard]] bool proves_name(const Link& link, const Message& message, const Hello& hello) const;
   [[nodiscard]] std::string name_of_other(BytesView key, const HeaderView& header);
-  bool may_say_hello(LinkId link, BytesView key, Now now, Effects& out);
+  bool may_send_hello(LinkId link, BytesView key, Now now, Effects& out);
   void refuse_dialled(Link& link, const Message& message, const Result<Hello>& hello, const Error& why, Now now,
                       Effects& out);
   void refuse_accepted(const Link& link, const Message& message, const Result<Hello>& hello, const Error& why, Now now,

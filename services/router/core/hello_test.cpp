@@ -248,7 +248,7 @@ TEST_CASE("another computer under a name takes it over: the key of the one befor
   inbox.say_hello(9, inbox.bee);
   const TestKeys fresh = inbox.fleet.authority.sign_node("bee", Role::robot, 2);
   Effects effects;
-  inbox.ant.core->links().on_ended(9, LinkEnd::disconnected, inbox.fleet.now, effects);
+  inbox.ant.core->links().on_ended(9, LinkEndReason::disconnected, inbox.fleet.now, effects);
   inbox.fleet.carry_out(inbox.ant, effects);
   inbox.say_hello(10, fresh);
   REQUIRE(inbox.ant.link_to("bee") == 10);
@@ -272,7 +272,7 @@ TEST_CASE("services hear of a peer that was started again or had expired, not of
     Effects out;
     ant.core->inbox().on_message(++link, bee.link.public_key, make_message(MessageType::information, "bee", "", hello),
                                  1, fleet.now, out);
-    ant.core->links().on_ended(link, LinkEnd::disconnected, fleet.now, out);
+    ant.core->links().on_ended(link, LinkEndReason::disconnected, fleet.now, out);
     fleet.carry_out(ant, out);
     return ant.told("peer_joined");
   };
@@ -372,7 +372,7 @@ TEST_CASE("where peers are is stored 5 s after one told a new address or was dia
     CHECK_FALSE(tick(Seconds(5) - Duration(1)));
     const bool stored = tick(Seconds(5));
     Effects effects;
-    ant.core->links().on_ended(link, LinkEnd::disconnected, inbox.fleet.now, effects);
+    ant.core->links().on_ended(link, LinkEndReason::disconnected, inbox.fleet.now, effects);
     inbox.fleet.carry_out(ant, effects);
     return stored;
   };

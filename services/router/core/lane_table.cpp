@@ -86,7 +86,7 @@ void LaneTable::on_connected(LinkId link, Now now) {
   if (Lane* lane = row(link)) lane->connected = now.mono;
 }
 
-void LaneTable::on_ended(LinkId link, LinkEnd how, Now now, Effects& out) {
+void LaneTable::on_ended(LinkId link, LinkEndReason how, Now now, Effects& out) {
   Lane* lane = row(link);
   if (lane == nullptr) return;
   out.count("lane." + std::string(name_of(how)));

@@ -7,7 +7,7 @@
 
 #include "common/base/deadline_index.hpp"
 #include "services/router/core/lane.hpp"
-#include "services/router/core/link_end.hpp"
+#include "services/router/core/link_end_reason.hpp"
 #include "services/router/core/local_node.hpp"
 #include "services/router/core/peer_table.hpp"
 
@@ -50,7 +50,7 @@ class LaneTable {
   /// The link is up: its lane is dialled soon, if the Hello names one.
   void open(const Link& link, const Hello& hello, Now now);
   void on_connected(LinkId link, Now now);
-  void on_ended(LinkId link, LinkEnd how, Now now, Effects& out);
+  void on_ended(LinkId link, LinkEndReason how, Now now, Effects& out);
 
   // ---- this node's lane
 

@@ -40,7 +40,7 @@ TEST_CASE("given a lane that ends again and again, then it is dialled ever less 
   Lanes lanes;
   lanes.open();
   for (const Duration wait : {kLaneFirst, 2 * kLaneFirst, 4 * kLaneFirst}) {
-    lanes.lanes.on_ended(lanes.link.id, LinkEnd::failed, lanes.now, lanes.out);
+    lanes.lanes.on_ended(lanes.link.id, LinkEndReason::failed, lanes.now, lanes.out);
     CHECK(*lanes.lanes.of(lanes.link.id).dial_at == lanes.now.mono + wait);
   }
 }

@@ -62,8 +62,8 @@ struct Stream {
 
 TEST_CASE("each end of a link hears the other's lane, and a stream goes by it beside the link") {
   Stream stream;
-  CHECK(stream.fleet.hears("bee", "ant"));
-  CHECK(stream.fleet.hears("ant", "bee"));
+  CHECK(stream.fleet.receives_lane("bee", "ant"));
+  CHECK(stream.fleet.receives_lane("ant", "bee"));
   const std::uint64_t heard = stream.bee.core->table().link(stream.bee.link_to("ant"))->heard;
   for (int i = 0; i < 1000; ++i) CHECK(stream.fleet.stream("ant", stream.value()).to == To::lane);
   CHECK(stream.bee.delivered.size() == 1000);
@@ -79,23 +79,23 @@ TEST_CASE("a lane is dialled after its link, and again when it has broken, ever 
   stream.fleet.break_lane("bee", "ant");
   CHECK(stream.fleet.stream("ant", stream.value()).to == To::peer);
   stream.fleet.run(std::chrono::milliseconds(250));
-  CHECK(stream.fleet.hears("bee", "ant"));
+  CHECK(stream.fleet.receives_lane("bee", "ant"));
 
   stream.fleet.cut("bee", "ant");
   stream.fleet.break_lane("bee", "ant");
-  CHECK_FALSE(stream.fleet.hears("bee", "ant"));
+  CHECK_FALSE(stream.fleet.receives_lane("bee", "ant"));
 }
 
 TEST_CASE("the lane ends with its link, and comes back with it") {
   Stream stream;
   const LinkId old = stream.bee.link_to("ant");
   stream.fleet.move("ant", "10.0.1.1:45000");
-  CHECK_FALSE(stream.fleet.hears("bee", "ant"));
+  CHECK_FALSE(stream.fleet.receives_lane("bee", "ant"));
   stream.ant.core->set_lane("10.0.1.1:45001");
   stream.fleet.run(Seconds(4));
   CHECK(stream.bee.link_to("ant") != old);
-  CHECK(stream.fleet.hears("bee", "ant"));
-  CHECK(stream.fleet.hears("ant", "bee"));
+  CHECK(stream.fleet.receives_lane("bee", "ant"));
+  CHECK(stream.fleet.receives_lane("ant", "bee"));
   stream.fleet.stop("ant");
   CHECK(stream.bee.lane_dials.size() == 2);
   stream.fleet.run(Seconds(5));
@@ -184,14 +184,14 @@ TEST_CASE("a stream that nobody asked for is refused by a lane as it is by a lin
   CHECK(
       stream.bee.core->routing().from_lane(stream.bee.link_to("cat"), header_of(stream.value("cat")), effects).reason ==
       Errc::not_asked);
-  CHECK(stream.fleet.hears("bee", "cat"));
+  CHECK(stream.fleet.receives_lane("bee", "cat"));
   CHECK(cat.delivered.empty());
 }
 
 TEST_CASE("a peer that does not listen gets a stream by its link, and of a flood no more than that") {
   Stream stream(TestFleet::Options{.lane = false});
-  CHECK_FALSE(stream.fleet.hears("bee", "ant"));
-  CHECK(stream.fleet.hears("ant", "bee"));
+  CHECK_FALSE(stream.fleet.receives_lane("bee", "ant"));
+  CHECK(stream.fleet.receives_lane("ant", "bee"));
   for (int i = 0; i < 100; ++i) stream.fleet.stream("ant", stream.value());
   stream.fleet.run(Seconds(1));
   CHECK(stream.bee.delivered.size() == Spare::kMessages);
@@ -252,9 +252,9 @@ TEST_CASE("a lane that breaks again and again is dialled ever less often; one th
   const auto comes_back_after = [&](Duration wait) {
     stream.fleet.break_lane("bee", "ant");
     stream.fleet.run(wait - 2 * kStep);
-    CHECK_FALSE(stream.fleet.hears("bee", "ant"));
+    CHECK_FALSE(stream.fleet.receives_lane("bee", "ant"));
     stream.fleet.run(3 * kStep);
-    CHECK(stream.fleet.hears("bee", "ant"));
+    CHECK(stream.fleet.receives_lane("bee", "ant"));
   };
   comes_back_after(milliseconds(200));
   comes_back_after(milliseconds(400));
@@ -291,7 +291,8 @@ TEST_CASE("a lane was heard for long if it was for more than a lease") {
     const LinkId link = stream.bee.link_to("ant");
     const auto ends = [&](Duration after) {
       Effects effects;
-      bee.lanes().on_ended(link, LinkEnd::disconnected, {stream.fleet.now.mono + after, stream.fleet.now.utc}, effects);
+      bee.lanes().on_ended(link, LinkEndReason::disconnected, {stream.fleet.now.mono + after, stream.fleet.now.utc},
+                           effects);
       return *bee.lanes().of(link).dial_at - stream.fleet.now.mono - after;
     };
     CHECK(ends({}) == kLaneFirst);

@@ -38,7 +38,7 @@ struct Clock {
   }
   void end(LinkId link, Duration after) {
     Effects effects;
-    node.core->links().on_ended(link, LinkEnd::disconnected, at(after), effects);
+    node.core->links().on_ended(link, LinkEndReason::disconnected, at(after), effects);
     fleet.carry_out(node, effects);
   }
   /// A message comes by the bee's link.

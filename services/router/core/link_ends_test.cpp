@@ -118,7 +118,7 @@ TEST_CASE("a link that is closed here ends with a seal and a Goodbye; one that b
   CHECK(contains_a<SealDue>(closed));
   CHECK_FALSE(contains_a<ReturnHeld>(closed));  // its messages were delivered at once
   Effects broken;
-  ant.core->links().on_ended(ant.link_to("cat"), LinkEnd::disconnected, fleet.now, broken);
+  ant.core->links().on_ended(ant.link_to("cat"), LinkEndReason::disconnected, fleet.now, broken);
   CHECK(contains_a<CloseLink>(broken));
   CHECK_FALSE(says(broken, Goodbye::kSubtype));
   CHECK_FALSE(contains_a<SealDue>(broken));
@@ -130,7 +130,8 @@ TEST_CASE("a link that is closed here ends with a seal and a Goodbye; one that b
 }
 
 TEST_CASE("how a dial ended is counted, unless nobody was there or the connection broke, as happens every day") {
-  for (const auto how : {LinkEnd::failed, LinkEnd::disconnected, LinkEnd::refused_key, LinkEnd::no_curve}) {
+  for (const auto how :
+       {LinkEndReason::failed, LinkEndReason::disconnected, LinkEndReason::refused_key, LinkEndReason::no_curve}) {
     TestFleet fleet;
     TestNode& ant = fleet.start("ant", {.beacon = false, .seeds = {"bee"}});
     fleet.start("bee", {.beacon = false});
@@ -138,7 +139,7 @@ TEST_CASE("how a dial ended is counted, unless nobody was there or the connectio
     fleet.run(kStep);
     Effects effects;
     ant.core->links().on_ended(ant.dials.back().link, how, fleet.now, effects);
-    const bool counted = how == LinkEnd::refused_key || how == LinkEnd::no_curve;
+    const bool counted = how == LinkEndReason::refused_key || how == LinkEndReason::no_curve;
     CHECK(effects.counts ==
           (counted ? std::vector<std::string>{"dial." + std::string(name_of(how))} : std::vector<std::string>{}));
   }

@@ -91,10 +91,10 @@ void LinkInbox::on_early_message(LinkId id, BytesView key, const Message& messag
 void LinkInbox::on_join_call(LinkId id, BytesView key, const Message& message, Now now, Effects& out) {
   const auto call = decode<JoinCall>(message.data);
   const auto answer = call ? at_.invitations.call(key, *call, now, out) : Result<JoinAnswer>(call.error());
-  if (answer) return at_.handshake.say(id, *answer, out);
+  if (answer) return at_.handshake.send(id, *answer, out);
   const std::string code(errc_name(answer.error().code));
   out.count("refused.join_" + code);
-  at_.handshake.say(id, Goodbye{code}, out);
+  at_.handshake.send(id, Goodbye{code}, out);
 }
 
 /// A dialled node sent something else than Hello: it refuses the link.

@@ -79,13 +79,13 @@ void Links::redial_failed(const Link& gone, Now now) {
   redial_later(peer->redial, now, patient ? kViaPause : Duration{});
 }
 
-void Links::drop(LinkId id, const std::string& why, bool say_goodbye, Now now, Effects& out) {
+void Links::drop(LinkId id, const std::string& why, bool send_goodbye, Now now, Effects& out) {
   const Link* link = table_.link(id);
   if (link == nullptr) return;
   if (link->up) seals_.note_open_end(id, link->peer, out);
-  if (link->up && seals_.holds(id)) out.add(ReturnHeld{id, link->peer, why, say_goodbye});
-  if (say_goodbye && link->up) seals_.last_seal(id, out);
-  if (say_goodbye && link->up) messages_.send(*link, Goodbye{why.substr(0, 128)}, out);
+  if (link->up && seals_.holds(id)) out.add(ReturnHeld{id, link->peer, why, send_goodbye});
+  if (send_goodbye && link->up) seals_.last_seal(id, out);
+  if (send_goodbye && link->up) messages_.send(*link, Goodbye{why.substr(0, 128)}, out);
   // A node that is off is dialled for ever: the events have two names, so that its lines do not use up the limit of
   // lines for real ends.
   out.log(LogLevel::info, link->up ? "link_closed" : "dial_ended",
@@ -108,10 +108,11 @@ void Links::lose(Peer& peer, const Link& gone, Now now, Effects& out) {
   redial_later(peer.redial, now, node_.is_smaller_than(peer.id) ? Duration{} : node_.config().timing.yield);
 }
 
-void Links::on_ended(LinkId id, LinkEnd how, Now now, Effects& out) {
+void Links::on_ended(LinkId id, LinkEndReason how, Now now, Effects& out) {
   const Link* link = table_.link(id);
   if (link == nullptr) return;
-  if (how != LinkEnd::failed && how != LinkEnd::disconnected) out.count("dial." + std::string(name_of(how)));
+  if (how != LinkEndReason::failed && how != LinkEndReason::disconnected)
+    out.count("dial." + std::string(name_of(how)));
   if (!link->up) errors_.note_link(id, name_of(how), "the dial ended before a Hello was heard", now);
   drop(id, std::string(name_of(how)), false, now, out);
 }

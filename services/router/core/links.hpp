@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "services/router/core/link_end.hpp"
+#include "services/router/core/link_end_reason.hpp"
 #include "services/router/core/link_errors.hpp"
 #include "services/router/core/local_bus.hpp"
 #include "services/router/core/own_messages.hpp"
@@ -65,9 +65,9 @@ class Links {
   /// This node is a member again: dials seeds, and peers without a link.
   void redial_unlinked(Now now);
 
-  /// Ends the link here. With `say_goodbye` the other side is notified, if possible.
-  void drop(LinkId link, const std::string& why, bool say_goodbye, Now now, Effects& out);
-  void on_ended(LinkId link, LinkEnd how, Now now, Effects& out);
+  /// Ends the link here. With `send_goodbye` the other side is notified, if possible.
+  void drop(LinkId link, const std::string& why, bool send_goodbye, Now now, Effects& out);
+  void on_ended(LinkId link, LinkEndReason how, Now now, Effects& out);
   /// The frame that arrived on this link, or on a connection without one (0), cannot be decoded: it would be missing in
   /// the link's sequence.
   void on_bad_frame(LinkId link, const Error& error, Now now, Effects& out);

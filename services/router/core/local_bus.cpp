@@ -98,13 +98,13 @@ std::optional<std::string> LocalBus::on_gone(ConnectionId connection, Effects& o
 const std::vector<ConnectionId>& LocalBus::copies_for(const HeaderView& header) const {
   static const std::vector<ConnectionId> kNobody;
   if (header.type != MessageType::information || header.reply_to != 0) return kNobody;
-  return services_.hearers(header.subtype);
+  return services_.subscribers(header.subtype);
 }
 
 void LocalBus::notify(const Body& body, Effects& out) {
   const std::string_view subtype = subtype_of(body);
   if (const auto taker = services_.by_subtype(subtype)) messages_.send_bus(*taker, 0, body, out);
-  for (const ConnectionId to : services_.hearers(subtype)) messages_.send_bus(to, 0, body, out);
+  for (const ConnectionId to : services_.subscribers(subtype)) messages_.send_bus(to, 0, body, out);
 }
 
 void LocalBus::answer(ConnectionId to, const Message& request, const Body& body, Effects& out) {
@@ -137,7 +137,7 @@ void LocalBus::nack(ConnectionId from, const HeaderView& header, Errc reason, Ef
 void LocalBus::note_request(ConnectionId from, const HeaderView& header, Party whom) {
   if (header.reply_to != 0 || header.id == 0) return;
   const bool question = header.type != MessageType::information;
-  if (question || deserves_nack(header)) services_.pending_of(from)->note(header.id, question, whom);
+  if (question || deserves_nack(header)) services_.sent_by(from)->note(header.id, question, whom);
 }
 
 const Connection* LocalBus::requester_of(std::uint64_t reply_to) const {

@@ -30,7 +30,7 @@ class LocalBus {
   void on_hello(ConnectionId from, const ServiceHello& hello, std::string_view proven, Now now, Effects& out);
   /// Returns the name of the service that ended with this connection, if it was one.
   std::optional<std::string> on_gone(ConnectionId connection, Effects& out);
-  void heard(ConnectionId from, Now now) { services_.heard(from, now.mono); }
+  void on_received(ConnectionId from, Now now) { services_.on_received(from, now.mono); }
 
   [[nodiscard]] const Services& services() const { return services_; }
   [[nodiscard]] bool is_full() const { return services_.all().size() >= kMaxConnections; }

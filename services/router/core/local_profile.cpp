@@ -30,7 +30,7 @@ bool fits_always(const NodeProfile& profile) {
 }  // namespace
 
 bool LocalProfile::is_plugged(std::string_view sensor) const {
-  return sensors_report_.stands() &&
+  return sensors_report_.is_valid() &&
          std::any_of(plugged_.begin(), plugged_.end(), [&](const SensorInfo& info) { return info.name == sensor; });
 }
 
@@ -77,13 +77,13 @@ bool LocalProfile::make_fit(NodeProfile& profile) const {
 }
 
 NodeProfile LocalProfile::robot_as_known() const {
-  return robot_.robot.empty() || robot_report_.stands() ? robot_ : unreported(robot_);
+  return robot_.robot.empty() || robot_report_.is_valid() ? robot_ : unreported(robot_);
 }
 
 /// Merges the mode-adapter's and the sensor-bus's parts; every peer gets the profile if it has changed.
 void LocalProfile::publish(Effects& out) {
   NodeProfile profile = robot_as_known();
-  if (sensors_report_.stands()) profile.plugged = plugged_;
+  if (sensors_report_.is_valid()) profile.plugged = plugged_;
   bool room = true;
   for (const SensorInfo& sensor : profile.plugged) {
     room = add_once(profile.sensors, sensor.name, kMaxNames) && room;
@@ -137,7 +137,7 @@ void LocalProfile::tick(const ReportersHeard& heard, Now now, Effects& out) {
 
 void LocalProfile::log_change(const ServiceReport& report, const char* away, const char* back, const std::string& what,
                               Effects& out) const {
-  if (report.stands()) return out.log(LogLevel::info, back, what + ": the service that reports them is heard again");
+  if (report.is_valid()) return out.log(LogLevel::info, back, what + ": the service that reports them is heard again");
   out.log(LogLevel::warning, away, what + ": the service that reports them does not report");
 }
 

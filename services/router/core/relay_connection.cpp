@@ -17,21 +17,21 @@ std::optional<Unconfirmed> RelayConnection::withdraw(std::uint64_t count) {
 void RelayConnection::begin(MonotonicTime at) {
   wait_ = {};
   unanswered_ = 0;
-  say_by(at);
+  send_by(at);
 }
 
-void RelayConnection::say_by(MonotonicTime at) {
+void RelayConnection::send_by(MonotonicTime at) {
   // To send one costs more than to answer it; even so, answers are limited to one in this time.
-  next_word_ = earlier(next_word_, std::max(at, last_word_ + timing_.acknowledge));
+  next_alive_ = earlier(next_alive_, std::max(at, last_alive_ + timing_.acknowledge));
 }
 
-RelayAlive RelayConnection::make_word(RelayAlive own, std::uint64_t nonce, MonotonicTime now) {
+RelayAlive RelayConnection::make_alive(RelayAlive own, std::uint64_t nonce, MonotonicTime now) {
   constexpr std::size_t kNonces = 8;
   if (nonces_.size() >= kNonces) nonces_.erase(nonces_.begin());
   nonces_.push_back({nonce, now});
   wait_ = since_ ? timing_.alive : std::clamp(wait_ * 2, timing_.first, timing_.most);
-  last_word_ = now;
-  next_word_ = now + wait_;
+  last_alive_ = now;
+  next_alive_ = now + wait_;
   untold_ = 0;
   ++unanswered_;
   own.nonce = nonce;
@@ -43,29 +43,29 @@ RelayAlive RelayConnection::make_word(RelayAlive own, std::uint64_t nonce, Monot
   return own;
 }
 
-RelayConnection::Heard RelayConnection::hear(const RelayAlive& word, std::uint64_t boot, std::uint64_t count,
-                                             MonotonicTime now) {
-  Heard out;
+RelayConnection::Received RelayConnection::on_alive(const RelayAlive& alive, std::uint64_t boot, std::uint64_t count,
+                                                    MonotonicTime now) {
+  Received out;
   const auto nonce = std::find_if(nonces_.begin(), nonces_.end(), [&](const Nonce& one) {
-    return (one.value == word.echo || one.value == word.echo_other) && now < one.sent + timing_.lease;
+    return (one.value == alive.echo || one.value == alive.echo_other) && now < one.sent + timing_.lease;
   });
   const bool same_boot = boot == boot_ && boot_ != 0;
   if (same_boot && !take(boot, count, false, now)) return out;  // a repeat
   out.fresh = nonce != nonces_.end();
   if (!out.fresh) {
     // The other side has not received ours, or a relay replays an old one: answering is cheap, and proves nothing.
-    (same_boot ? echo_ : echo_other_) = word.nonce;
-    say_by(now);
+    (same_boot ? echo_ : echo_other_) = alive.nonce;
+    send_by(now);
     return out;
   }
   out.new_boot = !since_ || !same_boot;
   if (!same_boot) out.lost = restart(boot, count);
-  echo_ = word.nonce;
+  echo_ = alive.nonce;
   since_ = std::max(since_.value_or(nonce->sent), nonce->sent);
   unanswered_ = 0;
-  knows_us_ = word.heard_boot == own_boot_;
-  if (out.new_boot || !knows_us_) say_by(now);
-  if (knows_us_) settle(word, out.lost);
+  knows_us_ = alive.heard_boot == own_boot_;
+  if (out.new_boot || !knows_us_) send_by(now);
+  if (knows_us_) settle(alive, out.lost);
   return out;
 }
 
@@ -79,10 +79,10 @@ std::vector<Unconfirmed> RelayConnection::restart(std::uint64_t boot, std::uint6
 }
 
 /// Messages that the other side reports as received are confirmed; missing ones, if later ones arrived, are lost.
-void RelayConnection::settle(const RelayAlive& word, std::vector<Unconfirmed>& lost) {
-  while (!unconfirmed_.empty() && unconfirmed_.front().count <= word.heard) {
-    const std::uint64_t behind = word.heard - unconfirmed_.front().count;
-    const bool taken = behind < kWindow && ((word.mask >> behind) & 1U) != 0;
+void RelayConnection::settle(const RelayAlive& alive, std::vector<Unconfirmed>& lost) {
+  while (!unconfirmed_.empty() && unconfirmed_.front().count <= alive.heard) {
+    const std::uint64_t behind = alive.heard - unconfirmed_.front().count;
+    const bool taken = behind < kWindow && ((alive.mask >> behind) & 1U) != 0;
     if (!taken) lost.push_back(std::move(unconfirmed_.front()));
     unconfirmed_.pop_front();
   }
@@ -101,7 +101,7 @@ bool RelayConnection::take(std::uint64_t boot, std::uint64_t count, bool answer,
   }
   if (!answer) return true;
   ++untold_;
-  say_by(untold_ >= kAcknowledgeEach ? now : now + timing_.acknowledge);
+  send_by(untold_ >= kAcknowledgeEach ? now : now + timing_.acknowledge);
   return true;
 }
 
@@ -127,7 +127,7 @@ bool RelayConnection::lapse(MonotonicTime now) {
 }
 
 std::optional<MonotonicTime> RelayConnection::next_deadline() const {
-  std::optional<MonotonicTime> next = next_word_;
+  std::optional<MonotonicTime> next = next_alive_;
   if (since_) next = earlier(next, *since_ + timing_.lease);
   if (!unconfirmed_.empty()) next = earlier(next, unconfirmed_.front().sent + timing_.confirmed_in);
   return next;

@@ -66,16 +66,16 @@ class RelayConnection {
   /// Sends a `relay_alive` at once, or at `at`: a relay claims to reach the peer.
   void begin(MonotonicTime at);
   /// Stops sending: there is a link, or no relay.
-  void rest() { next_word_.reset(); }
+  void rest() { next_alive_.reset(); }
   /// The next `relay_alive`; `own` has the fields that do not belong to the connection.
-  RelayAlive make_word(RelayAlive own, std::uint64_t nonce, MonotonicTime now);
-  struct Heard {
+  RelayAlive make_alive(RelayAlive own, std::uint64_t nonce, MonotonicTime now);
+  struct Received {
     bool fresh = false;             ///< it repeats a nonce of ours: it was sent just now
     bool new_boot = false;          ///< of another boot than the proven one, or the first
     std::vector<Unconfirmed> lost;  ///< did not arrive, though later ones did
   };
   /// A `relay_alive` of the other side, with its boot and count.
-  Heard hear(const RelayAlive& word, std::uint64_t boot, std::uint64_t count, MonotonicTime now);
+  Received on_alive(const RelayAlive& alive, std::uint64_t boot, std::uint64_t count, MonotonicTime now);
 
   // ---- in
 
@@ -90,9 +90,9 @@ class RelayConnection {
 
   // ---- time
 
-  [[nodiscard]] bool word_due(MonotonicTime now) const { return next_word_ && now >= *next_word_; }
+  [[nodiscard]] bool alive_due(MonotonicTime now) const { return next_alive_ && now >= *next_alive_; }
   /// Two messages went unanswered: try another relay.
-  [[nodiscard]] bool unheard() const { return unanswered_ >= 2; }
+  [[nodiscard]] bool is_unanswered() const { return unanswered_ >= 2; }
   /// Those that were not confirmed in time.
   std::vector<Unconfirmed> overdue(MonotonicTime now);
   /// All that is unconfirmed, at the end of the connection.
@@ -106,9 +106,9 @@ class RelayConnection {
     std::uint64_t value = 0;
     MonotonicTime sent;
   };
-  void say_by(MonotonicTime at);
+  void send_by(MonotonicTime at);
   std::vector<Unconfirmed> restart(std::uint64_t boot, std::uint64_t count);
-  void settle(const RelayAlive& word, std::vector<Unconfirmed>& lost);
+  void settle(const RelayAlive& alive, std::vector<Unconfirmed>& lost);
 
   RelayTiming timing_;
   std::uint64_t sent_ = 0;
@@ -123,8 +123,8 @@ class RelayConnection {
   std::size_t untold_ = 0;        ///< taken, and not yet confirmed to the sender
   std::uint32_t unanswered_ = 0;  ///< messages sent since a nonce came back
   std::optional<MonotonicTime> since_;
-  std::optional<MonotonicTime> next_word_;
-  MonotonicTime last_word_{};
+  std::optional<MonotonicTime> next_alive_;
+  MonotonicTime last_alive_{};
   Duration wait_{};
   std::list<Unconfirmed> unconfirmed_;
 };

@@ -29,12 +29,12 @@ struct TwoEnds {
 
   Word of(RelayConnection& connection, std::uint64_t boot) {
     const std::uint64_t count = connection.next_count();
-    return {connection.make_word({}, ++nonce, now), boot, count};
+    return {connection.make_alive({}, ++nonce, now), boot, count};
   }
   Word of_ant() { return of(ant, kAnt); }
   Word of_bee() { return of(bee, kBee); }
-  RelayConnection::Heard to_ant(const Word& word) { return ant.hear(word.said, word.boot, word.count, now); }
-  RelayConnection::Heard to_bee(const Word& word) { return bee.hear(word.said, word.boot, word.count, now); }
+  RelayConnection::Received to_ant(const Word& word) { return ant.on_alive(word.said, word.boot, word.count, now); }
+  RelayConnection::Received to_bee(const Word& word) { return bee.on_alive(word.said, word.boot, word.count, now); }
   void greet() {
     to_bee(of_ant());
     to_ant(of_bee());
@@ -58,7 +58,7 @@ struct Greeted : TwoEnds {
 TEST_CASE("a first word proves nothing; one that repeats a nonce proves who is there, and of which boot") {
   TwoEnds two;
   two.ant.begin(two.now);
-  CHECK(two.ant.word_due(two.now));
+  CHECK(two.ant.alive_due(two.now));
   const auto first = two.to_bee(two.of_ant());
   CHECK_FALSE(first.fresh);
   CHECK_FALSE(two.bee.proven());
@@ -115,12 +115,12 @@ TEST_CASE("a peer that was started again is a new one: its counts begin anew, wh
   Greeted two;
   const std::uint64_t count = two.ask();
   two.bee = RelayConnection(kBee + 1);
-  const Word fresh{two.bee.make_word({}, 5, two.now), kBee + 1, two.bee.next_count()};
+  const Word fresh{two.bee.make_alive({}, 5, two.now), kBee + 1, two.bee.next_count()};
   CHECK_FALSE(two.to_ant(fresh).fresh);
   CHECK(two.ant.boot() == kBee);  // until it is proven
   two.now = two.now + Seconds(1);
   two.to_bee(two.of_ant());
-  const Word second{two.bee.make_word({}, 6, two.now), kBee + 1, two.bee.next_count()};
+  const Word second{two.bee.make_alive({}, 6, two.now), kBee + 1, two.bee.next_count()};
   const auto heard = two.to_ant(second);
   CHECK(heard.fresh);
   CHECK(heard.new_boot);
@@ -169,8 +169,8 @@ TEST_CASE("what came is confirmed within 0.1 s, and then no longer waited for") 
   two.now = two.now + Seconds(1);
   const std::uint64_t count = two.ask();
   CHECK(two.bee.take(kAnt, count, true, two.now));
-  CHECK_FALSE(two.bee.word_due(two.now));
-  CHECK(two.bee.word_due(two.now + milliseconds(100)));
+  CHECK_FALSE(two.bee.alive_due(two.now));
+  CHECK(two.bee.alive_due(two.now + milliseconds(100)));
   two.now = two.now + milliseconds(100);
   CHECK(two.to_ant(two.of_bee()).lost.empty());
   two.now = two.now + Seconds(5);
@@ -182,10 +182,10 @@ TEST_CASE("many that came are confirmed before the window is over") {
   two.now = two.now + Seconds(1);
   for (std::size_t i = 0; i + 1 < RelayConnection::kAcknowledgeEach; ++i) {
     CHECK(two.bee.take(kAnt, two.ask(), true, two.now));
-    CHECK_FALSE(two.bee.word_due(two.now));
+    CHECK_FALSE(two.bee.alive_due(two.now));
   }
   CHECK(two.bee.take(kAnt, two.ask(), true, two.now));
-  CHECK(two.bee.word_due(two.now));
+  CHECK(two.bee.alive_due(two.now));
 }
 
 TEST_CASE("what a relay lost among others is told at the next word; what nobody confirms after 3 s") {
@@ -228,8 +228,8 @@ TEST_CASE("who does not answer is spoken to ever less often, and after two words
   connection.begin(now);
   std::vector<double> waits;
   for (int i = 0; i < 7; ++i) {
-    CHECK(connection.unheard() == (i >= 2));
-    (void)connection.make_word({}, 100 + static_cast<std::uint64_t>(i), now);
+    CHECK(connection.is_unanswered() == (i >= 2));
+    (void)connection.make_alive({}, 100 + static_cast<std::uint64_t>(i), now);
     waits.push_back(to_seconds(*connection.next_deadline() - now));
     now = *connection.next_deadline();
   }
@@ -246,8 +246,8 @@ TEST_CASE("no flood of words makes this end say more than ten a second") {
   for (std::uint64_t flood = 1; two.now < end; ++flood) {
     RelayAlive word;
     word.nonce = flood;
-    (void)two.ant.hear(word, kBee + 5, flood, two.now);
-    if (two.ant.word_due(two.now)) {
+    (void)two.ant.on_alive(word, kBee + 5, flood, two.now);
+    if (two.ant.alive_due(two.now)) {
       (void)two.of_ant();
       ++said;
     }
@@ -306,7 +306,7 @@ TEST_CASE("of what this end has said the last eight words prove who repeats them
     word.nonce = 3;
     word.echo = nonce;
     RelayConnection here = two.ant;
-    return here.hear(word, kBee, 1, two.now).fresh;
+    return here.on_alive(word, kBee, 1, two.now).fresh;
   };
   for (int i = 0; i < 7; ++i) (void)two.of_ant();
   CHECK(repeated(first.said.nonce));
@@ -321,22 +321,22 @@ TEST_CASE("who has just been proven hears so at once, and who speaks of an earli
   two.to_ant(two.of_bee());
   two.now = two.now + Seconds(1);
   two.to_bee(two.of_ant());  // it knows bee's boot, and is new to bee
-  CHECK(two.bee.word_due(two.now));
+  CHECK(two.bee.alive_due(two.now));
   two.to_ant(two.of_bee());
-  CHECK_FALSE(two.ant.word_due(two.now));
+  CHECK_FALSE(two.ant.alive_due(two.now));
   two.now = two.now + Seconds(1);
   Word word = two.of_bee();
   word.said.heard_boot = kAnt - 1;
   CHECK(two.to_ant(word).fresh);
-  CHECK(two.ant.word_due(two.now));
+  CHECK(two.ant.alive_due(two.now));
 }
 
 TEST_CASE("a first word without a boot number is answered as any other") {
   RelayConnection connection(kAnt);
   RelayAlive word;
   word.nonce = 3;
-  CHECK_FALSE(connection.hear(word, 0, 1, MonotonicTime{10'000'000'000}).fresh);
-  CHECK(connection.word_due(MonotonicTime{10'000'000'000}));
+  CHECK_FALSE(connection.on_alive(word, 0, 1, MonotonicTime{10'000'000'000}).fresh);
+  CHECK(connection.alive_due(MonotonicTime{10'000'000'000}));
 }
 
 TEST_CASE(

@@ -254,13 +254,13 @@ void RelayRoutes::send_alive(Peer& peer, Now now, Effects& out) {
   own.address = config.address;
   own.version = config.version;
   own.clock_verified = node_.knows_the_time(now);
-  Message word = messages_.plain(RelayAlive::kSubtype, peer.id,
-                                 encode(route.connection.make_word(std::move(own), node_.random(), now.mono)));
+  Message alive = messages_.plain(RelayAlive::kSubtype, peer.id,
+                                  encode(route.connection.make_alive(std::move(own), node_.random(), now.mono)));
   const auto lease = std::chrono::duration_cast<std::chrono::milliseconds>(config.timing.lease).count();
-  word.remaining_ms = static_cast<std::uint32_t>(lease);
+  alive.remaining_ms = static_cast<std::uint32_t>(lease);
   // For any boot of the peer: the nonce that it repeats proves that it is no replay.
-  out.add(LinkSend{relay->id, make_relayed(peer, *relay, 0, route.connection.next_count(), encode_frame(word),
-                                           word.remaining_ms, now)});
+  out.add(LinkSend{relay->id, make_relayed(peer, *relay, 0, route.connection.next_count(), encode_frame(alive),
+                                           alive.remaining_ms, now)});
 }
 
 /// At a change, but once a second at most: each costs a signature, and the relay's bandwidth.
@@ -342,23 +342,24 @@ std::optional<std::pair<std::string_view, std::string>> RelayRoutes::check(const
 
 void RelayRoutes::on_alive(const Link& relay, Peer& peer, const RelayedFrame& inner, const HeaderView& header, Now now,
                            Effects& out) {
-  const auto word = decode<RelayAlive>(header.data);
-  if (!word) return refuse_relayed(relay, "malformed", "of '" + peer.id + "': " + word.error().text(), out);
-  if (Status numbers = check_address("address", word->address, peer.id); !numbers)
+  const auto alive = decode<RelayAlive>(header.data);
+  if (!alive) return refuse_relayed(relay, "malformed", "of '" + peer.id + "': " + alive.error().text(), out);
+  if (Status numbers = check_address("address", alive->address, peer.id); !numbers)
     return refuse_relayed(relay, "bad_value", numbers.error().text(), out);
   RelayRoute& route = row(peer);
   const bool first_relay = route.relays.insert(relay.peer).second;
   if (first_relay && route.carrier.empty()) route.carrier = relay.peer;
-  const RelayConnection::Heard heard = route.connection.hear(*word, inner.source_boot, inner.count, now.mono);
-  if (!heard.lost.empty()) {
+  const RelayConnection::Received received =
+      route.connection.on_alive(*alive, inner.source_boot, inner.count, now.mono);
+  if (!received.lost.empty()) {
     change_carrier(route);
-    notify_lost(heard.lost, out);
+    notify_lost(received.lost, out);
   }
-  if (!heard.fresh || peer.link != 0) return;
+  if (!received.fresh || peer.link != 0) return;
   peer.lost.reset();
-  peer.version = word->version;
-  peer.clock_verified = word->clock_verified;
-  if (!word->address.empty()) links_.set_address(peer, word->address, now, out);
+  peer.version = alive->version;
+  peer.clock_verified = alive->clock_verified;
+  if (!alive->address.empty()) links_.set_address(peer, alive->address, now, out);
   if (route.connection.open() && !route.open) join(peer, relay, now, out);
 }
 
@@ -383,8 +384,8 @@ void RelayRoutes::tick_route(Peer& peer, Now now, Effects& out) {
   if (const auto due = profile_due(peer, route); due && now.mono >= *due) send_profile(peer, now, out);
   if (peer.link != 0) {
     route.connection.rest();
-  } else if (route.connection.word_due(now.mono)) {
-    if (route.connection.unheard()) change_carrier(route);
+  } else if (route.connection.alive_due(now.mono)) {
+    if (route.connection.is_unanswered()) change_carrier(route);
     send_alive(peer, now, out);
   }
 }

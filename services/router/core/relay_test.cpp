@@ -205,7 +205,7 @@ TEST_CASE("a relay tells of many in several messages, of who has gone too, and n
   told.clear();
   Effects effects;
   for (std::uint64_t i = 0; i < 65; ++i)
-    cloud.core->links().on_ended(9000 + i, LinkEnd::disconnected, fleet.now, effects);
+    cloud.core->links().on_ended(9000 + i, LinkEndReason::disconnected, fleet.now, effects);
   fleet.carry_out(cloud, effects);
   fleet.run(milliseconds(90));
   CHECK(told.empty());
@@ -274,7 +274,7 @@ TEST_CASE("who is reached by a relay within the lease has not joined anew; a ser
   const LinkId link = three.ant->link_to("bee");
   for (TestNode* node : {three.ant, three.bee}) {
     Effects broken;
-    node->core->links().on_ended(link, LinkEnd::disconnected, three.fleet.now, broken);
+    node->core->links().on_ended(link, LinkEndReason::disconnected, three.fleet.now, broken);
     three.fleet.carry_out(*node, broken);
   }
   three.fleet.run(Seconds(4));
@@ -283,7 +283,7 @@ TEST_CASE("who is reached by a relay within the lease has not joined anew; a ser
   CHECK(three.ant->told("peer_expired") == 0);
   three.fleet.stop("bee");
   Effects ended;
-  three.cloud.core->links().on_ended(three.cloud.link_to("bee"), LinkEnd::disconnected, three.fleet.now, ended);
+  three.cloud.core->links().on_ended(three.cloud.link_to("bee"), LinkEndReason::disconnected, three.fleet.now, ended);
   three.fleet.carry_out(three.cloud, ended);
   three.fleet.run(Seconds(15));
   CHECK(three.ant->told("peer_expired") == 1);
@@ -316,7 +316,7 @@ TEST_CASE("whose link ends and who is reached by a relay right after, of the sam
   const LinkId link = ant.link_to("bee");
   for (TestNode* node : {&ant, &bee}) {
     Effects broken;
-    node->core->links().on_ended(link, LinkEnd::disconnected, fleet.now, broken);
+    node->core->links().on_ended(link, LinkEndReason::disconnected, fleet.now, broken);
     fleet.carry_out(*node, broken);
   }
   fleet.run(Seconds(4));

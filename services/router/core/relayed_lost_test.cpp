@@ -10,7 +10,7 @@ TEST_CASE("a target that the relay has lost: who sent it is told at once; a mess
   three.fleet.stop("bee");
   three.fleet.run(milliseconds(20));
   Effects effects;
-  three.cloud.core->links().on_ended(three.cloud.link_to("bee"), LinkEnd::disconnected, three.fleet.now, effects);
+  three.cloud.core->links().on_ended(three.cloud.link_to("bee"), LinkEndReason::disconnected, three.fleet.now, effects);
   three.fleet.carry_out(three.cloud, effects);
   three.put(*three.ant, "cloud", relaying.message);
   CHECK(three.cloud.count("dropped.peer_unreachable") == 1);
@@ -163,7 +163,8 @@ TEST_CASE("when the last relay goes, who waits to hear whether its command came 
   three.fleet.run(2 * kStep);
   Effects effects;
   if (three.ant->link_to("cloud") != 0)
-    three.ant->core->links().on_ended(three.ant->link_to("cloud"), LinkEnd::disconnected, three.fleet.now, effects);
+    three.ant->core->links().on_ended(three.ant->link_to("cloud"), LinkEndReason::disconnected, three.fleet.now,
+                                      effects);
   three.fleet.carry_out(*three.ant, effects);
   CHECK(three.nacks(*three.ant) == std::vector<std::string>{"not_confirmed"});
   CHECK(three.ant->count("relayed.unconfirmed") == 1);

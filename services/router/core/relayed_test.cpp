@@ -195,7 +195,7 @@ TEST_CASE(
   CHECK(stuck(three.cloud, three.signed_by_ant(for_dog)) == 1);
   three.fleet.stop("ant");
   Effects ended;
-  three.cloud.core->links().on_ended(three.cloud.link_to("ant"), LinkEnd::disconnected, three.fleet.now, ended);
+  three.cloud.core->links().on_ended(three.cloud.link_to("ant"), LinkEndReason::disconnected, three.fleet.now, ended);
   three.fleet.carry_out(three.cloud, ended);
   CHECK(stuck(three.cloud, nobodys) == 0);
 }

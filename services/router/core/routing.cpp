@@ -164,7 +164,7 @@ Routing MessageRouting::to_self(const HeaderView& header, Party from) const {
   if (header.type != MessageType::information) return drop(Errc::bad_value);
   const Connection* requester = bus_.requester_of(header.reply_to);
   if (requester == nullptr) return drop(Errc::no_service);
-  if (!requester->pending.may_answer(header.reply_to, header.subtype == Nack::kSubtype, from))
+  if (!requester->sent.may_answer(header.reply_to, header.subtype == Nack::kSubtype, from))
     return drop(Errc::not_asked);
   return to_service(bus_.services().by_slot(requester->slot));
 }

@@ -11,8 +11,8 @@
 #include "common/actor/counter_table.hpp"
 #include "common/base/deadline_index.hpp"
 #include "common/base/lookup_table.hpp"
+#include "services/router/core/link_seals.hpp"
 #include "services/router/core/own_messages.hpp"
-#include "services/router/core/seals.hpp"
 
 namespace trb::router {
 

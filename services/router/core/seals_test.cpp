@@ -314,7 +314,7 @@ TEST_CASE("before_delivery: what waits for a seal when the link ends is counted,
     pair.fleet.ask("ant", "bee", "greet", "one");
     pair.fleet.run(milliseconds(10));
     Effects ended;
-    pair.bee.core->links().on_ended(pair.bee.link_to("ant"), LinkEnd::disconnected, pair.fleet.now, ended);
+    pair.bee.core->links().on_ended(pair.bee.link_to("ant"), LinkEndReason::disconnected, pair.fleet.now, ended);
     pair.fleet.carry_out(pair.bee, ended);
     CHECK(nacks(pair.ant, "seal_broken") == 0);
   }

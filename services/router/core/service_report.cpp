@@ -4,7 +4,7 @@ namespace trb::router {
 
 void ServiceReport::on_gone(MonotonicTime end) {
   if (state_ == State::silent) state_ = State::given_up;
-  if (state_ != State::stands) return;
+  if (state_ != State::valid) return;
   state_ = State::waits;
   at_ = end;
 }
@@ -13,7 +13,7 @@ std::optional<MonotonicTime> ServiceReport::next_deadline(std::optional<Monotoni
                                                           Duration lease) const {
   if (state_ == State::waits) return at_;
   if (!last_heard) return std::nullopt;
-  if (state_ == State::stands) return *last_heard + lease;
+  if (state_ == State::valid) return *last_heard + lease;
   if (state_ == State::silent && *last_heard > at_) return last_heard;
   return std::nullopt;
 }
@@ -23,11 +23,11 @@ bool ServiceReport::tick(std::optional<MonotonicTime> last_heard, Duration lease
   if (!due || now < *due) return false;
   if (state_ == State::waits) {
     state_ = State::given_up;
-  } else if (state_ == State::stands) {
+  } else if (state_ == State::valid) {
     state_ = State::silent;
     at_ = *last_heard;
   } else {
-    state_ = State::stands;
+    state_ = State::valid;
   }
   return true;
 }

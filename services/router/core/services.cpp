@@ -18,12 +18,12 @@ Result<std::uint16_t> Services::welcome(ConnectionId connection, const ServiceHe
   const bool again = known != connections_.end() && known->second.hello.instance == hello.instance &&
                      known->second.hello.service == hello.service && known->second.member == member;
   const std::uint16_t kept = again ? known->second.slot : 0;
-  PendingRequests pending = again ? std::move(known->second.pending) : PendingRequests{};
+  SentRequests sent = again ? std::move(known->second.sent) : SentRequests{};
   forget(connection);
   if (member == Member::visitor) forget_visitor(hello.service);
   if (Status may = may_come(hello, member); !may) return may.error();
   const std::uint16_t slot = kept != 0 ? kept : free_slot();
-  connections_[connection] = {hello, member, slot, now, now, std::move(pending)};
+  connections_[connection] = {hello, member, slot, now, now, std::move(sent)};
   slots_[slot] = connection;
   if (member == Member::service) add_service(connection, hello);
   return slot;
@@ -66,7 +66,7 @@ void Services::add_service(ConnectionId connection, const ServiceHello& hello) {
   services_[hello.service] = connection;
   for (const std::string& subtype : hello.subtypes) subtypes_[subtype] = connection;
   for (const std::string& subtype : std::set<std::string>(hello.hears.begin(), hello.hears.end())) {
-    hearers_[subtype].push_back(connection);
+    subscribers_[subtype].push_back(connection);
   }
 }
 
@@ -82,13 +82,13 @@ void Services::forget(ConnectionId connection) {
   if (at == connections_.end()) return;
   slots_.erase(at->second.slot);
   std::erase_if(subtypes_, [&](const auto& row) { return row.second == connection; });
-  for (auto& [subtype, connections] : hearers_) std::erase(connections, connection);
-  std::erase_if(hearers_, [](const auto& row) { return row.second.empty(); });
+  for (auto& [subtype, connections] : subscribers_) std::erase(connections, connection);
+  std::erase_if(subscribers_, [](const auto& row) { return row.second.empty(); });
   std::erase_if(services_, [&](const auto& row) { return row.second == connection; });
   connections_.erase(at);
 }
 
-void Services::heard(ConnectionId connection, MonotonicTime now) {
+void Services::on_received(ConnectionId connection, MonotonicTime now) {
   if (const auto at = connections_.find(connection); at != connections_.end()) at->second.last_heard = now;
 }
 
@@ -97,9 +97,9 @@ const Connection* Services::find(ConnectionId connection) const {
   return at == connections_.end() ? nullptr : &at->second;
 }
 
-PendingRequests* Services::pending_of(ConnectionId connection) {
+SentRequests* Services::sent_by(ConnectionId connection) {
   const auto at = connections_.find(connection);
-  return at == connections_.end() ? nullptr : &at->second.pending;
+  return at == connections_.end() ? nullptr : &at->second.sent;
 }
 
 std::optional<ConnectionId> Services::holder(std::string_view service) const {
@@ -112,11 +112,11 @@ std::optional<ConnectionId> Services::by_subtype(std::string_view subtype) const
   return at == subtypes_.end() ? std::nullopt : std::optional(at->second);
 }
 
-const std::vector<ConnectionId>& Services::hearers(std::string_view subtype) const {
+const std::vector<ConnectionId>& Services::subscribers(std::string_view subtype) const {
   static const std::vector<ConnectionId> kNobody;
-  if (hearers_.empty()) return kNobody;
-  const auto at = hearers_.find(subtype);
-  return at == hearers_.end() ? kNobody : at->second;
+  if (subscribers_.empty()) return kNobody;
+  const auto at = subscribers_.find(subtype);
+  return at == subscribers_.end() ? kNobody : at->second;
 }
 
 std::optional<ConnectionId> Services::by_slot(std::uint16_t slot) const {

@@ -8,7 +8,7 @@
 #include "common/base/time.hpp"
 #include "proto/bodies/bus.hpp"
 #include "services/router/core/effects.hpp"
-#include "services/router/core/pending_requests.hpp"
+#include "services/router/core/sent_requests.hpp"
 
 namespace trb::router {
 
@@ -25,7 +25,7 @@ struct Connection {
   std::uint16_t slot = 0;
   MonotonicTime since;
   MonotonicTime last_heard;
-  PendingRequests pending{};  ///< belongs to the slot: a new connection has requested nothing
+  SentRequests sent{};  ///< belongs to the slot: a new connection has requested nothing
 };
 
 class Services {
@@ -37,14 +37,14 @@ class Services {
   /// middleware). The caller must first have freed a holder whose connection is gone.
   Result<std::uint16_t> welcome(ConnectionId connection, const ServiceHello& hello, Member member, MonotonicTime now);
   void forget(ConnectionId connection);
-  void heard(ConnectionId connection, MonotonicTime now);
+  void on_received(ConnectionId connection, MonotonicTime now);
 
   [[nodiscard]] const Connection* find(ConnectionId connection) const;
-  [[nodiscard]] PendingRequests* pending_of(ConnectionId connection);
+  [[nodiscard]] SentRequests* sent_by(ConnectionId connection);
   [[nodiscard]] std::optional<ConnectionId> holder(std::string_view service) const;
   [[nodiscard]] std::optional<ConnectionId> by_subtype(std::string_view subtype) const;
   /// The connections that want a copy of information of that subtype.
-  [[nodiscard]] const std::vector<ConnectionId>& hearers(std::string_view subtype) const;
+  [[nodiscard]] const std::vector<ConnectionId>& subscribers(std::string_view subtype) const;
   [[nodiscard]] std::optional<ConnectionId> by_slot(std::uint16_t slot) const;
   [[nodiscard]] const std::map<ConnectionId, Connection>& all() const { return connections_; }
 
@@ -57,7 +57,7 @@ class Services {
 
   std::map<ConnectionId, Connection> connections_;
   std::map<std::string, ConnectionId, std::less<>> subtypes_;
-  std::map<std::string, std::vector<ConnectionId>, std::less<>> hearers_;
+  std::map<std::string, std::vector<ConnectionId>, std::less<>> subscribers_;
   std::map<std::string, ConnectionId, std::less<>> services_;
   std::map<std::uint16_t, ConnectionId> slots_;
   std::uint16_t next_slot_;

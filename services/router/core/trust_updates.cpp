@@ -11,7 +11,7 @@ Result<std::string> TrustUpdates::on_update(const TrustUpdate& update, LinkId fr
   TakenUpdate taken = trust_.take(update, teller == nullptr ? nullptr : &teller->update_checks, now, out);
   if (taken.own_renewed) {
     membership_.on_renewed();
-    unstored_.asked(Kept::certificate);
+    unstored_.add(Kept::certificate);
   }
   if (taken.is_empty()) {
     if (taken.refusal && (taken.list_refused || !taken.known)) return *taken.refusal;
@@ -73,7 +73,7 @@ void TrustUpdates::tick(Now now, Effects& out) {
       store(out);
       continue;
     }
-    unstored_.asked(what);
+    unstored_.add(what);
     out.add(what == Kept::boot ? Effect(StoreBoot{node_.config().boot})
                                : Effect(StoreCertificate{node_.config().certificate}));
   }
@@ -137,7 +137,7 @@ void TrustUpdates::on_link_message(const Link& link, const Message& message, Now
 }
 
 void TrustUpdates::store(Effects& out) {
-  unstored_.asked(Kept::update);
+  unstored_.add(Kept::update);
   out.add(trust_.to_store(out));
 }
 

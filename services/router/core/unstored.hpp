@@ -21,7 +21,7 @@ constexpr Duration kStoreAgain = std::chrono::seconds(10);
 class Unstored {
  public:
   /// The shell was ordered to store it.
-  void asked(Kept what) { waiting_.insert(what); }
+  void add(Kept what) { waiting_.insert(what); }
   /// It has stored it, or could not.
   void answered(Kept what, const Status& done, MonotonicTime now);
 

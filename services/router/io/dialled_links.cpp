@@ -3,8 +3,8 @@
 #include "common/base/address.hpp"
 #include "common/config/interfaces.hpp"
 #include "common/transport/socket.hpp"
+#include "services/router/io/event_to_end_reason.hpp"
 #include "services/router/io/frame_forwarder.hpp"
-#include "services/router/io/link_event_end.hpp"
 
 namespace trb::router {
 DialledLinks::DialledLinks(ShellContext& shell, FrameForwarder& forwarder, CurveKeys keys)
@@ -58,7 +58,7 @@ Status DialledLinks::open(const Dial& dial, const std::string& scope, const std:
 
 void DialledLinks::on_event(LinkId link, LinkEvent event) {
   Effects effects;
-  if (const auto end = to_end(event)) {
+  if (const auto end = to_end_reason(event)) {
     shell_.core().links().on_ended(link, *end, read_clocks(), effects);
   } else {
     shell_.core().handshake().on_dial_connected(link, read_clocks(), effects);

@@ -104,7 +104,7 @@ void FrameForwarder::report_lost_links() {
   // That an accepted link's connection is gone shows only at the next send.
   while (const auto link = to_.links.take_lost()) {
     Effects effects;
-    shell_.core().links().on_ended(*link, LinkEnd::disconnected, read_clocks(), effects);
+    shell_.core().links().on_ended(*link, LinkEndReason::disconnected, read_clocks(), effects);
     shell_.carry_out(effects);
   }
 }

@@ -174,14 +174,14 @@ void InboxSocket::on_unproven(BytesView routing_id, const HeaderView& header, co
   } else if (is_undecided(frame)) {
     forwarder_.from_stranger(*key, header, frame, effects);
   } else {
-    on_second_word(effects);
+    on_later_frame(effects);
   }
   shell_.carry_out(effects);
   origin_ = {};
 }
 
 /// A connection that is, or was, a link says Hello again.
-void InboxSocket::on_second_word(Effects& effects) {
+void InboxSocket::on_later_frame(Effects& effects) {
   const auto own = std::find_if(accepted_.begin(), accepted_.end(),
                                 [&](const auto& row) { return row.second.pending == origin_.pending; });
   if (own == accepted_.end()) return effects.count("dropped.closed_link");

@@ -63,7 +63,7 @@ class InboxSocket {
   void on_undecoded(BytesView routing_id, const Frame& frame, const Error& error);
   void on_other_version(BytesView routing_id, const Frame& frame);
   void on_unproven(BytesView routing_id, const HeaderView& header, const Frame& frame);
-  void on_second_word(Effects& effects);
+  void on_later_frame(Effects& effects);
   void on_bad_frame(LinkId link, const Error& error);
   PendingConnectionId pending_of(const Frame& frame);
   [[nodiscard]] bool is_undecided(const Frame& frame) const { return guard_.is_undecided(connection_fd(frame)); }

@@ -115,7 +115,7 @@ void LaneServer::drain() {
       mixed_up_ = false;
       return;
     }
-    on_word(frame);
+    on_request(frame);
   }
 }
 
@@ -129,22 +129,22 @@ PendingConnectionId LaneServer::pending_on(int fd) {
 /// libzmq 4.3.4 reports which connection a subscription came from, but subscribes the *next* one of its queue. Any
 /// other message in the queue puts the two out of step, and its sender could receive what is for another. So after such
 /// a message no subscription counts until the queue is empty: a subscriber in between is cut, and subscribes again.
-void LaneServer::on_word(const Frame& frame) {
+void LaneServer::on_request(const Frame& frame) {
   const auto key = from_hex(user_id(frame));
   if (!key || key->size() != 32) return;  // libzmq's own message for an ended connection
   const int fd = subscriber_fd(frame);
   const PendingConnectionId pending = pending_on(fd);
-  const BytesView word = view_of(frame);
+  const BytesView request = view_of(frame);
   Effects effects;
-  if (frame.more() || word.empty() || (word[0] != kListen && word[0] != kListenNoMore)) {
+  if (frame.more() || request.empty() || (request[0] != kListen && request[0] != kListenNoMore)) {
     mixed_up_ = true;
     lanes_.bar(*key, effects);
   } else if (mixed_up_) {
     effects.count("lane.ask_again");
-  } else if (word[0] == kListen && pending != 0) {
-    if (const auto link = lanes_.on_listen(*key, word.substr(1), effects)) {
+  } else if (request[0] == kListen && pending != 0) {
+    if (const auto link = lanes_.on_listen(*key, request.substr(1), effects)) {
       owner_.carry_out(effects);
-      return listen(*link, pending, word.substr(1));
+      return listen(*link, pending, request.substr(1));
     }
   }
   owner_.carry_out(effects);

@@ -50,7 +50,7 @@ class LaneServer {
 
   Status bind(const std::string& endpoint);
   void drain();
-  void on_word(const Frame& frame);
+  void on_request(const Frame& frame);
   void listen(LinkId link, PendingConnectionId pending, BytesView topic);
   PendingConnectionId pending_on(int fd);
   void on_event(LinkEvent event, int fd);
@@ -69,7 +69,7 @@ class LaneServer {
   std::map<LinkId, Listener> listeners_;
   std::uint16_t port_ = 0;
   std::string also_;       ///< the second endpoint
-  bool mixed_up_ = false;  ///< see on_word()
+  bool mixed_up_ = false;  ///< see on_request()
 };
 
 }  // namespace trb::router

@@ -2,8 +2,8 @@
 
 #include "common/base/address.hpp"
 #include "common/config/interfaces.hpp"
+#include "services/router/io/event_to_end_reason.hpp"
 #include "services/router/io/frame_forwarder.hpp"
-#include "services/router/io/link_event_end.hpp"
 #include "services/router/io/peer_sources.hpp"
 
 namespace trb::router {
@@ -35,12 +35,12 @@ void LaneSockets::publish(LinkId link, Frame&& frame) {
 }
 
 void LaneSockets::dial(const DialLane& dial, const std::string& scope) {
-  if (!is_numeric_endpoint(dial.address)) return ended(dial.link, LinkEnd::failed);
+  if (!is_numeric_endpoint(dial.address)) return ended(dial.link, LinkEndReason::failed);
   close_dialled(dial.link);
   if (const Status opened = open(dial, scope); !opened) {
     shell_.log(Level::warning, "no_lane", dial.address + ": " + opened.error().text());
     close_dialled(dial.link);
-    ended(dial.link, LinkEnd::failed);
+    ended(dial.link, LinkEndReason::failed);
   }
 }
 
@@ -63,13 +63,13 @@ Status LaneSockets::open(const DialLane& dial, const std::string& scope) {
 
 void LaneSockets::on_event(LinkId link, LinkEvent event) {
   if (event == LinkEvent::connected) return shell_.core().lanes().on_connected(link, read_clocks());
-  const auto end = to_end(event);
+  const auto end = to_end_reason(event);
   if (!end || dialled_.count(link) == 0) return;
   close_dialled(link);
   ended(link, *end);
 }
 
-void LaneSockets::ended(LinkId link, LinkEnd how) {
+void LaneSockets::ended(LinkId link, LinkEndReason how) {
   Effects effects;
   shell_.core().lanes().on_ended(link, how, read_clocks(), effects);
   shell_.carry_out(effects);

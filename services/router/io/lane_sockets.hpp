@@ -39,7 +39,7 @@ class LaneSockets {
   Status open(const DialLane& dial, const std::string& scope);
   void close_dialled(LinkId link);
   void on_event(LinkId link, LinkEvent event);
-  void ended(LinkId link, LinkEnd how);
+  void ended(LinkId link, LinkEndReason how);
   void drain(LinkId link);
 
   ShellContext& shell_;

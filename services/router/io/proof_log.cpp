@@ -17,7 +17,7 @@ ProofLog::ProofLog(const std::string& dir, std::uint64_t max_bytes)
   if (max_bytes > 0) writer_ = std::make_unique<ProofWriter>(dir, max_bytes);
 }
 
-void ProofLog::heard(const LinkSeals& link, UtcTime now, BytesView frame) {
+void ProofLog::add(const LinkSeals& link, UtcTime now, BytesView frame) {
   if (!on()) return;
   const auto [at, fresh] = open_.try_emplace(link.in.link);
   Open& open = at->second;

@@ -7,7 +7,7 @@
 #include <memory>
 #include <string>
 
-#include "services/router/core/seals.hpp"
+#include "services/router/core/link_seals.hpp"
 #include "services/router/io/proof_writer.hpp"
 
 namespace trb::router {
@@ -19,7 +19,7 @@ class ProofLog {
 
   [[nodiscard]] bool on() const { return writer_ != nullptr; }
   /// A frame came by a link; it stays here until its seal comes.
-  void heard(const LinkSeals& link, UtcTime now, BytesView frame);
+  void add(const LinkSeals& link, UtcTime now, BytesView frame);
   /// The latest seal was accepted.
   void sealed(const LinkSeals& link);
   /// The link has ended; what is unsealed is written too.

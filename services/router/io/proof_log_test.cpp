@@ -69,12 +69,12 @@ struct Speaker {
     const Bytes bytes = frame("note", data);
     writer.add(bytes);
     REQUIRE(at_bee.reader.add(bytes));
-    log.heard(at_bee, kUtc, bytes);
+    log.add(at_bee, kUtc, bytes);
   }
   void seal(ProofLog& log) {
     const SealedRange range = writer.range(at_bee.in, kUtc);
     const SignedRecord record = sign_seal(range, name, fleet.id(), identity);
-    log.heard(at_bee, kUtc, frame("seal", encode(Seal{record})));
+    log.add(at_bee, kUtc, frame("seal", encode(Seal{record})));
     REQUIRE(at_bee.reader.close(at_bee.in, range, range.last + 1, record.payload.bytes) == SealFault::none);
     writer.sealed(record.payload.bytes);
     log.sealed(at_bee);

@@ -4,7 +4,7 @@ namespace trb::router {
 
 void ProofRecorder::keep(const FrameOrders& orders, UtcTime now, BytesView frame) {
   if (!log_.on() || orders.proof == nullptr) return;
-  log_.heard(*orders.proof, now, frame);
+  log_.add(*orders.proof, now, frame);
   if (!orders.sealed) return;
   log_.sealed(*orders.proof);
   report();

@@ -85,7 +85,7 @@ std::string ProofWriter::take_problem() {
   return std::exchange(problem_, {});
 }
 
-void ProofWriter::tell(std::string problem) {
+void ProofWriter::set_problem(std::string problem) {
   const std::lock_guard lock(mutex_);
   problem_ = std::move(problem);
 }
@@ -246,7 +246,7 @@ void ProofWriter::flush(Peers::iterator at) {
   peer.open = false;
   resize_last(peer, peer.written);
   if (peer.written == 0) remove_last(at);
-  tell(problem);
+  set_problem(problem);
 }
 
 /// Opened for each write: a thousand peers then need no thousand descriptors. Returns what failed; then nothing of it

@@ -79,7 +79,7 @@ class ProofWriter {
   std::string append(Peers::const_iterator peer);
   void find_segments();
   void mend_last(Peers::iterator peer);
-  void tell(std::string problem);
+  void set_problem(std::string problem);
   [[nodiscard]] std::string path_of(const std::string& peer, std::uint64_t number) const;
 
   const std::string dir_;

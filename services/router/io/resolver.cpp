@@ -67,10 +67,10 @@ Resolver::Found Resolver::find(const std::string& address, MonotonicTime now) {
   if (known == shared_->names.end() && shared_->names.size() >= kMaxNames)
     return {"", "over " + std::to_string(kMaxNames) + " host names are asked for: name seeds by their numbers"};
   Name& name = known == shared_->names.end() ? shared_->names[host] : known->second;
-  if (!name.until || now >= *name.until) ask(host, name, now);
+  if (!name.until || now >= *name.until) request(host, name, now);
   if (!name.hosts.empty()) return {with_port(name.hosts[name.next % name.hosts.size()], address), ""};
   if (!name.failure.empty()) return {"", name.failure};
-  const bool silent = name.asked && now - *name.asked >= kNamePatience;
+  const bool silent = name.requested && now - *name.requested >= kNamePatience;
   return {"", silent ? "the name server has not answered for " + host + " yet: " + kCure : ""};
 }
 
@@ -80,14 +80,14 @@ void Resolver::ended(const std::string& address, MonotonicTime now) {
   const auto known = shared_->names.find(host);
   if (known == shared_->names.end()) return;
   ++known->second.next;
-  ask(host, known->second, now);
+  request(host, known->second, now);
 }
 
-void Resolver::ask(const std::string& host, Name& name, MonotonicTime now) {
-  if (name.asked) return;
-  name.asked = now;
+void Resolver::request(const std::string& host, Name& name, MonotonicTime now) {
+  if (name.requested) return;
+  name.requested = now;
   name.until = now + kNameKept;
-  shared_->questions.push_back(host);
+  shared_->requests.push_back(host);
   shared_->wake.notify_one();
   if (shared_->started) return;
   shared_->started = true;  // a node without such a seed has no such thread
@@ -97,10 +97,10 @@ void Resolver::ask(const std::string& host, Name& name, MonotonicTime now) {
 void Resolver::run(const std::shared_ptr<Shared>& shared) {
   std::unique_lock lock(shared->mutex);
   for (;;) {
-    shared->wake.wait(lock, [&] { return shared->ending || !shared->questions.empty(); });
+    shared->wake.wait(lock, [&] { return shared->ending || !shared->requests.empty(); });
     if (shared->ending) return;
-    const std::string host = std::move(shared->questions.front());
-    shared->questions.pop_front();
+    const std::string host = std::move(shared->requests.front());
+    shared->requests.pop_front();
     lock.unlock();
     auto found = shared->lookup(host);
     lock.lock();
@@ -109,7 +109,7 @@ void Resolver::run(const std::shared_ptr<Shared>& shared) {
 }
 
 void Resolver::take(Name& name, Result<std::vector<std::string>> found) {
-  name.asked.reset();
+  name.requested.reset();
   name.failure.clear();
   if (found) {
     // If the addresses are the same, keep the current one.

@@ -50,8 +50,8 @@ class Resolver {
     std::vector<std::string> hosts;
     std::size_t next = 0;  ///< the index of the one to use
     std::string failure;
-    std::optional<MonotonicTime> asked;  ///< when, while the request waits
-    std::optional<MonotonicTime> until;  ///< then it is resolved again
+    std::optional<MonotonicTime> requested;  ///< when, while the request waits
+    std::optional<MonotonicTime> until;      ///< then it is resolved again
   };
   /// Outlives this object while a request is pending.
   struct Shared {
@@ -59,13 +59,13 @@ class Resolver {
     std::mutex mutex;
     std::condition_variable wake;
     std::map<std::string, Name> names;
-    std::deque<std::string> questions;
+    std::deque<std::string> requests;
     bool ending = false;
     bool started = false;
   };
   static void run(const std::shared_ptr<Shared>& shared);
   static void take(Name& name, Result<std::vector<std::string>> found);
-  void ask(const std::string& host, Name& name, MonotonicTime now);
+  void request(const std::string& host, Name& name, MonotonicTime now);
 
   std::shared_ptr<Shared> shared_ = std::make_shared<Shared>();
 };

@@ -1,7 +1,7 @@
 // Seals that are checked on a thread of their own.
 #include "services/router/io/seal_verifier.hpp"
 
-#include "services/router/io/link_event_end.hpp"
+#include "services/router/io/event_to_end_reason.hpp"
 #include "services/router/test/test_shell.hpp"
 
 using namespace trb;
@@ -16,8 +16,8 @@ TEST_CASE("a seal that is none ends its link, once the thread has looked at it")
 }
 
 TEST_CASE("an event of a connection that is not its end is none") {
-  CHECK_FALSE(to_end(LinkEvent::connected));
-  CHECK_FALSE(to_end(LinkEvent::accept_failed));
-  CHECK(to_end(LinkEvent::refused_key) == LinkEnd::refused_key);
-  CHECK(to_end(LinkEvent::disconnected) == LinkEnd::disconnected);
+  CHECK_FALSE(to_end_reason(LinkEvent::connected));
+  CHECK_FALSE(to_end_reason(LinkEvent::accept_failed));
+  CHECK(to_end_reason(LinkEvent::refused_key) == LinkEndReason::refused_key);
+  CHECK(to_end_reason(LinkEvent::disconnected) == LinkEndReason::disconnected);
 }

@@ -216,18 +216,18 @@ void TestFleet::connect_lane(TestNode& node, const DialLane& dial) {
   const Bytes own_key = node.keys.link.public_key;
   Effects there;
   Effects here;
-  const auto ended = [&](LinkEnd how) { node.core->lanes().on_ended(dial.link, how, now_of(node), here); };
+  const auto ended = [&](LinkEndReason how) { node.core->lanes().on_ended(dial.link, how, now_of(node), here); };
   if (cuts_.count({node.id, place == places_.end() ? "" : place->second}) != 0) return;
   if (other == nodes_.end() || other->second->keys.link.public_key != dial.server_key) {
-    ended(LinkEnd::failed);
+    ended(LinkEndReason::failed);
   } else if (!other->second->core->lanes().admit(own_key, there)) {
-    ended(LinkEnd::refused_key);
+    ended(LinkEndReason::refused_key);
   } else {
     node.core->lanes().on_connected(dial.link, now_of(node));
     if (other->second->core->lanes().on_listen(own_key, topic_of(node.id), there)) {
       lanes_[{node.id, dial.link}] = other->first;
     } else {
-      ended(LinkEnd::disconnected);
+      ended(LinkEndReason::disconnected);
     }
   }
   if (other != nodes_.end()) carry_out(*other->second, there);
@@ -239,7 +239,7 @@ void TestFleet::break_lane(const std::string& listener, const std::string& speak
   lanes_.erase({listener, link});
   at(speaker).core->lanes().on_listener_gone(at(speaker).link_to(listener));
   Effects effects;
-  at(listener).core->lanes().on_ended(link, LinkEnd::disconnected, now_of(at(listener)), effects);
+  at(listener).core->lanes().on_ended(link, LinkEndReason::disconnected, now_of(at(listener)), effects);
   carry_out(at(listener), effects);
 }
 
@@ -255,7 +255,7 @@ void TestFleet::close_lanes(const TestNode& node, LinkId link) {
       at(speaker).core->lanes().on_listener_gone(at(speaker).link_to(listener));
     Effects effects;
     if (speaker == node.id && nodes_.count(listener) != 0)
-      at(listener).core->lanes().on_ended(link, LinkEnd::disconnected, now_of(at(listener)), effects);
+      at(listener).core->lanes().on_ended(link, LinkEndReason::disconnected, now_of(at(listener)), effects);
   }
 }
 

@@ -133,7 +133,7 @@ class TestFleet {
   /// once.
   Routing stream(const std::string& from, const Message& message);
   /// Does this node receive that one's lane?
-  [[nodiscard]] bool hears(const std::string& listener, const std::string& speaker) const {
+  [[nodiscard]] bool receives_lane(const std::string& listener, const std::string& speaker) const {
     return lanes_.count({listener, at_const(listener).link_to(speaker)}) != 0;
   }
   /// The connection of a lane breaks, its link does not.

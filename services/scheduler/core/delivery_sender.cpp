@@ -93,7 +93,7 @@ void send_due(Run& run, Step step) {
   for (const PendingDelivery& delivery : run.deliveries().pending().take_due(step.now.mono)) {
     send(run, delivery, step);
   }
-  for (auto& [giver, tasks] : run.work().requests().take_due_results(step.now.mono)) {
+  for (auto& [giver, tasks] : run.work().awaited().take_due_results(step.now.mono)) {
     step.out.request(giver, NeedResults{run.id(), std::move(tasks)});
   }
 }

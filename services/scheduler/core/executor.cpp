@@ -5,13 +5,14 @@
 #include "common/base/errc.hpp"
 #include "proto/body.hpp"
 #include "proto/value.hpp"
+#include "services/scheduler/core/after_failure.hpp"
 #include "services/scheduler/core/run/signature.hpp"
 
 namespace trb::scheduler {
 namespace {
 
 constexpr Duration kQuestion = std::chrono::seconds(1);
-constexpr Duration kTellAgain = std::chrono::seconds(10);
+constexpr Duration kNotifyAgain = std::chrono::seconds(10);
 constexpr Duration kRunningQuestion = std::chrono::seconds(5);  // only finds a restart whose message was lost
 
 /// Refusals that pass: the attempt was not begun, and may be commanded again later.
@@ -103,7 +104,7 @@ void Executor::allow(Permit permit, const std::string& why) {
   if (!may_wait && attempt_->phase == Phase::refused) attempt_->phase = Phase::commanded;
 }
 
-void Executor::ask(Now now, Outbox& out) {
+void Executor::query_state(Now now, Outbox& out) {
   attempt_->next = now.mono + (attempt_->phase == Phase::running ? kRunningQuestion : kQuestion);
   out.request(node_, ExecutionQuery{attempt_->execute.key});
 }
@@ -175,25 +176,16 @@ void Executor::on_refusal(const Nack& nack, Now now, Outbox& out) {
   next_state_request_ = std::max(next_state_request_, now.mono);
 }
 
-/// What an attempt that was not done comes to: the robot tries again, the task is SKIPPED, or it stands. What nobody
-/// knows to be undone is tried again only if its skill says that this does no harm.
-TaskOutcome Executor::comes_to(TaskOutcome how) const {
-  // Who is ordered to stop has not failed by itself.
-  if (attempt_->permit == Permit::cancel) return how;
-  if (attempt_->permit == Permit::stop) return how == TaskOutcome::failed ? TaskOutcome::retriable : how;
-  if (how != TaskOutcome::failed && how != TaskOutcome::interrupted) return how;
-  const SkillUse* use = find_skill(attempt_->execute.skill);
-  const bool repeatable = how == TaskOutcome::failed || (use != nullptr && use->repeatable);
-  if (attempt_->may_retry && repeatable && attempt_->permit != Permit::too_late) return TaskOutcome::retriable;
-  const bool skips = attempt_->on_failure == OnFailure::skip || attempt_->on_failure == OnFailure::continue_;
-  return skips ? TaskOutcome::skipped : how;
-}
-
 void Executor::end(TaskOutcome outcome, const std::string& reason, Now now, Outbox& out) {
+  const SkillUse* use = find_skill(attempt_->execute.skill);
+  const AfterFailure after = after_failure(outcome, {.permit = attempt_->permit,
+                                                     .may_retry = attempt_->may_retry,
+                                                     .repeatable = use != nullptr && use->repeatable,
+                                                     .on_failure = attempt_->on_failure});
   TaskResult& result = attempt_->result;
-  result.outcome = comes_to(outcome);
-  const bool skips = result.outcome == TaskOutcome::skipped;
-  result.goes_on = skips && attempt_->on_failure == OnFailure::continue_;
+  result.outcome = after.outcome;
+  result.goes_on = after.goes_on;
+  const bool skips = after.outcome == TaskOutcome::skipped;
   result.reason = cut_utf8(skips ? std::string(name_of(outcome)) + ", which skips it: " + reason : reason, 1024);
   result.ended = now.utc.ns;
   attempt_->phase = Phase::signing;
@@ -213,8 +205,8 @@ void Executor::done(Outbox& out) {
 
 /// It may still run, and is to stop.
 bool Executor::is_to_stop() const {
-  const bool told = attempt_->permit == Permit::cancel || attempt_->permit == Permit::stop;
-  return told && attempt_->phase != Phase::signing;
+  const bool stops = attempt_->permit == Permit::cancel || attempt_->permit == Permit::stop;
+  return stops && attempt_->phase != Phase::signing;
 }
 
 void Executor::tick(Now now, Outbox& out) {
@@ -232,7 +224,7 @@ void Executor::tick(Now now, Outbox& out) {
   if (attempt_->phase == Phase::signing) {
     sign(now, out);
   } else {
-    ask(now, out);
+    query_state(now, out);
   }
 }
 
@@ -240,9 +232,9 @@ std::string Executor::take_wait(Now now) {
   // Right after a refusal the mode-adapter is asked why; it answers at once, or is not there.
   if (!is_refused() || (!adapter_ && attempt_->next > now.mono)) return {};
   std::string wait = obstacle();
-  if (wait.empty() || (wait == attempt_->told_wait && now.mono < attempt_->next_told)) return {};
-  attempt_->told_wait = wait;
-  attempt_->next_told = now.mono + kTellAgain;
+  if (wait.empty() || (wait == attempt_->sent_wait && now.mono < attempt_->next_sent)) return {};
+  attempt_->sent_wait = wait;
+  attempt_->next_sent = now.mono + kNotifyAgain;
   return wait;
 }
 

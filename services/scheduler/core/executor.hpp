@@ -6,19 +6,13 @@
 
 #include "common/actor/outbox.hpp"
 #include "common/base/time.hpp"
+#include "services/scheduler/core/permit.hpp"
 
 namespace trb::scheduler {
 
 /// `commanded`: Execute is out and unanswered. `refused`: the mode-adapter would not begin, for now. `signing`: it has
 /// ended, the router is requested to sign the result.
 enum class Phase : std::uint8_t { commanded = 0, running, refused, signing };
-
-/// What the run allows the attempt. `hold` (a person holds the run): what runs goes on, what has not begun waits.
-/// `give_back` (the decider asks for it), `too_late` (start_within_s has passed), `no_more` (expired): the same, but
-/// what has not begun ends so. `stop` (the decider asks for it, and that it stops): the same as give_back, and what
-/// runs is stopped, as something that may be tried again. `cancel` (aborted, or the task is another robot's now): stop
-/// it.
-enum class Permit : std::uint8_t { go = 0, hold, give_back, too_late, no_more, stop, cancel };
 
 struct Attempt {
   Execute execute;
@@ -32,8 +26,8 @@ struct Attempt {
   MonotonicTime next_cancel{};
   Bytes payload;          ///< signing: what the router is to sign
   std::string why;        ///< of the permit
-  std::string told_wait;  ///< refused: what it waits for, as last told
-  MonotonicTime next_told{};
+  std::string sent_wait;  ///< refused: what it waits for, as last sent
+  MonotonicTime next_sent{};
 };
 
 class Executor {
@@ -67,7 +61,7 @@ class Executor {
   /// The signed result is journaled in the same step.
   void done(Outbox& out);
 
-  /// What its refused attempt waits for, at each change and every 10 s; empty: nothing is to be told.
+  /// What its refused attempt waits for, at each change and every 10 s; empty: there is nothing to send.
   std::string take_wait(Now now);
 
   void tick(Now now, Outbox& out);
@@ -76,10 +70,9 @@ class Executor {
  private:
   void command(Now now, Outbox& out);
   void command_if_possible(Now now, Outbox& out);
-  void ask(Now now, Outbox& out);
+  void query_state(Now now, Outbox& out);
   void end_unbegun(Now now, Outbox& out);
   void end(TaskOutcome outcome, const std::string& reason, Now now, Outbox& out);
-  [[nodiscard]] TaskOutcome comes_to(TaskOutcome how) const;
   [[nodiscard]] bool is_to_stop() const;
   [[nodiscard]] const SkillUse* find_skill(const std::string& skill) const;
   void sign(Now now, Outbox& out);

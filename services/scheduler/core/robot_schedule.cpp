@@ -166,11 +166,11 @@ void RobotSchedule::start_next(Step step) {
 /// of this node's tasks at once.
 bool RobotSchedule::is_surely_new(Run& run, TaskIndex task, UtcTime now) const {
   if (!lost_.may_have_held(run.definition().start().created, now) || run.epochs().judges_here()) return true;
-  PendingRequests& requests = run.work().requests();
+  AwaitedRecords& awaited = run.work().awaited();
   const std::string& judge = run.definition().rule().judge();
-  if (requests.has_told(judge, task)) return true;
+  if (awaited.has_answered(judge, task)) return true;
   for (const TaskIndex own : run.epochs().own_tasks()) {
-    if (run.facts().current(own) == nullptr && !requests.has_told(judge, own)) requests.need_result(own, judge);
+    if (run.facts().current(own) == nullptr && !awaited.has_answered(judge, own)) awaited.need_result(own, judge);
   }
   return false;
 }
@@ -208,7 +208,7 @@ void RobotSchedule::start(Run& run, TaskIndex task, Step step) {
   notify_progress(run, fact.key, TaskState::initializing, {}, step);
 }
 
-void RobotSchedule::tell_wait(Step step) {
+void RobotSchedule::notify_wait(Step step) {
   const std::string wait = executor_.take_wait(step.now);
   if (wait.empty()) return;
   const AttemptKey& key = executor_.attempt()->execute.key;

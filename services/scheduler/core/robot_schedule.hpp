@@ -32,7 +32,7 @@ class RobotSchedule {
   /// At a step's end: begins the next attempt, if the robot is free for one.
   void start_next(Step step);
   /// At a step's end: notifies the cloud nodes of what the attempt waits for, if the robot has refused it.
-  void tell_wait(Step step);
+  void notify_wait(Step step);
 
  private:
   struct Allowed {

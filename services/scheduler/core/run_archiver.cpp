@@ -24,7 +24,7 @@ void RunArchiver::archive_if_over(Run& run, Step step) {
   const bool expired = run.definition().expired(step.steady);
   if (expired) {
     run.deliveries().pending().drop(DeliveryKind::baton);
-    run.work().requests().drop_results();
+    run.work().awaited().drop_results();
   }
   if (!is_over(run, step)) {
     run.work().stay();

@@ -61,7 +61,7 @@ void RunJournal::keep_result(Run& run, HeldResult held, Step step) {
   step.out.log(LogLevel::info, "result_kept", text + ": " + std::string(name_of(result.outcome)));
   if (was_double || !run.results().finished_twice(task)) return;
   step.out.count("double_execution");
-  step.out.log(LogLevel::error, "double_execution", text + " has two different results; the run is paused");
+  step.out.log(LogLevel::error, "double_execution", text + " has two different results; its judge holds the run");
 }
 
 void RunJournal::keep_choice(Run& run, HeldChoice held, Step step) {

@@ -59,7 +59,7 @@ bool RunLookup::defer_for_decisions(Run& run, std::uint32_t epoch, const Inbound
 
 void RunLookup::request_decisions(Run& run, const std::string& node, Step step) const {
   if (node == node_) return;
-  run.work().requests().await_decisions(node);
+  run.work().awaited().await_decisions(node);
   step.out.request(node, NeedDefinition{run.id(), run.definition().start().digest, false, true});
 }
 

@@ -135,7 +135,7 @@ void SchedulerCore::advance(Step step) {
   schedule_.permit_attempt(step);
   executor_.tick(step.now, step.out);
   if (settings_.has_robot) schedule_.start_next(step);
-  schedule_.tell_wait(step);
+  schedule_.notify_wait(step);
   for (Run* run : runs_.runs()) advance(*run, step);
   lookup_.refuse_late(step);
   if (!watchers_.empty()) queries_.notify_watchers(step);

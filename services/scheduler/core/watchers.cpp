@@ -42,14 +42,14 @@ void Watchers::forget(MonotonicTime now) {
 
 void Watchers::leave(const RunSummary& last, Outbox& out) {
   for (Watcher& watcher : watchers_) {
-    watcher.told.erase(last.run);
+    watcher.sent.erase(last.run);
     out.sends.push_back({.target = watcher.source, .reply_to = watcher.id, .body = RunChanged{last}});
   }
 }
 
-void Watchers::note_told(const Inbound& from, const std::string& run, std::uint64_t version) {
+void Watchers::note_sent(const Inbound& from, const std::string& run, std::uint64_t version) {
   for (Watcher& watcher : watchers_) {
-    if (watcher.source == from.source && watcher.id == from.id) watcher.told[run] = version;
+    if (watcher.source == from.source && watcher.id == from.id) watcher.sent[run] = version;
   }
 }
 

@@ -26,23 +26,23 @@ class Watchers {
   template <class Summary>
   void notify(const std::string& run, std::uint64_t version, const Summary& summary, Outbox& out) {
     for (Watcher& watcher : watchers_) {
-      const auto [told, is_new] = watcher.told.try_emplace(run, version);
-      if (!is_new && told->second == version) continue;
-      told->second = version;
+      const auto [last, is_new] = watcher.sent.try_emplace(run, version);
+      if (!is_new && last->second == version) continue;
+      last->second = version;
       out.sends.push_back({.target = watcher.source, .reply_to = watcher.id, .body = RunChanged{summary()}});
     }
   }
   /// The run leaves: its watchers are notified a last time.
   void leave(const RunSummary& last, Outbox& out);
   /// What the answer to a watch contained.
-  void note_told(const Inbound& from, const std::string& run, std::uint64_t version);
+  void note_sent(const Inbound& from, const std::string& run, std::uint64_t version);
 
  private:
   struct Watcher {
     std::string source;
     std::uint64_t id = 0;
     MonotonicTime until;
-    std::map<std::string, std::uint64_t> told;
+    std::map<std::string, std::uint64_t> sent;
   };
   bool make_room(const Inbound& from);
 

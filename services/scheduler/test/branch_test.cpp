@@ -113,10 +113,10 @@ TEST_CASE("what has not begun in its time has failed: what is nice to have holds
   story.fleet.pass(seconds(18));
   CHECK(story.view().tasks[1].state == TaskState::waiting);
   CHECK(story.fleet.view("drone", kStoryRun).tasks[1].due);
-  CHECK(story.fleet.view("drone", kStoryRun).tasks[1].waits_for == "the robot is OFFLINE");
+  CHECK(story.fleet.view("drone", kStoryRun).tasks[1].waits_for == "the robot is CONNECTION_BROKEN");
   REQUIRE(story.fleet.until([&] { return story.view().state == RunState::finished; }, seconds(10)));
   CHECK(story.view().tasks[1].state == TaskState::skipped);
-  CHECK(story.view().tasks[1].reason == "it did not begin within 20 s: the robot is OFFLINE");
+  CHECK(story.view().tasks[1].reason == "it did not begin within 20 s: the robot is CONNECTION_BROKEN");
   CHECK(story.view().tasks[2].state == TaskState::finished);
 }
 
@@ -207,7 +207,7 @@ TEST_CASE("a failure that ends the run does so though its robot is gone with it"
 
 TEST_CASE("a task that its robot has refused is given back when it is asked for") {
   BranchStory story({named_task("grip", "ur3", {})});
-  REQUIRE(story.fleet.until([&] { return story.fleet["ur3"].commits > 0; }));
+  REQUIRE(story.fleet.until([&] { return story.fleet["ur3"].crash.commits > 0; }));
   story.adapter("ur3").set(false, false);
   story.fleet.pass(seconds(3));
   REQUIRE(story.adapter("ur3").begun.empty());

@@ -76,7 +76,7 @@ TEST_CASE("whoever evaluates, goes by it or keeps it may die at any record, and 
     story.check_one_branch();
     story.check_one_verdict_each();
     story.fleet.pass(seconds(10));
-    return story.fleet[victim].commits;
+    return story.fleet[victim].crash.commits;
   });
 }
 
@@ -106,7 +106,7 @@ TEST_CASE("loss, repetition and disorder do no harm to a choice") {
     Story story(seed);
     story.fleet["conveyor"].sensors.plug("temperature", {19.9, 20.1, 19.8, 20.2, 19.7, 20.3});
     story.fleet.weather = {300, 200, 150, seconds(0.8)};
-    story.fleet["ridgeback"].crash_at = seed % 5 + 1;
+    story.fleet["ridgeback"].crash.at = seed % 5 + 1;
     story.submit(left_or_right("ur3", "drone"));
     REQUIRE(story.finishes());
     story.check_one_branch();

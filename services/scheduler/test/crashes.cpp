@@ -13,8 +13,8 @@ void die_at_each(const std::string& victim, bool after_sends, std::size_t bound,
   for (std::size_t k = 1; k <= steps; ++k) {
     CAPTURE(k);
     steps = play(victim, [&](Fleet& fleet) {
-      fleet[victim].crash_at = k;
-      fleet[victim].crash_after_sends = after_sends;
+      fleet[victim].crash.at = k;
+      fleet[victim].crash.after_sends = after_sends;
     });
     REQUIRE(steps < bound);
   }

@@ -124,7 +124,7 @@ TEST_CASE("any scheduler may die after any of its records while a robot is repla
     REQUIRE(story.run());
     story.check_done_right();
     story.fleet.pass(seconds(10));
-    return story.fleet[victim].commits;
+    return story.fleet[victim].crash.commits;
   });
 }
 

@@ -85,7 +85,7 @@ TEST_CASE("an abort survives the death of whoever ordered it, in bad weather") {
     fleet.weather = {300, 200, 100, seconds(0.8)};
     submit_nine(fleet, "ridgeback");
     REQUIRE(fleet.until([&] { return has_begun(fleet, "conveyor"); }));
-    fleet["ridgeback"].crash_at = fleet["ridgeback"].commits + seed % 4 + 1;
+    fleet["ridgeback"].crash.at = fleet["ridgeback"].crash.commits + seed % 4 + 1;
     abort(fleet, "ridgeback");
     REQUIRE(
         fleet.until([&] { return fleet["ridgeback"].up && fleet.view("ridgeback", kRun).state == RunState::aborted; },
@@ -106,7 +106,7 @@ TEST_CASE("an abort while the mode-adapter starts anew is confirmed, and the tas
 
 TEST_CASE("an attempt that was commanded in vain is not commanded again after an abort") {
   DemoFleet fleet;
-  fleet["ridgeback"].crash_at = 1;  // definition and start record are one step; the command is lost with it
+  fleet["ridgeback"].crash.at = 1;  // definition and start record are one step; the command is lost with it
   submit_nine(fleet, "cloud");
   REQUIRE(fleet.until([&] { return !fleet["ridgeback"].up; }));
   fleet.weather.local_loss = 1000;  // the questions to the mode-adapter come after the abort
@@ -184,18 +184,18 @@ TEST_CASE("a clock that is 25 h ahead for 3 s ends no run, on no node") {
   submit_nine(fleet, "cloud", seconds(24 * 3600));
   REQUIRE(fleet.until([&] { return fleet.view("cloud", kRun).state == RunState::paused; }));
   for (const char* node : {"cloud", "ridgeback"}) {
-    fleet[node].ahead = seconds(25 * 3600);
+    fleet[node].clock.set({.ahead_s = 25 * 3600});
     for (int i = 0; i < 3; ++i) {
       fleet.pass(seconds(1));
       CHECK(fleet.view(node, kRun).left_s > 23 * 3600);
     }
-    fleet[node].ahead = seconds(0);
+    fleet[node].clock.set({});
   }
   fleet.pass(seconds(3600));
   CHECK(fleet.view("cloud", kRun).state == RunState::paused);
   // Nor does a node that starts with such a clock.
   fleet.stop("cloud");
-  fleet["cloud"].ahead = seconds(25 * 3600);
+  fleet["cloud"].clock.set({.ahead_s = 25 * 3600});
   fleet.start("cloud");
   fleet.pass(seconds(60));
   CHECK(fleet.view("cloud", kRun).state == RunState::paused);

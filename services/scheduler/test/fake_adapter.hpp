@@ -1,4 +1,5 @@
-// A mode-adapter for tests: every skill takes the same time and succeeds, unless a test says otherwise.
+// A mode-adapter for tests: every skill takes the same time and succeeds, unless a test says otherwise. It answers as
+// the real one does: tests/contract/fake_adapter_test.cpp compares the two.
 #pragma once
 
 #include <functional>
@@ -28,6 +29,7 @@ class FakeAdapter {
 
   /// A new process: it knows nothing of what it was doing. The attempts of which nobody else knows how they ended.
   std::vector<AttemptKey> restart();
+  /// Ends what runs, unless the robot stays there and is not stopped.
   void set(bool online, bool is_fenced);
   void take_into_use(const TakeIntoUse& word);
   /// Nothing is kept of that run any more.
@@ -53,10 +55,15 @@ class FakeAdapter {
 
  private:
   void execute(const Execute& execute, const Inbound& message, MonotonicTime now);
-  void cancel(const AttemptKey& key, MonotonicTime now);
-  void query(const AttemptKey& key, std::uint64_t id);
-  void end(TaskOutcome outcome, const std::string& reason, const std::string& result = R"({"done":true})");
-  void end_by_itself();
+  void cancel(const Inbound& message, const AttemptKey& key, MonotonicTime now);
+  void query(const Inbound& message, const AttemptKey& key);
+  /// The attempt runs or has ended, and that is the answer.
+  bool answer_known(const Inbound& message, const AttemptKey& key);
+  [[nodiscard]] std::optional<Errc> refusal(const Execute& execute) const;
+  void keep(const Outcome& outcome, MonotonicTime now);
+  void end(TaskOutcome outcome, const std::string& reason, MonotonicTime now,
+           const std::string& result = R"({"done":true})");
+  void end_by_itself(MonotonicTime now);
   void tell_state(std::uint64_t reply_to = 0);
   void refuse(const Inbound& message, Errc code);
   [[nodiscard]] bool is_out_of_use(const std::string& skill) const;
@@ -68,9 +75,14 @@ class FakeAdapter {
   };
   bool online_ = true;
   bool fenced_ = false;
+  bool changed_ = false;  ///< one of these two, untold
   std::string control_;
   std::optional<Running> running_;
-  std::map<AttemptKey, Outcome> outcomes_;
+  struct Kept {
+    Outcome outcome;
+    bool journaled = false;
+  };
+  std::map<AttemptKey, Kept> outcomes_;
   std::optional<MonotonicTime> resend_;
   std::vector<Said> said_;
 };

@@ -9,7 +9,7 @@ namespace trb::scheduler::test {
 Fleet::Fleet(std::uint64_t seed) : network_(seed, weather) {}
 
 Node& Fleet::add(const std::string& id, Role role) {
-  Node& node = nodes_[id];
+  Node& node = nodes_.try_emplace(id, events_, [this, id] { run_adapter(nodes_.at(id)); }).first->second;
   node.id = id;
   node.role = role;
   identities_.add(id, role);
@@ -22,83 +22,87 @@ SignedRecord Fleet::sign_order(const std::string& by, const std::string& run) co
 }
 
 void Fleet::ask(const std::string& node, MessageType type, Body body) {
-  Inbound message{type, node, node, time_.next_number(), 0, 0, kDefaultRemainingMs, std::move(body)};
-  asked_.insert(message.id);
-  happen({node, false, false, false, std::move(message)});
+  asked_.insert(messages_ + 1);
+  hear(node, node, type, std::move(body));
 }
 
 Outbox Fleet::tell(const std::string& node, const std::string& source, MessageType type, Body body,
                    std::uint64_t reply_to) {
-  Outbox out;
+  Outbox told;
   Node& to = nodes_.at(node);
-  to.core->on({type, source, node, time_.next_number(), reply_to, 0, kDefaultRemainingMs, std::move(body)}, now_at(to),
-              out);
-  for (const Journal& record : out.journal) to.journal.commit(read_back(record), *to.archive);
-  touch(to);
-  return out;
+  const Inbound message{type, source, node, ++messages_, reply_to, 0, kDefaultRemainingMs, std::move(body)};
+  to.process->step([&](Now now, Outbox& out) {
+    to.core->on(message, now, out);
+    told = out;
+    out.sends.clear();
+  });
+  return told;
 }
 
 void Fleet::hear(const std::string& node, const std::string& source, MessageType type, Body body) {
-  happen({node,
-          false,
-          false,
-          false,
-          {type, source, node, time_.next_number(), 0, 0, kDefaultRemainingMs, std::move(body)}});
+  happen(nodes_.at(node), Service::scheduler,
+         {type, source, node, ++messages_, 0, 0, kDefaultRemainingMs, std::move(body)});
 }
 
-RunView Fleet::view(const std::string& node, const std::string& run) {
-  run_adapter(nodes_.at(node));
-  Outbox out;
-  nodes_.at(node).core->on({MessageType::request, node, node, time_.next_number(), 0, 0, 1000, RunQuery{run}},
-                           now_at(nodes_.at(node)), out);
-  const auto views = sent<RunView>(out);
-  if (views.empty()) return {};
-  std::erase_if(out.sends, [](const Send& send) { return holds_alternative<RunView>(send.body); });
-  carry_out(nodes_.at(node), out);
-  return views.front();
+RunView Fleet::view(const std::string& id, const std::string& run) {
+  Node& node = nodes_.at(id);
+  run_adapter(node);
+  const Inbound question{MessageType::request, id, id, ++messages_, 0, 0, 1000, RunQuery{run}};
+  std::vector<RunView> views;
+  node.process->step([&](Now now, Outbox& out) {
+    node.core->on(question, now, out);
+    views = sent<RunView>(out);
+    std::erase_if(out.sends, [&](const Send& send) { return send.reply_to == question.id; });
+  });
+  return views.empty() ? RunView{} : views.front();
 }
 
-void Fleet::stop(const std::string& node) {
-  nodes_.at(node).core.reset();
-  nodes_.at(node).up = false;
-  touch(nodes_.at(node));
+void Fleet::stop(const std::string& id) {
+  Node& node = nodes_.at(id);
+  node.up = false;
+  node.guest.reset();
+  node.process.reset();
+  node.core.reset();
 }
 
 void Fleet::start(const std::string& id) {
   Node& node = nodes_.at(id);
+  stop(id);
   node.core =
       std::make_unique<SchedulerCore>(SchedulerSettings{id, authority(), node.role == Role::robot}, *node.archive);
   const Status restored = node.core->restore(node.journal.records());
   REQUIRE_MESSAGE(restored.ok(), (restored ? "" : restored.error().text()));
+  node.process = std::make_unique<world::CoreProcess>(process_settings(node), *node.core, events_, node.clock);
   node.up = true;
-  run_core(node, [&](SchedulerCore& core, Outbox& out) {
-    core.on_welcome({id, node.role, 1}, now_at(nodes_.at(id)), out);
-  });
+  node.process->welcome({id, node.role, 1});
 }
 
-void Fleet::run_core(Node& node, const std::function<void(SchedulerCore&, Outbox&)>& step) {
-  if (!node.up) return;
-  Outbox out;
-  step(*node.core, out);
-  carry_out(node, out);
-  touch(node);
+world::ProcessSettings Fleet::process_settings(Node& node) {
+  world::ProcessSettings out;
+  out.inspect = [this](const Outbox& effects) {
+    for (const std::string& name : effects.counts) ++counted[name];
+  };
+  out.store = [this, &node](const std::vector<Journal>& records) { store(node, records); };
+  out.send = [this, &node](const Send& one) { send(node, one); };
+  out.crash = &node.crash;
+  out.on_crash = [this, &node] { crash(node.id); };
+  return out;
 }
 
-bool Fleet::commit(Node& node, const Outbox& out) {
-  for (const std::string& name : out.counts) ++counted[name];
-  if (out.journal.empty()) return true;
-  for (const Journal& record : out.journal) node.journal.commit(read_back(record), *node.archive);
-  return ++node.commits != node.crash_at;
+void Fleet::store(Node& node, const std::vector<Journal>& records) {
+  for (const Journal& record : records) node.journal.commit(read_back(record), *node.archive);
 }
 
-void Fleet::carry_out(Node& node, const Outbox& out) {
-  const bool crashed = !commit(node, out);
-  if (!crashed || node.crash_after_sends) {
-    for (const Send& one : out.sends) send(node, one);
-  }
-  if (!crashed) return;
-  stop(node.id);
-  time_.post({node.id, false, true, false, {}}, seconds(0.3));
+void Fleet::crash(const std::string& node) {
+  stop(node);
+  events_.after(seconds(0.3), [this, node] { start(node); });
+}
+
+void Fleet::attach(const std::string& id, Core& core, world::ProcessSettings disk) {
+  Node& node = nodes_.at(id);
+  disk.send = [this, &node](const Send& one) { send_of_guest(node, one); };
+  node.guest = std::make_unique<world::CoreProcess>(std::move(disk), core, events_, node.clock);
+  node.guest->welcome({id, node.role, 1});
 }
 
 Body Fleet::carried_over(const Body& body) {
@@ -117,13 +121,17 @@ JournalRecord Fleet::read_back(const Journal& journal) {
   return std::move(*coded);
 }
 
+Inbound Fleet::message_of(const Node& node, const Send& send) {
+  return {send.type,     node.id,    send.target,       ++messages_,
+          send.reply_to, send.flags, send.remaining_ms, carried_over(send.body)};
+}
+
 void Fleet::send(Node& node, const Send& send) {
-  Inbound message{send.type,     node.id,    send.target,       time_.next_number(),
-                  send.reply_to, send.flags, send.remaining_ms, carried_over(send.body)};
+  Inbound message = message_of(node, send);
   if (send.reply_to != 0 && asked_.contains(send.reply_to)) {
-    answers.push_back(message.body);
+    answers.push_back(std::move(message.body));
   } else if (send.target == node.id && guests_asked_.contains(send.reply_to)) {
-    time_.post({node.id, false, false, true, message}, seconds(0.001));
+    post(node.id, Service::guest, seconds(0.001), std::move(message));
   } else if (send.target == node.id) {
     send_local(node, message);
   } else {
@@ -142,17 +150,13 @@ void Fleet::send_local(Node& node, const Inbound& message) {
   } else if (holds_alternative<SensorRead>(message.body)) {
     read_sensor(node, message);
   } else {
-    time_.post({node.id, true, false, false, message}, seconds(0.001));
+    post(node.id, Service::adapter, seconds(0.001), message);
   }
 }
 
-void Fleet::answer(const std::string& from, const Inbound& asked, Duration delay, Body body) {
-  time_.post({asked.source,
-              false,
-              false,
-              false,
-              {MessageType::information, from, asked.source, time_.next_number(), asked.id, 0, 1000, std::move(body)}},
-             delay);
+void Fleet::answer(const std::string& from, const Inbound& asked, Duration delay, Body body, Service to) {
+  post(asked.source, to, delay,
+       {MessageType::information, from, asked.source, ++messages_, asked.id, 0, 1000, std::move(body)});
 }
 
 void Fleet::read_sensor(Node& node, const Inbound& message) {
@@ -180,13 +184,9 @@ RouteTable Fleet::routes(const Node& node, const std::string& after) const {
 
 void Fleet::nack(Node& node, const Inbound& message, Errc code) {
   if (message.type == MessageType::information || message.reply_to != 0) return;
-  Nack body{std::string(errc_name(code)), std::string(subtype_of(message.body)), message.target, "not delivered", ""};
-  time_.post({node.id,
-              false,
-              false,
-              false,
-              {MessageType::information, node.id, node.id, time_.next_number(), message.id, 0, 1000, body}},
-             seconds(0.001));
+  answer(
+      node.id, message, seconds(0.001),
+      Nack{std::string(errc_name(code)), std::string(subtype_of(message.body)), message.target, "not delivered", ""});
 }
 
 void Fleet::send_away(Node& node, const Inbound& message) {
@@ -199,150 +199,103 @@ void Fleet::send_away(Node& node, const Inbound& message) {
     return;
   }
   if (!target->second.up) return nack(node, message, Errc::no_service);
-  for (const Duration delay : network_.arrivals()) {
-    time_.post({message.target, false, false, false, message}, delay);
-  }
-}
-
-void Fleet::happen(Event event) {
-  Node& node = nodes_.at(event.node);
-  if (event.starts) return start(event.node);
-  if (event.to_guest || guests_asked_.contains(event.message.reply_to)) {
-    return nudge(node.id, [&](Guest& guest, Now now, Outbox& out) { guest.on(event.message, now, out); });
-  }
-  if (event.to_adapter) {
-    node.adapter.hear(event.message, time_.now());
-    return run_adapter(node);
-  }
-  run_core(node, [&](SchedulerCore& core, Outbox& out) { core.on(event.message, now_at(node), out); });
-}
-
-void Fleet::run_adapter(Node& node) {
-  node.adapter.tick(time_.now());
-  for (FakeAdapter::Said& said : node.adapter.take()) {
-    if (network_.loses_locally()) continue;
-    const MessageType type = MessageType::information;
-    time_.post({node.id,
-                false,
-                false,
-                false,
-                {type, node.id, node.id, time_.next_number(), said.reply_to, 0, 1000, std::move(said.body)}},
-               seconds(0.001));
-  }
-  touch(node);
-}
-
-/// When something is due on that node without a message.
-void Fleet::touch(Node& node) {
-  std::optional<MonotonicTime> next = node.adapter.next();
-  if (node.up) next = earlier(next, node.core->next_deadline());
-  const auto guest = guests_.find(node.id);
-  if (node.up && guest != guests_.end()) next = earlier(next, guest->second->next_deadline());
-  time_.set_deadline(node.id, next);
-}
-
-bool Fleet::next_moment(MonotonicTime limit) {
-  const auto next = time_.next();
-  if (!next || *next > limit) return false;
-  time_.pass_to(*next);
-  if (auto event = time_.take_due()) happen(std::move(*event));
-  for (auto& [id, node] : nodes_) {
-    if (time_.is_due(id)) tick(node);
-  }
-  return true;
-}
-
-/// Something is due on that node without a message.
-void Fleet::tick(Node& node) {
-  run_adapter(node);
-  const auto due = [&](std::optional<MonotonicTime> is) { return node.up && is && *is <= time_.now(); };
-  if (due(node.up ? node.core->next_deadline() : std::nullopt)) {
-    run_core(node, [&](SchedulerCore& core, Outbox& out) { core.tick(now_at(node), out); });
-  }
-  const auto guest = guests_.find(node.id);
-  if (guest != guests_.end() && due(guest->second->next_deadline())) {
-    nudge(node.id, [](Guest& is, Now now, Outbox& out) { is.tick(now, out); });
-  }
-  touch(node);
-}
-
-void Fleet::attach(const std::string& node, Guest& guest) {
-  guests_[node] = &guest;
-  touch(nodes_.at(node));
-}
-
-void Fleet::nudge(const std::string& id, const std::function<void(Guest&, Now, Outbox&)>& step) {
-  Node& node = nodes_.at(id);
-  if (!node.up) return;
-  Outbox out;
-  step(*guests_.at(id), now_at(node), out);
-  for (const Send& one : out.sends) send_of_guest(node, one);
-  touch(node);
-}
-
-void Fleet::answer_guest(Node& node, const Inbound& asked, Duration delay, const std::string& from, Body body) {
-  time_.post({node.id,
-              false,
-              false,
-              true,
-              {MessageType::information, from, node.id, time_.next_number(), asked.id, 0, 1000, std::move(body)}},
-             delay);
+  for (const Duration delay : network_.arrivals()) post(message.target, Service::scheduler, delay, message);
 }
 
 void Fleet::send_of_guest(Node& node, const Send& send) {
-  Inbound message{send.type,     node.id,    send.target,       time_.next_number(),
-                  send.reply_to, send.flags, send.remaining_ms, carried_over(send.body)};
-  if (send.reply_to != 0 && asked_.contains(send.reply_to)) return answers.push_back(message.body);
+  Inbound message = message_of(node, send);
+  if (send.reply_to != 0 && asked_.contains(send.reply_to)) return answers.push_back(std::move(message.body));
   constexpr std::size_t kRemembered = 10'000;
   guests_asked_.insert(message.id);
   if (guests_asked_.size() > kRemembered) guests_asked_.erase(guests_asked_.begin());
-  if (send.target != node.id) {
-    Node& to = nodes_.at(send.target);
-    if (node.cut || to.cut || !to.up) {
-      return answer_guest(node, message, seconds(0.001), node.id,
-                          Nack{"peer_unreachable", std::string(subtype_of(message.body)), send.target, "is away", ""});
-    }
-    if (const auto* value = get_if<Opaque>(&message.body)) {
-      const auto told = to.values.find(value->subtype);
-      if (told == to.values.end()) return;
-      return answer_guest(node, message, seconds(0.02), to.id, Opaque{value->subtype, told->second});
-    }
-    if (const auto* repaired = get_if<TakeIntoUse>(&message.body)) {
-      to.adapter.take_into_use(*repaired);
-      run_adapter(to);
-      touch(to);
-      return answer_guest(node, message, seconds(0.02), to.id, Ack{"in_use", ""});
-    }
-  } else if (const auto* request = get_if<SignRequest>(&message.body)) {
+  if (send.target != node.id) return send_of_guest_away(node, nodes_.at(send.target), message);
+  if (const auto* request = get_if<SignRequest>(&message.body)) {
     REQUIRE(may_sign(node.role, request->kind));
     REQUIRE(may_have_signed("resilience", false, request->kind));
-    return answer_guest(node, message, seconds(0.002), node.id, sign(node.id, request->kind, request->payload.bytes));
-  } else if (const auto* asked = get_if<RouteListRequest>(&message.body)) {
-    return answer_guest(node, message, seconds(0.001), node.id, routes(node, asked->after));
+    Body record = sign(node.id, request->kind, request->payload.bytes);
+    return answer(node.id, message, seconds(0.002), std::move(record), Service::guest);
   }
-  time_.post({send.target, false, false, false, message}, seconds(0.005));
+  if (const auto* asked = get_if<RouteListRequest>(&message.body)) {
+    return answer(node.id, message, seconds(0.001), routes(node, asked->after), Service::guest);
+  }
+  post(node.id, Service::scheduler, seconds(0.005), std::move(message));
 }
 
-/// A test may have changed anything.
+void Fleet::send_of_guest_away(Node& node, Node& to, const Inbound& message) {
+  const auto reply = [&](const std::string& from, Duration delay, Body body) {
+    answer(from, message, delay, std::move(body), Service::guest);
+  };
+  if (node.cut || to.cut || !to.up) {
+    return reply(node.id, seconds(0.001),
+                 Nack{"peer_unreachable", std::string(subtype_of(message.body)), to.id, "is away", ""});
+  }
+  if (const auto* value = get_if<Opaque>(&message.body)) {
+    const auto told = to.values.find(value->subtype);
+    if (told != to.values.end()) reply(to.id, seconds(0.02), Opaque{value->subtype, told->second});
+    return;
+  }
+  if (const auto* repaired = get_if<TakeIntoUse>(&message.body)) {
+    to.adapter.take_into_use(*repaired);
+    run_adapter(to);
+    return reply(to.id, seconds(0.02), Ack{"in_use", ""});
+  }
+  post(to.id, Service::scheduler, seconds(0.005), message);
+}
+
+void Fleet::post(const std::string& node, Service to, Duration delay, Inbound message) {
+  events_.after(delay, [this, &is = nodes_.at(node), to, message = std::move(message)] { happen(is, to, message); });
+}
+
+void Fleet::happen(Node& node, Service to, const Inbound& message) {
+  if (to == Service::adapter) {
+    node.adapter.hear(message, events_.now());
+    return run_adapter(node);
+  }
+  const bool guests = to == Service::guest || guests_asked_.contains(message.reply_to);
+  const auto& process = guests ? node.guest : node.process;
+  if (process) process->take(message);
+}
+
+void Fleet::run_adapter(Node& node) {
+  node.adapter.tick(events_.now());
+  for (FakeAdapter::Said& said : node.adapter.take()) {
+    if (network_.loses_locally()) continue;
+    post(node.id, Service::scheduler, seconds(0.001),
+         {MessageType::information, node.id, node.id, ++messages_, said.reply_to, 0, 1000, std::move(said.body)});
+  }
+  touch(node);
+}
+
+void Fleet::touch(Node& node) {
+  node.adapter_timer.set(node.adapter.next());
+}
+
+/// A test may have changed any mode-adapter.
 void Fleet::touch_all() {
   for (auto& [id, node] : nodes_) touch(node);
 }
 
+void Fleet::after(Duration delay, std::function<void()> what) {
+  events_.after(delay, [this, what = std::move(what)] {
+    what();
+    touch_all();
+  });
+}
+
 bool Fleet::until(const std::function<bool()>& done, Duration limit) {
-  const MonotonicTime end = time_.now() + limit;
+  const MonotonicTime end = events_.now() + limit;
   while (!done()) {
     touch_all();
-    if (!next_moment(end)) return done();
+    if (!events_.step(end)) return done();
   }
   return true;
 }
 
 void Fleet::pass(Duration time) {
-  const MonotonicTime end = time_.now() + time;
+  const MonotonicTime end = events_.now() + time;
   touch_all();
-  while (next_moment(end)) {
+  while (events_.step(end)) {
   }
-  time_.pass_to(end);
 }
 
 void add_demonstration(Fleet& fleet) {

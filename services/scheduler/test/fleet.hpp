@@ -1,4 +1,6 @@
-// A fleet in memory and in virtual time: real scheduler cores, fake routers (that sign) and fake mode-adapters.
+// A fleet in memory, in the simulator's time and processes: real scheduler cores, fake routers (that sign) and fake
+// mode-adapters. Its messages are lost, doubled and overtaken one by one, and a thousand runs take seconds; whole nodes
+// with real routers are played by the simulator's world.
 #pragma once
 
 #include <functional>
@@ -15,7 +17,9 @@
 #include "services/scheduler/test/network.hpp"
 #include "services/scheduler/test/scenarios.hpp"
 #include "services/scheduler/test/signers.hpp"
-#include "services/scheduler/test/virtual_time.hpp"
+#include "services/simulator/world/clock.hpp"
+#include "services/simulator/world/core_process.hpp"
+#include "services/simulator/world/events.hpp"
 
 namespace trb::scheduler::test {
 
@@ -26,33 +30,25 @@ inline std::string nack_of(const Outbox& out) {
 }
 
 struct Node {
+  Node(world::Events& events, world::Events::What run_adapter)
+      : clock(events), adapter_timer(events, std::move(run_adapter)) {}
+
   std::string id;
   Role role{};
   bool cut = false;  ///< no link to anyone
   bool up = false;
+  world::Clock clock;
   std::unique_ptr<SchedulerCore> core;
+  std::unique_ptr<world::CoreProcess> process;
+  std::unique_ptr<world::CoreProcess> guest;  ///< another service; see Fleet::attach
   FakeAdapter adapter;
+  world::Timer adapter_timer;
   FakeSensors sensors;
   std::map<std::string, std::string> values;  ///< that its robot tells a guest which asks
   MemoryJournal journal;
   NodeProfile profile;  ///< in the routers' tables
   std::unique_ptr<MemoryArchive> archive = std::make_unique<MemoryArchive>();
-  Duration ahead{0};         ///< its clock's
-  std::size_t commits = 0;   ///< steps that have journaled something
-  std::size_t crash_at = 0;  ///< ends the process at this commit; 0: never
-  bool crash_after_sends = false;
-};
-
-/// Another service on a node: what it says goes to its node's router and scheduler and to robots, as on a bus.
-class Guest {
- public:
-  Guest() = default;
-  Guest(const Guest&) = delete;
-  Guest& operator=(const Guest&) = delete;
-  virtual ~Guest() = default;
-  virtual void on(const Inbound& message, Now now, Outbox& out) = 0;
-  virtual void tick(Now now, Outbox& out) = 0;
-  [[nodiscard]] virtual std::optional<MonotonicTime> next_deadline() const = 0;
+  world::CrashPoint crash;
 };
 
 class Fleet {
@@ -69,9 +65,7 @@ class Fleet {
     return identities_.sign(id, purpose, std::move(payload));
   }
   [[nodiscard]] SignedRecord sign_order(const std::string& by, const std::string& run) const;
-  [[nodiscard]] Now now() const { return {time_.now(), UtcTime{kEpoch} + Duration{time_.now().ns}}; }
-  /// By the clock of that node.
-  [[nodiscard]] Now now_at(const Node& node) const { return {time_.now(), now().utc + node.ahead}; }
+  [[nodiscard]] Now now() const { return clock_.now(); }
   [[nodiscard]] const FleetAuthority& authority() const { return identities_.authority(); }
 
   /// The signed start of a run of these tasks with every node of the fleet as a member.
@@ -88,13 +82,14 @@ class Fleet {
   void hear(const std::string& node, const std::string& source, MessageType type, Body body);
   RunView view(const std::string& node, const std::string& run);
 
-  /// The guest must outlive the fleet.
-  void attach(const std::string& node, Guest& guest);
-  /// Something happens to the guest that is no message.
-  void nudge(const std::string& node, const std::function<void(Guest&, Now, Outbox&)>& step);
+  /// Starts another service on a node, which is up: what it says goes to its node's router and scheduler and to robots,
+  /// as on a bus. It ends with the node's processes; its core must outlive that. `disk`: its store and after_sends.
+  void attach(const std::string& node, Core& core, world::ProcessSettings disk);
 
   void stop(const std::string& node);
   void start(const std::string& node);
+  /// Happens at that time.
+  void after(Duration delay, std::function<void()> what);
 
   /// Lets time pass until `done`, at most `limit`; false if it never came.
   bool until(const std::function<bool()>& done, Duration limit = seconds(600));
@@ -108,45 +103,40 @@ class Fleet {
   std::map<std::string, int> counted;
 
  private:
-  static constexpr std::int64_t kEpoch = 1'800'000'000'000'000'000;
-  struct Event {
-    std::string node;
-    bool to_adapter = false;
-    bool starts = false;  ///< not a message: the node's scheduler comes back
-    bool to_guest = false;
-    Inbound message;
-  };
+  enum class Service : unsigned char { scheduler = 0, adapter, guest };
 
-  void carry_out(Node& node, const Outbox& out);
-  bool commit(Node& node, const Outbox& out);
+  [[nodiscard]] world::ProcessSettings process_settings(Node& node);
   /// A body as it arrives.
   Body carried_over(const Body& body);
   /// A record as it comes back from a journal.
   JournalRecord read_back(const Journal& journal);
+  void store(Node& node, const std::vector<Journal>& records);
+  void crash(const std::string& node);
+  Inbound message_of(const Node& node, const Send& send);
   void send(Node& node, const Send& send);
   void send_local(Node& node, const Inbound& message);
   void send_away(Node& node, const Inbound& message);
+  void send_of_guest(Node& node, const Send& send);
+  void send_of_guest_away(Node& node, Node& to, const Inbound& message);
   void nack(Node& node, const Inbound& message, Errc code);
-  void answer(const std::string& from, const Inbound& asked, Duration delay, Body body);
+  void answer(const std::string& from, const Inbound& asked, Duration delay, Body body,
+              Service to = Service::scheduler);
   void read_sensor(Node& node, const Inbound& message);
   [[nodiscard]] RouteTable routes(const Node& node, const std::string& after) const;
-  void happen(Event event);
+  void post(const std::string& node, Service to, Duration delay, Inbound message);
+  void happen(Node& node, Service to, const Inbound& message);
   void run_adapter(Node& node);
-  void send_of_guest(Node& node, const Send& send);
-  void answer_guest(Node& node, const Inbound& asked, Duration delay, const std::string& from, Body body);
-  void touch(Node& node);
+  static void touch(Node& node);
   void touch_all();
-  void run_core(Node& node, const std::function<void(SchedulerCore&, Outbox&)>& step);
-  bool next_moment(MonotonicTime limit);
-  void tick(Node& node);
 
   Identities identities_;
   Network network_;
-  VirtualTime<Event> time_;
+  world::Events events_;
+  world::Clock clock_{events_};
   std::map<std::string, Node> nodes_;
   std::set<std::uint64_t> asked_;
-  std::map<std::string, Guest*> guests_;
   std::set<std::uint64_t> guests_asked_;  ///< the newest of them
+  std::uint64_t messages_ = 0;            ///< numbers them
   std::uint64_t bodies_ = 0;
 };
 

@@ -29,8 +29,8 @@ class Played {
     }
     for (const auto& [name, sense] : world.senses) plug(name, sense);
     for (const auto& [robot, commit] : world.crashes) {
-      fleet[robot].crash_at = commit;
-      fleet[robot].crash_after_sends = world.crash_after_sends;
+      fleet[robot].crash.at = commit;
+      fleet[robot].crash.after_sends = world.crash_after_sends;
     }
     fleet.weather = world.weather;
     observer = world.has_cloud ? "cloud" : world.submitter;

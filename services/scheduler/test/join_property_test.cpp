@@ -40,7 +40,7 @@ class Hall {
     for (int i = 0; i < 40; ++i) good.push_back(result({}));
     for (int i = 0; i < 12; ++i) bad.push_back(bad_result(i));
     choices.push_back(choice("a", 15));
-    if (dice.chance(50)) choices.push_back(choice("a", 25));
+    if (dice.percent(50)) choices.push_back(choice("a", 25));
     bad_choices = {choice("b", 15), forged(choice("a", 15)), choice("a", 15, true)};
   }
 
@@ -87,7 +87,7 @@ class Hall {
     out.epoch = static_cast<std::uint32_t>(dice.from(1, 3));
     out.robot = kRobots[of][out.epoch - 1];
     out.outcome = static_cast<TaskOutcome>(dice.from(1, 6));
-    const bool gives_up = out.key.attempt == 1 && dice.chance(50);
+    const bool gives_up = out.key.attempt == 1 && dice.percent(50);
     if (out.robot == "cloud") out.outcome = gives_up ? TaskOutcome::released : TaskOutcome::skipped;
     out.data = std::to_string(dice.below(3));
     if (change) change(out);
@@ -134,7 +134,7 @@ class Hall {
       case 10:
         return result([](TaskResult& is) { of(is, "t4", 3, "cloud"); });  // does nothing
       default:
-        return dice.chance(50) ? forged(result({})) : result([](TaskResult& is) { is.robot = "a"; }, "cloud");
+        return dice.percent(50) ? forged(result({})) : result([](TaskResult& is) { is.robot = "a"; }, "cloud");
     }
   }
 
@@ -155,7 +155,7 @@ ResultSet some_of(Hall& hall, const Run& run) {
   for (const SignedRecord& record : shuffled(hall.good, hall.dice)) {
     const auto held = run.checks().result(record);
     REQUIRE_MESSAGE(held.ok(), (held ? "" : held.error().text()));
-    if (hall.dice.chance(50)) out.add(*run.index_of(held->result.key.task), *held);
+    if (hall.dice.percent(50)) out.add(*run.index_of(held->result.key.task), *held);
   }
   return out;
 }
@@ -248,13 +248,13 @@ class Teller {
     for (auto at = records.begin(); at != records.end();) {
       const auto end = at + std::min<std::ptrdiff_t>(records.end() - at, static_cast<std::ptrdiff_t>(dice.from(1, 6)));
       const auto epoch = static_cast<std::uint32_t>(decided_ + 1);
-      if (dice.chance(30)) {
+      if (dice.percent(30)) {
         tell(MessageType::command, Baton{kStoryRun, hall_.digest, epoch, {}, {at, end}, {}, hall_.choices, {}});
       } else {
-        const Records& choices = dice.chance(50) ? hall_.choices : hall_.bad_choices;
+        const Records& choices = dice.percent(50) ? hall_.choices : hall_.bad_choices;
         tell(MessageType::command, Results{kStoryRun, {at, end}, choices});
       }
-      if (decided_ < 2 && dice.chance(5)) decide();
+      if (decided_ < 2 && dice.percent(5)) decide();
       at = end;
     }
   }

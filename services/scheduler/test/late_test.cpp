@@ -222,7 +222,7 @@ TEST_CASE("any scheduler may die after any of its records while a robot is chose
     story.check_each_once();
     CHECK(story.begun_by("pioneer") == 1);
     story.fleet.pass(seconds(10));
-    return story.fleet[victim].commits;
+    return story.fleet[victim].crash.commits;
   });
 }
 

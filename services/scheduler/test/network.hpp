@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/base/time.hpp"
+#include "services/simulator/world/dice.hpp"
 
 namespace trb::scheduler::test {
 
@@ -20,7 +21,7 @@ struct Weather {
 class Network {
  public:
   /// The weather must outlive it, and may change.
-  Network(std::uint64_t seed, const Weather& weather) : state_(seed), weather_(weather) {}
+  Network(std::uint64_t seed, const Weather& weather) : dice_(seed), weather_(weather) {}
 
   /// A message from node to node: after how long each of its copies arrives; none: it is lost.
   std::vector<Duration> arrivals();
@@ -30,10 +31,9 @@ class Network {
   bool loses_locally() { return chance(weather_.local_loss); }
 
  private:
-  std::uint64_t random(std::uint64_t below);
-  bool chance(unsigned thousandths) { return random(1000) < thousandths; }
+  bool chance(unsigned thousandths) { return dice_.chance(thousandths * 1000); }
 
-  std::uint64_t state_;
+  world::Dice dice_;
   const Weather& weather_;
 };
 

@@ -45,7 +45,7 @@ struct HeldStory {
 TEST_CASE("a task that its robot has refused does not begin in a run that is held") {
   HeldStory story(chain({"ur3", "drone"}));
   story.fleet["ur3"].adapter.set_control("ann");
-  story.fleet["ur3"].crash_at = 0;
+  story.fleet["ur3"].crash.at = 0;
   // The robot was ready when it was commanded, and is not when the command comes.
   story.fleet["ur3"].adapter.set_control("");
   REQUIRE(story.until([&] { return !story.fleet["ur3"].journal.empty(); }));

@@ -8,27 +8,14 @@
 #include <vector>
 
 #include "services/scheduler/test/fleet.hpp"
+#include "services/simulator/world/dice.hpp"
 
 namespace trb::scheduler::test {
 
 /// A number from the environment, or the other one.
 std::uint64_t from_environment(const char* name, std::uint64_t otherwise);
 
-/// The same numbers for the same seed on every machine.
-class Dice {
- public:
-  explicit Dice(std::uint64_t seed) : state_(seed * 0x9E3779B97F4A7C15U + 1) {}
-  std::uint64_t below(std::uint64_t end);
-  std::uint64_t from(std::uint64_t first, std::uint64_t last) { return first + below(last - first + 1); }
-  bool chance(unsigned percent) { return below(100) < percent; }
-  template <class Container>
-  const auto& one_of(const Container& all) {
-    return all[below(all.size())];
-  }
-
- private:
-  std::uint64_t state_;
-};
+using world::Dice;
 
 /// What a robot tells at the end of a task: nothing, a number, or a number by the name "n".
 enum class Telling : std::uint8_t { nothing = 0, plain, named };

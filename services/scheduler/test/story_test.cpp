@@ -105,7 +105,7 @@ TEST_CASE("a scheduler may die after any of its records and nothing is done twic
     check_each_once(fleet);
     for (const auto& [key, times] : fleet[victim].adapter.commanded) CHECK(times == 1);
     fleet.pass(seconds(10));
-    return fleet[victim].commits;
+    return fleet[victim].crash.commits;
   });
 }
 
@@ -115,7 +115,7 @@ TEST_CASE("dying in bad weather does no harm either") {
     Fleet fleet(k);
     add_demonstration(fleet);
     fleet.weather = {200, 200, 100, seconds(0.5)};
-    for (const char* robot : {"ridgeback", "ur3", "drone"}) fleet[robot].crash_at = k;
+    for (const char* robot : {"ridgeback", "ur3", "drone"}) fleet[robot].crash.at = k;
     submit(fleet, nine_tasks());
     REQUIRE(fleet.until(finished_at(fleet, "cloud")));
     check_each_once(fleet);
@@ -210,7 +210,7 @@ TEST_CASE("a fenced or absent robot waits, says why, and goes on") {
   fleet["ridgeback"].adapter.set(false, true);
   fleet.pass(seconds(1));
   CHECK(fleet.view("ridgeback", kRun).state == RunState::running);
-  CHECK(fleet.view("ridgeback", kRun).waits_for.find("OFFLINE") != std::string::npos);
+  CHECK(fleet.view("ridgeback", kRun).waits_for.find("CONNECTION_BROKEN") != std::string::npos);
   fleet["ridgeback"].adapter.set(true, false);
   REQUIRE(fleet.until(finished_at(fleet, "cloud")));
   CHECK(begun(fleet) == std::map<std::string, int>{{"task-0", 1}, {"task-1", 1}});

@@ -96,7 +96,7 @@ void find_iio_channel(FoundDevice& found, const SensorChannel& how, const std::s
 }
 
 /// A device's sensors differ in their identity, too.
-void tell_apart(FoundDevice& found) {
+void distinguish_sensors(FoundDevice& found) {
   if (found.channels.size() < 2) return;
   for (FoundChannel& channel : found.channels) {
     SensorInfo& info = channel.plugged.info;
@@ -151,7 +151,7 @@ FoundDevice find_sensors(const Device& device, const std::shared_ptr<const Senso
       find_attributes(found, how, identity);
     }
   }
-  tell_apart(found);
+  distinguish_sensors(found);
   return found;
 }
 

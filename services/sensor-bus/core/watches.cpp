@@ -70,7 +70,7 @@ void Watches::send(const std::string& name, const SensorReading& reading, Now no
   }
 }
 
-void Watches::told_at_once(const std::string& name, const SensorReading& reading, Outbox& out) {
+void Watches::send_at_once(const std::string& name, const SensorReading& reading, Outbox& out) {
   for (auto at = first_of(name); at != watches_.end() && std::get<0>(at->first) == name; ++at) {
     send(at->first, at->second, reading, out);
   }

@@ -22,7 +22,7 @@ class Watches {
   /// A value was told: to each watch that is due. `reading` has no watch and count yet.
   void send(const std::string& name, const SensorReading& reading, Now now, Outbox& out);
   /// The same whether due or not: what follows is silence.
-  void told_at_once(const std::string& name, const SensorReading& reading, Outbox& out);
+  void send_at_once(const std::string& name, const SensorReading& reading, Outbox& out);
 
   /// The sensor is there no more: its watchers are told so and dropped.
   void end_of(const std::string& name, const Error& why, Outbox& out);

@@ -47,7 +47,7 @@ struct BusThread::Shared {
     if (events.size() == 1) for_loop.ring();
   }
   /// The bus has come: what was wanted of its predecessor is not wanted any more.
-  void tell_up(std::string note) {
+  void report_up(std::string note) {
     {
       const std::lock_guard lock(mutex);
       effects.clear();
@@ -141,7 +141,7 @@ void BusThread::run(const std::string& where, Shared& shared) {
 /// Ends when it is told to stop; throws when the connection is lost.
 void BusThread::live(const std::string& where, Shared& shared, Duration& wait) {
   BusConnection connection(where, [&](BusEvent one) { shared.post(std::move(one)); });
-  shared.tell_up(connection.note());
+  shared.report_up(connection.note());
   wait = kFirstWait;
   MonotonicTime next_ping = trb::now().mono + kPingEvery;
   while (!shared.stopping()) {

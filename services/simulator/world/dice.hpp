@@ -18,6 +18,12 @@ class Dice {
     return mixed ^ (mixed >> 31U);
   }
   std::uint64_t below(std::uint64_t end) { return next() % end; }
+  std::uint64_t from(std::uint64_t first, std::uint64_t last) { return first + below(last - first + 1); }
+  template <class Container>
+  const auto& one_of(const Container& all) {
+    return all[below(all.size())];
+  }
+  bool percent(std::uint64_t chance) { return below(100) < chance; }
   /// With a probability in millionths.
   bool chance(std::uint32_t millionths) { return millionths != 0 && below(1'000'000) < millionths; }
   /// About normal (the sum of twelve even draws), never below 0.

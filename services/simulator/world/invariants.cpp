@@ -28,7 +28,7 @@ bool is_final(const TaskView& task) {
 
 /// An open alert: a person is waited for.
 bool is_reported(const World& world) {
-  const auto& alerts = world.nodes().at("cloud")->disk().alerts;
+  const auto& alerts = world.nodes().at("cloud")->disk().alerts.alerts();
   return std::ranges::any_of(
       alerts, [&](const auto& one) { return one.second.run == world.run() && resilience::is_open(one.second); });
 }
@@ -78,7 +78,8 @@ constexpr int kWays = 4;
 
 void check_repeats(const World& world, Texts& out) {
   const LinkKind& link = world.plan().link;
-  const bool calm = world.plan().faults.empty() && link.loss == 0 && kWays * link.longest() < kSentAgain;
+  const bool unhurt = world.plan().faults.empty() && world.plan().crashes.empty();
+  const bool calm = unhurt && link.loss == 0 && kWays * link.longest() < kSentAgain;
   if (calm && !world.repeats().first().empty()) out.push_back(world.repeats().first());
 }
 

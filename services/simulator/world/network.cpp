@@ -115,8 +115,9 @@ void Network::connect(const std::string& from, const router::Dial& dial) {
   const std::string to = place == addresses_.end() ? "" : place->second;
   if (is_cut(from, to) || is_cut(to, from)) return;  // no answer comes: the router's own time-out ends it
   Host* there = host(to);
-  if (there == nullptr || there->link_key() != dial.server_key) return here->on_dial_ended(dial.link, LinkEnd::failed);
-  if (!there->admit(here->link_key())) return here->on_dial_ended(dial.link, LinkEnd::refused_key);
+  if (there == nullptr || there->link_key() != dial.server_key)
+    return here->on_dial_ended(dial.link, LinkEndReason::failed);
+  if (!there->admit(here->link_key())) return here->on_dial_ended(dial.link, LinkEndReason::refused_key);
   meter_.on_connection(events_.seconds_passed(), kConnectBytes);
   attach(dial.link, from, here->link_key(), to);
   here->on_dial_connected(dial.link);

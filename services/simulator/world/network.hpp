@@ -12,7 +12,7 @@
 
 #include "common/simulation/link_kind.hpp"
 #include "services/router/core/effects.hpp"
-#include "services/router/core/link_end.hpp"
+#include "services/router/core/link_end_reason.hpp"
 #include "services/simulator/world/dice.hpp"
 #include "services/simulator/world/events.hpp"
 #include "services/simulator/world/meter.hpp"
@@ -21,7 +21,7 @@
 namespace trb::world {
 
 using router::ConnectionId;
-using router::LinkEnd;
+using router::LinkEndReason;
 using router::LinkId;
 using simulation::find_link_kind;
 using simulation::kLinkKinds;
@@ -37,7 +37,7 @@ class Host {
   /// Somebody with this key dials.
   virtual bool admit(BytesView key) = 0;
   virtual void on_dial_connected(LinkId link) = 0;
-  virtual void on_dial_ended(LinkId link, LinkEnd how) = 0;
+  virtual void on_dial_ended(LinkId link, LinkEndReason how) = 0;
   virtual void on_frame(LinkId connection, BytesView dialler_key, Bytes frame) = 0;
   virtual void on_connection_end(LinkId connection) = 0;
   virtual void on_beacon(BytesView plain) = 0;

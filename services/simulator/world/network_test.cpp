@@ -16,7 +16,7 @@ class Computer final : public Host {
   [[nodiscard]] const Bytes& link_key() const override { return key_; }
   bool admit(BytesView) override { return true; }
   void on_dial_connected(LinkId) override { is_connected = true; }
-  void on_dial_ended(LinkId, LinkEnd) override {}
+  void on_dial_ended(LinkId, LinkEndReason) override {}
   void on_frame(LinkId, BytesView, Bytes frame) override { heard.push_back(frame); }
   void on_connection_end(LinkId) override { heard.emplace_back("end"); }
   void on_beacon(BytesView) override {}

@@ -103,7 +103,9 @@ void Node::start() {
   run(is.scheduler,
       {.name = "scheduler",
        .subtypes = SchedulerCore::Taken::subtypes(),
-       .store = [this](const std::vector<Journal>& records) { write_scheduler(records); }},
+       .store = [this](const std::vector<Journal>& records) { write_scheduler(records); },
+       .crash = &disk_.crash,
+       .on_crash = [this] { in_.on_crash(plan_.id); }},
       is.scheduler_core);
   robot_ ? start_robot() : start_cloud();
   if (plan_.sensors.empty()) return;
@@ -114,16 +116,12 @@ void Node::start() {
 void Node::start_cloud() {
   Processes& is = *processes_;
   is.resilience_core.emplace(resilience::CoreSettings{plan_.id, plan_.role, policy(), {}});
-  std::vector<Alert> alerts;
-  for (const auto& [id, alert] : disk_.alerts) alerts.push_back(alert);
-  std::vector<resilience::StoredDecision> decisions;
-  for (const auto& [alert, decision] : disk_.decisions) decisions.push_back(decision);
-  is.resilience_core->restore(std::move(alerts), decisions);
+  disk_.alerts.restore(*is.resilience_core);
   run(is.resilience,
       {.name = "resilience",
        .subtypes = resilience::ResilienceCore::Taken::subtypes(),
-       .hears = resilience::ResilienceCore::hears(),
-       .store = [this](const std::vector<Journal>& records) { write_resilience(records); },
+       .hears = resilience::ResilienceCore::subscriptions(),
+       .store = [this](const std::vector<Journal>& records) { disk_.alerts.write(records); },
        .after_sends = [&core = *is.resilience_core] { core.fleet().written(); }},
       *is.resilience_core);
   run(is.probe, {.name = "probe"}, is.person);
@@ -144,7 +142,7 @@ void Node::start_robot() {
       });
   const auto write_robot = [this] {
     for (const RobotWrite& write : processes_->adapter_core->take_robot_output().writes) {
-      in_.events.after(kRobotDelay, processes_->life, [this, bytes = write.bytes] { robot_->hear(bytes); });
+      in_.events.after(kRobotDelay, processes_->life, [this, bytes = write.bytes] { robot_->receive(bytes); });
     }
   };
   is.adapter.emplace(ServiceSettings{.name = "mode-adapter",
@@ -153,7 +151,7 @@ void Node::start_robot() {
                                      .after_sends = write_robot,
                                      .meddler = in_.meddler},
                      *is.adapter_core, is.router.bus(), in_.events, clock_, in_.dice);
-  is.adapter->on_heard = [this](const Inbound& message) {
+  is.adapter->on_received = [this](const Inbound& message) {
     if (const auto* order = get_if<Execute>(&message.body)) order_ = *order;
   };
   in_.events.after(kRobotDials, is.life, [this] {
@@ -201,19 +199,6 @@ void Node::write_scheduler(const std::vector<Journal>& records) {
     auto record = scheduler::to_journal_record(one.record);
     if (!record) throw std::logic_error(plan_.id + ": " + record.error().text());
     disk_.journal.commit(std::move(*record), disk_.archive);
-  }
-}
-
-/// The newest version of each alert, and a decision until it is delivered.
-void Node::write_resilience(const std::vector<Journal>& records) {
-  for (const Journal& one : records) {
-    if (const auto* alert = std::any_cast<Alert>(&one.record)) {
-      disk_.alerts[alert->id] = *alert;
-      if (!resilience::is_open(*alert)) disk_.decisions.erase(alert->id);
-    } else if (const auto* decision = std::any_cast<RunDecision>(&one.record)) {
-      const auto content = decode<Decision>(decision->decision.payload.bytes);
-      if (content) disk_.decisions[content->alert] = {decision->decision, false};
-    }
   }
 }
 

@@ -1,8 +1,6 @@
 // A computer of the fleet: its disk, its robot, and its processes, which come and go together.
 #pragma once
 
-#include <any>
-#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -12,6 +10,7 @@
 #include "services/resilience/core/resilience_core.hpp"
 #include "services/scheduler/core/memory_journal.hpp"
 #include "services/scheduler/core/scheduler_core.hpp"
+#include "services/simulator/world/alert_store.hpp"
 #include "services/simulator/world/person.hpp"
 #include "services/simulator/world/robot.hpp"
 #include "services/simulator/world/router_process.hpp"
@@ -24,10 +23,10 @@ namespace trb::world {
 struct Disk {
   scheduler::MemoryArchive archive;
   scheduler::MemoryJournal journal;
-  std::map<std::string, Alert> alerts;
-  std::map<std::string, resilience::StoredDecision> decisions;  ///< by alert
+  AlertStore alerts;
   bool fenced = false;
   Duration commit = std::chrono::milliseconds(2);  ///< what writing takes
+  CrashPoint crash;                                ///< the scheduler's; the node dies with it
   UtcTime utc_bound;                               ///< of its router
   std::vector<adapter::Kept> out_of_use;
   std::uint64_t boots = 0;
@@ -56,7 +55,8 @@ struct Surroundings {
   Meter& meter;
   Dice& dice;
   const Meddler* meddler = nullptr;
-  std::function<double()> run_seconds;  ///< since the run's submission; 0 before it
+  std::function<double()> run_seconds;                      ///< since the run's submission; 0 before it
+  std::function<void(const std::string& node)> on_crash{};  ///< is to kill it
 };
 
 class Node {
@@ -75,6 +75,7 @@ class Node {
   [[nodiscard]] const Disk& disk() const { return disk_; }
   void set_clock(const ClockFault& fault) { clock_.set(fault); }
   void set_commit(Duration takes) { disk_.commit = takes; }
+  void set_crash(const CrashPoint& crash) { disk_.crash = crash; }
   [[nodiscard]] Robot* robot() { return robot_ ? &*robot_ : nullptr; }
   [[nodiscard]] std::size_t linked() const;
   [[nodiscard]] UtcTime utc() const { return clock_.now().utc; }
@@ -90,7 +91,6 @@ class Node {
  private:
   struct Processes;
   void write_scheduler(const std::vector<Journal>& records);
-  void write_resilience(const std::vector<Journal>& records);
   void start_robot();
   void start_cloud();
   void run(std::optional<ServiceProcess>& process, ServiceSettings settings, Core& core);

@@ -19,7 +19,7 @@ void Robot::connect(std::function<void(std::string)> tell) {
   if (tell_ && battery_) inform_of_charge();
 }
 
-void Robot::hear(std::string_view bytes) {
+void Robot::receive(std::string_view bytes) {
   for (const char byte : bytes) {
     if (byte != '\n') {
       line_ += byte;

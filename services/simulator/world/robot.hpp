@@ -32,7 +32,7 @@ class Robot {
   Robot& operator=(const Robot&) = delete;
 
   /// Bytes of its node.
-  void hear(std::string_view bytes);
+  void receive(std::string_view bytes);
   /// Its node's connection: where its own bytes go; empty: there is none.
   void connect(std::function<void(std::string bytes)> tell);
   /// From now on it does nothing any more, and says so.

@@ -59,13 +59,13 @@ void RouterProcess::on_dial_connected(LinkId link) {
   step([&](Now now, Effects& out) { core_.handshake().on_dial_connected(link, now, out); });
 }
 
-void RouterProcess::on_dial_ended(LinkId link, LinkEnd how) {
+void RouterProcess::on_dial_ended(LinkId link, LinkEndReason how) {
   step([&](Now now, Effects& out) { core_.links().on_ended(link, how, now, out); });
 }
 
 void RouterProcess::on_connection_end(LinkId connection) {
   // That an accepted link's connection is gone shows only at the next send.
-  if (!accepted_.contains(connection)) on_dial_ended(connection, LinkEnd::disconnected);
+  if (!accepted_.contains(connection)) on_dial_ended(connection, LinkEndReason::disconnected);
 }
 
 void RouterProcess::on_frame(LinkId connection, BytesView dialler_key, Bytes frame) {
@@ -178,7 +178,7 @@ void RouterProcess::carry_out(Effects& effects) {
     std::visit([this](auto& one) { carry_out(one); }, effect);
   }
   for (const std::string& name : effects.counts) core_.counters().count(name);
-  for (const LinkId link : std::exchange(lost_, {})) on_dial_ended(link, LinkEnd::disconnected);
+  for (const LinkId link : std::exchange(lost_, {})) on_dial_ended(link, LinkEndReason::disconnected);
 }
 
 void RouterProcess::carry_out(router::BusSend& send) {

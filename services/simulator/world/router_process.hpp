@@ -55,7 +55,7 @@ class RouterProcess final : public Host, public BusServer {
   [[nodiscard]] const Bytes& link_key() const override { return core_.config().link_key.public_key; }
   bool admit(BytesView key) override;
   void on_dial_connected(LinkId link) override;
-  void on_dial_ended(LinkId link, LinkEnd how) override;
+  void on_dial_ended(LinkId link, LinkEndReason how) override;
   void on_frame(LinkId connection, BytesView dialler_key, Bytes frame) override;
   void on_connection_end(LinkId connection) override;
   void on_beacon(BytesView plain) override;

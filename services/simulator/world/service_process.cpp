@@ -10,21 +10,30 @@ constexpr Duration kAlive = std::chrono::seconds(1);
 ServiceProcess::ServiceProcess(ServiceSettings settings, Core& core, Bus& bus, Events& events, const Clock& clock,
                                Dice& dice)
     : settings_(std::move(settings)),
-      core_(core),
       bus_(bus),
       events_(events),
-      clock_(clock),
       dice_(dice),
-      connection_(bus.connect(settings_.name, [this](Bytes frame) { receive(std::move(frame)); })),
-      timer_(events,
-             [this] {
-               if (!writes_) step([this](Now now, Outbox& out) { core_.tick(now, out); });
-             }),
+      connection_(bus.connect(
+          settings_.name,
+          [this](Bytes frame) { process_.when_free([this, frame = std::move(frame)] { handle(frame); }); })),
+      process_(process_settings(), core, events, clock),
       alive_(events, [this] { keep_alive(); }) {
-  say_hello();
+  send_hello();
 }
 
-void ServiceProcess::say_hello() {
+ProcessSettings ServiceProcess::process_settings() {
+  ProcessSettings out;
+  if (settings_.meddler != nullptr) out.inspect = [this](Outbox& effects) { meddle(effects); };
+  out.commit = settings_.commit;
+  out.store = settings_.store;
+  out.send = [this](const Send& one) { send(one); };
+  out.after_sends = settings_.after_sends;
+  out.crash = settings_.crash;
+  out.on_crash = settings_.on_crash;
+  return out;
+}
+
+void ServiceProcess::send_hello() {
   Message hello;
   hello.type = MessageType::command;
   hello.subtype = ServiceHello::kSubtype;
@@ -36,11 +45,6 @@ void ServiceProcess::say_hello() {
 void ServiceProcess::keep_alive() {
   send({.type = MessageType::information, .target = node_, .body = ServiceAlive{settings_.instance}});
   alive_.set(events_.now() + kAlive);
-}
-
-void ServiceProcess::receive(Bytes frame) {
-  if (writes_) return inbox_.push_back(std::move(frame));
-  handle(frame);
 }
 
 void ServiceProcess::handle(const Bytes& frame) {
@@ -58,7 +62,7 @@ void ServiceProcess::welcome(const Message& message) {
   slot_ = body->slot;
   alive_.set(events_.now() + kAlive);
   const Role role = body->role == name_of(Role::cloud) ? Role::cloud : Role::robot;
-  step([&](Now now, Outbox& out) { core_.on_welcome({node_, role, body->boot}, now, out); });
+  process_.welcome({node_, role, body->boot});
 }
 
 void ServiceProcess::deliver(Message message) {
@@ -68,46 +72,14 @@ void ServiceProcess::deliver(Message message) {
                   message.flags, message.remaining_ms,      std::move(*body)};
   const Meddler* meddler = settings_.meddler;
   if (meddler != nullptr && meddler->hears && !meddler->hears(node_, inbound)) return;
-  if (on_heard) on_heard(inbound);
-  step([&](Now now, Outbox& out) { core_.on(inbound, now, out); });
+  if (on_received) on_received(inbound);
+  process_.take(inbound);
 }
 
-void ServiceProcess::step(const std::function<void(Now now, Outbox& out)>& call) {
-  Outbox out;
-  call(clock_.now(), out);
-  carry_out(std::move(out));
-}
-
-void ServiceProcess::carry_out(Outbox out) {
-  if (const Meddler* meddler = settings_.meddler) {
-    if (meddler->sends) std::erase_if(out.sends, [&](const Send& one) { return !meddler->sends(node_, one); });
-    if (meddler->writes) std::erase_if(out.journal, [&](const Journal& one) { return !meddler->writes(node_, one); });
-  }
-  if (out.journal.empty()) {
-    send_all(out);
-    return end_step();
-  }
-  writes_ = true;
-  events_.after(*settings_.commit, life_, [this, out = std::move(out)] {
-    settings_.store(out.journal);
-    send_all(out);
-    writes_ = false;
-    end_step();
-    while (!writes_ && !inbox_.empty()) {
-      const Bytes frame = std::move(inbox_.front());
-      inbox_.pop_front();
-      handle(frame);
-    }
-  });
-}
-
-void ServiceProcess::end_step() {
-  timer_.set(core_.next_deadline());
-}
-
-void ServiceProcess::send_all(const Outbox& out) {
-  for (const Send& one : out.sends) send(one);
-  if (settings_.after_sends) settings_.after_sends();
+void ServiceProcess::meddle(Outbox& out) const {
+  const Meddler& is = *settings_.meddler;
+  if (is.sends) std::erase_if(out.sends, [&](const Send& one) { return !is.sends(node_, one); });
+  if (is.writes) std::erase_if(out.journal, [&](const Journal& one) { return !is.writes(node_, one); });
 }
 
 void ServiceProcess::send(const Send& send) {

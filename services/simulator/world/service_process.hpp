@@ -1,16 +1,13 @@
-// A service: a real core, and in place of its shell (common/service) the world's bus, disk and clock. Records are on
-// disk before anything based on them leaves; meanwhile the process hears nothing, as the real one does.
+// A service: a real core, and in place of its shell (common/service) the world's bus, disk and clock.
 #pragma once
 
-#include <deque>
 #include <functional>
-#include <memory>
 #include <string>
 #include <vector>
 
 #include "common/actor/core.hpp"
 #include "services/simulator/world/bus.hpp"
-#include "services/simulator/world/clock.hpp"
+#include "services/simulator/world/core_process.hpp"
 #include "services/simulator/world/dice.hpp"
 
 namespace trb::world {
@@ -30,6 +27,8 @@ struct ServiceSettings {
   const Duration* commit = nullptr;                          ///< what writing a step's records takes, now
   std::function<void(const std::vector<Journal>&)> store{};  ///< puts them on disk
   std::function<void()> after_sends{};
+  CrashPoint* crash = nullptr;
+  std::function<void()> on_crash{};  ///< ends the process: may destroy it
   const Meddler* meddler = nullptr;
 };
 
@@ -40,34 +39,28 @@ class ServiceProcess {
   ServiceProcess& operator=(const ServiceProcess&) = delete;
 
   /// Something happens to the core that is no message.
-  void step(const std::function<void(Now now, Outbox& out)>& call);
+  void step(const std::function<void(Now now, Outbox& out)>& call) { process_.step(call); }
   [[nodiscard]] std::uint64_t malformed() const { return malformed_; }
 
-  std::function<void(const Inbound& message)> on_heard;  ///< for whoever watches
+  std::function<void(const Inbound& message)> on_received;  ///< for whoever watches
 
  private:
-  void say_hello();
+  void send_hello();
   void keep_alive();
-  void receive(Bytes frame);
   void handle(const Bytes& frame);
   void welcome(const Message& message);
   void deliver(Message message);
-  void carry_out(Outbox out);
-  void send_all(const Outbox& out);
+  void meddle(Outbox& out) const;
   void send(const Send& send);
-  void end_step();
+  [[nodiscard]] ProcessSettings process_settings();
 
   ServiceSettings settings_;
-  Core& core_;
   Bus& bus_;
   Events& events_;
-  const Clock& clock_;
   Dice& dice_;
-  std::shared_ptr<char> life_ = std::make_shared<char>();
   ConnectionId connection_;
-  Timer timer_, alive_;
-  std::deque<Bytes> inbox_;  ///< while it writes
-  bool writes_ = false;
+  CoreProcess process_;
+  Timer alive_;
   std::string node_;
   std::uint16_t slot_ = 0;
   std::uint16_t count_ = 0;

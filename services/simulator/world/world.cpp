@@ -35,7 +35,7 @@ std::string run_id(Dice& dice) {
 }
 
 /// A robot whose battery is looked at has it among its values.
-void let_tell_charges(WorldPlan& plan) {
+void add_charge_sensors(WorldPlan& plan) {
   for (const Fault& fault : plan.faults) {
     const auto robot = std::ranges::find(plan.fleet, fault.node, &PlannedRobot::id);
     if (fault.kind != FaultKind::battery || robot == plan.fleet.end()) continue;
@@ -77,7 +77,7 @@ World::World(WorldPlan plan, Meddler meddler)
     plan_.fleet = paper_robots(plan_.robots, std::max(kUsualTimeout_s, plan_.longest_task_s() + kBeyondTask_s));
     plan_.scenario = in_turn(plan_.tasks, plan_.fleet);
   }
-  let_tell_charges(plan_);
+  add_charge_sensors(plan_);
   add("cloud", Role::cloud, 0, {});
   for (std::uint32_t i = 0; i < plan_.fleet.size(); ++i) {
     add(plan_.fleet[i].id, Role::robot, i + 1, plan_.fleet[i].profile);
@@ -111,8 +111,10 @@ void World::add(const std::string& id, Role role, std::uint32_t number, const No
   std::ranges::copy_if(plan_.sensors, std::back_inserter(plan.sensors),
                        [&](const PlannedSensor& one) { return one.node == id; });
   auto node = std::make_unique<Node>(
-      std::move(plan), Surroundings{events_, network_, meter_, dice_, &meddler_, [this] { return run_seconds(); }});
+      std::move(plan), Surroundings{events_, network_, meter_, dice_, &meddler_, [this] { return run_seconds(); },
+                                    [this](const std::string& dies) { crash(dies); }});
   watch(*node);
+  if (const auto crash = plan_.crashes.find(id); crash != plan_.crashes.end()) node->set_crash(crash->second);
   nodes_[id] = std::move(node);
 }
 
@@ -158,12 +160,12 @@ Played World::play() {
 void World::pass(double limit_s) {
   const MonotonicTime limit = events_.now() + seconds(limit_s - events_.seconds_passed());
   const bool ended = ended_;
-  while (ended_ == ended && !is_stopped() && events_.step(limit)) tell_second();
+  while (ended_ == ended && !is_stopped() && events_.step(limit)) report_second();
 }
 
-void World::tell_second() {
-  if (!on_second || events_.seconds_passed() < told_s_ + 1) return;
-  told_s_ = events_.seconds_passed();
+void World::report_second() {
+  if (!on_second || events_.seconds_passed() < reported_s_ + 1) return;
+  reported_s_ = events_.seconds_passed();
   on_second(*this);
 }
 
@@ -256,6 +258,11 @@ void World::fail_by_chance(const FaultRate& rate, const std::string& robot) {
 void World::repair_until_next(const FaultRate& rate, const std::string& robot) {
   happen({.kind = FaultKind::repair, .node = robot});
   fail_by_chance(rate, robot);
+}
+
+void World::crash(const std::string& node) {
+  happen({.kind = FaultKind::kill, .node = node});
+  events_.after(std::chrono::seconds(1), [this, node] { happen({.kind = FaultKind::start, .node = node}); });
 }
 
 void World::happen(const Fault& fault) {

@@ -33,6 +33,8 @@ struct WorldPlan {
   std::uint64_t seed = 1;
   std::uint64_t until_event = 0;  ///< it ends behind this event, whatever it is then; 0: it does not
   std::vector<Fault> faults;      ///< times count from the run's submission
+  /// Nodes that die at a commit of their scheduler, and are back a second later.
+  std::map<std::string, CrashPoint> crashes{};
   std::vector<PlannedSensor> sensors;
   std::vector<std::string> relays;  ///< nodes that relay
   [[nodiscard]] double limit_s() const;
@@ -88,7 +90,7 @@ class World {
   void watch(Node& node);
   void look_for_double(const Node& beginner);
   void pass(double limit_s);
-  void tell_second();
+  void report_second();
   [[nodiscard]] bool is_stopped() const { return plan_.until_event != 0 && events_.count() >= plan_.until_event; }
   void look_for_links();
   void submit();
@@ -100,6 +102,7 @@ class World {
   void fail_by_chance(const FaultRate& rate, const std::string& robot);
   void repair_until_next(const FaultRate& rate, const std::string& robot);
   void happen(const Fault& fault);
+  void crash(const std::string& node);
   void happen_between(const Fault& fault);
   void change_way(const Fault& fault, const std::string& one, const std::string& other);
   [[nodiscard]] bool is_over_everywhere() const;
@@ -120,7 +123,7 @@ class World {
   std::map<std::string, std::unique_ptr<Node>> nodes_;
   Played outcome_;
   bool ended_ = false;
-  double told_s_ = 0;
+  double reported_s_ = 0;
 };
 
 }  // namespace trb::world

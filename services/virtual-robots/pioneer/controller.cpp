@@ -183,7 +183,7 @@ void Controller::advance(double robot_seconds, double wall) {
     tell("watchdog halted");
   }
   drive_.advance(robot_seconds);
-  const bool moving = !drive_.stands();
+  const bool moving = !drive_.is_still();
   charge_ = std::max(0.0, charge_ - robot_seconds * 100 / (moving ? kMovingLife : kStandingLife));
   if (moving_ && !moving) tell_place();
   moving_ = moving;

@@ -43,7 +43,7 @@ class Drive {
   const Position& position() const { return position_; }
   double speed() const { return speed_; }  ///< mm/s
   double turn() const { return turn_; }    ///< radians/s
-  bool stands() const { return speed_ == 0 && turn_ == 0; }
+  bool is_still() const { return speed_ == 0 && turn_ == 0; }
 
   Limits drive_limits;
   Limits turn_limits{100, 100, 100};  ///< degrees

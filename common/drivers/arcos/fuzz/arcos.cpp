@@ -66,7 +66,7 @@ void cut(BytesView input) {
     const auto read = read_arcos_sip(at_once[i]);
     if (!read) continue;
     require(std::abs(read->heading) <= 180, "a heading is within half a turn");
-    place.hear(*read);
+    place.update(*read);
     require(std::abs(place.x()) <= 32768.0 * static_cast<double>(i + 1), "no packet is a way of more than 32 m");
   }
   require(size <= input.size(), "no byte is read twice");

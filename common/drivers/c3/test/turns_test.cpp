@@ -28,7 +28,7 @@ TEST_CASE("a stop is confirmed once its write is answered and the robot says tha
   REQUIRE(told.size() == 1);
   CHECK(told[0].ticket == ticket);
   CHECK(told[0].by_robot);
-  CHECK(fixture.turns.told_to_stop());
+  CHECK(fixture.turns.may_be_stopped());
 }
 
 TEST_CASE("a release lets commands go on, and the robot is no longer told to stop") {
@@ -41,7 +41,7 @@ TEST_CASE("a release lets commands go on, and the robot is no longer told to sto
   CHECK(fixture.turns.on_stopped(false, fixture.now, fixture.out));
   CHECK(fixture.told<Stopped>().empty());
   CHECK(fixture.told<Released>().at(0).ticket == ticket);
-  CHECK_FALSE(fixture.turns.told_to_stop());
+  CHECK_FALSE(fixture.turns.may_be_stopped());
 }
 
 TEST_CASE("a motion is ended by a stop and a release of its own, and its halt is told between them") {
@@ -52,7 +52,7 @@ TEST_CASE("a motion is ended by a stop and a release of its own, and its halt is
   CHECK(fixture.sent() == "TRB_STOP=FALSE ");
   fixture.turns.on_written(fixture.answer("FALSE"), fixture.now, fixture.out);
   CHECK(fixture.turns.on_stopped(false, fixture.now, fixture.out));
-  CHECK_FALSE(fixture.turns.told_to_stop());
+  CHECK_FALSE(fixture.turns.may_be_stopped());
   const auto halted = fixture.told<Halted>();
   REQUIRE(halted.size() == 1);
   CHECK(halted[0].token == 1);
@@ -116,7 +116,7 @@ TEST_CASE("a refused release of a robot that was told to stop is a fault, and st
   CHECK(fixture.told<FaultSaid>().at(0).cause == "release refused");
   CHECK(fixture.turns.open());
   CHECK_FALSE(fixture.turns.releases());
-  CHECK(fixture.turns.told_to_stop());
+  CHECK(fixture.turns.may_be_stopped());
 }
 
 TEST_CASE("a robot that has a part of a motion's end, or has it without the release, may stand in its stop") {
@@ -126,7 +126,7 @@ TEST_CASE("a robot that has a part of a motion's end, or has it without the rele
   CHECK_FALSE(turns.may_stand());
   CHECK(turns.on_written(fixture.answer("", false), fixture.now, fixture.out));
   CHECK(turns.may_stand());
-  CHECK_FALSE(turns.told_to_stop());
+  CHECK_FALSE(turns.may_be_stopped());
   CHECK(fixture.told<FaultSaid>().at(0).text.ends_with("; it may stand in its stop: stop and release it"));
   fixture.answer("");
   turns.release(fixture.now, fixture.out);

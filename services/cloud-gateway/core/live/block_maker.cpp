@@ -23,7 +23,7 @@ void BlockMaker::each_behind(const Topic& topic, std::uint64_t from, Visit visit
   }
   std::vector<const Row*> rows;
   for (const RowKey& key : keys_of(topic)) {
-    const Row* row = book_.find_told(key);
+    const Row* row = book_.find_published(key);
     if (row != nullptr && row->number > from) rows.push_back(row);
   }
   std::sort(rows.begin(), rows.end(), [](const Row* a, const Row* b) { return a->number < b->number; });

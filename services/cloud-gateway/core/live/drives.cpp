@@ -210,12 +210,12 @@ void Drives::answered(const DriveOrder& order, const Result<bool>& answer, Now n
 }
 
 /// A drive that its node never agreed to is noted as a begin that was refused.
-void Drives::end(const std::string& id, const std::string& outcome, std::optional<Error> error, bool tell_node,
+void Drives::end(const std::string& id, const std::string& outcome, std::optional<Error> error, bool notify_node,
                  Now now) {
   Robot& robot = robots_[id];
   const Drive drive = std::move(*std::exchange(robot.drive, {}));
   driven_.erase(drive.driver.client);
-  if (tell_node) {
+  if (notify_node) {
     effects_.orders.push_back({id, end_of(drive.number, drive.sequence + 1, drive.part, drive.driver.name)});
   }
   if (drive.has_begun) {

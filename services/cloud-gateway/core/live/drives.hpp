@@ -142,7 +142,7 @@ class Drives {
   void go_on(Drive& drive, DriveWord word, Now now);
   [[nodiscard]] std::optional<Error> why_not_begin(const Driver& driver, const DriveWord& word, Now now);
   void order(Drive& drive, const DriveWord& word, Now now);
-  void end(const std::string& id, const std::string& outcome, std::optional<Error> error, bool tell_node, Now now);
+  void end(const std::string& id, const std::string& outcome, std::optional<Error> error, bool notify_node, Now now);
   void refuse(const Driver& driver, const DriveWord& word, Error error);
   void show(const std::string& id, Now now);
   void note(const Driver& driver, std::string action, std::string about, std::string outcome);

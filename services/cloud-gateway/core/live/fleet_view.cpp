@@ -9,7 +9,7 @@ constexpr std::size_t kMaxAnswer = 1024;  ///< as of RobotState
 
 FleetView::FleetView(RowBook& book, AlarmDesk& alarms) : book_(book), alerts_(book, alarms) {}
 
-std::vector<std::string> FleetView::hears() {
+std::vector<std::string> FleetView::subscriptions() {
   std::vector<std::string> out;
   for (const std::string_view word : {RobotState::kSubtype, RobotConnection::kSubtype, RobotFault::kSubtype,
                                       PeerJoined::kSubtype, PeerExpired::kSubtype, NodeSensors::kSubtype}) {
@@ -32,7 +32,7 @@ void FleetView::on(const Inbound& message, Now now, Outbox& out) {
 /// False: another kind of message. The source is authenticated, so a node reports only on its own robot.
 bool FleetView::on_robot(const Inbound& message, Now now, Outbox& out) {
   const std::string& from = message.source;
-  const auto take = [&](const auto& word) { return nodes_.take_word(from, word, now, out), true; };
+  const auto take = [&](const auto& word) { return nodes_.take_report(from, word, now, out), true; };
   return visit(
       Overloaded{[&](const RobotState& word) { return take(word); }, [&](const RobotFault& word) { return take(word); },
                  [&](const RobotConnection& word) { return questions_.want_routes(now), take(word); },
@@ -45,7 +45,7 @@ bool FleetView::on_robot(const Inbound& message, Now now, Outbox& out) {
 void FleetView::on_answer(const std::string& robot, const Opaque& answer, Now now, Outbox& out) {
   if (!robots_.has_asked(robot, answer.subtype) || answer.data.size() > kMaxAnswer)
     return out.count("dropped.not_asked");
-  nodes_.take_word(robot, RobotState{{{answer.subtype, answer.data}}}, now, out);
+  nodes_.take_report(robot, RobotState{{{answer.subtype, answer.data}}}, now, out);
 }
 
 /// What was under way when its stream ended would bring back a value that nobody keeps up to date.
@@ -58,7 +58,7 @@ void FleetView::on_reading(const std::string& node, const SensorReading& reading
 bool FleetView::on_own_node(const Inbound& message, Now now, Outbox& out) {
   const bool own = message.source == node_;
   const auto take = [&](const auto& effect) { return own ? effect() : out.count("dropped.foreign"), true; };
-  const auto heard = [&](Source& source) { source.heard = now.mono; };
+  const auto received = [&](Source& source) { source.heard = now.mono; };
   return visit(
       Overloaded{
           [&](const RouteTable& page) { return take([&] { on_page(page, now, out); }); },
@@ -67,10 +67,10 @@ bool FleetView::on_own_node(const Inbound& message, Now now, Outbox& out) {
           },
           [&](const PeerExpired& body) { return take([&] { nodes_.take(body, now), questions_.want_routes(now); }); },
           [&](const NodeSensors& body) { return take([&] { nodes_.take(node_, body.sensors, now, out); }); },
-          [&](const RunTable& body) { return take([&] { heard(runs_heard_), runs_.take(body, now, out); }); },
+          [&](const RunTable& body) { return take([&] { received(runs_heard_), runs_.take(body, now, out); }); },
           [&](const RunChanged& body) { return take([&] { on_run(body, now, out); }); },
           [&](const RunView& body) { return take([&] { questions_.drop_run(body.run), runs_.take(body, now, out); }); },
-          [&](const AlertTable& body) { return take([&] { heard(alerts_heard_), alerts_.take(body, now, out); }); },
+          [&](const AlertTable& body) { return take([&] { received(alerts_heard_), alerts_.take(body, now, out); }); },
           [](const auto&) { return false; }},
       message.body);
 }

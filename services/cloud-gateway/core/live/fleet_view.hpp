@@ -30,7 +30,7 @@ class FleetView {
   FleetView(RowBook& book, AlarmDesk& alarms);
 
   /// The messages that the service subscribes to.
-  static std::vector<std::string> hears();
+  static std::vector<std::string> subscriptions();
 
   void on_welcome(const std::string& node, Now now);
   void on(const Inbound& message, Now now, Outbox& out);

@@ -10,7 +10,7 @@ using namespace trb::gateway::test;
 namespace {
 
 bool hears(std::string_view word) {
-  const auto words = FleetView::hears();
+  const auto words = FleetView::subscriptions();
   return std::find(words.begin(), words.end(), word) != words.end();
 }
 

@@ -11,8 +11,8 @@ bool NodeBudget::hold(std::size_t before, std::size_t after) {
   return true;
 }
 
-bool NodeBudget::tell(std::size_t bytes, MonotonicTime now) {
-  left_ = std::min(kToldAtOnce, left_ + std::max(0.0, to_seconds(now - at_)) * kToldEachSecond);
+bool NodeBudget::take(std::size_t bytes, MonotonicTime now) {
+  left_ = std::min(kPublishedAtOnce, left_ + std::max(0.0, to_seconds(now - at_)) * kPublishedEachSecond);
   at_ = std::max(at_, now);
   if (left_ <= 0) return false;
   left_ -= static_cast<double>(bytes);

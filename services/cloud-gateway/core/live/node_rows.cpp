@@ -76,7 +76,7 @@ void NodeRows::take_profile(const std::string& node, NodeProfile profile, Now no
     }
     return;
   }
-  if (!profile.robot.empty() || book_.find(robot) != nullptr) take_word(node, profile, now, out);
+  if (!profile.robot.empty() || book_.find(robot) != nullptr) take_report(node, profile, now, out);
   take(node, profile.plugged, now, out);
   if (!book_.put(key, std::move(profile), live, now)) out.count("refused.node_budget");
 }

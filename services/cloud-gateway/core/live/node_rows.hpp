@@ -26,7 +26,7 @@ class NodeRows {
   void take(const std::string& node, const std::vector<SensorInfo>& sensors, Now now, Outbox& out);
   /// RobotState, RobotConnection or RobotFault of the robot of `node`.
   template <class Word>
-  void take_word(const std::string& node, const Word& word, Now now, Outbox& out) {
+  void take_report(const std::string& node, const Word& word, Now now, Outbox& out) {
     const Known* known = know(node, now, out);
     if (known == nullptr) return;
     RobotRow row = robot_of(node);

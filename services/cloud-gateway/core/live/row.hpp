@@ -119,7 +119,7 @@ struct Row {
   std::uint64_t number = 0;   ///< the book's count when the row was last published
   std::uint64_t version = 0;  ///< of the content
   Now heard;                  ///< when this content was last received
-  Now told;                   ///< `heard` when the row was last published
+  Now published;              ///< `heard` when the row was last published
   Live live{};
   bool is_refused = false;    ///< a newer content was refused: its node is over budget
   std::size_t size = 0;       ///< size_of(content)

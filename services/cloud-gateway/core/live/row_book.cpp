@@ -67,7 +67,7 @@ void RowBook::confirm(const RowKey& key, Live live, Now now) {
   if (row.is_refused) return set_live(key, live, now);
   row.heard = now;
   if (row.live != live) return set_live(key, live, now);
-  if (now.mono - row.told.mono >= kTellAge) change(row, now, false);
+  if (now.mono - row.published.mono >= kPublishAge) change(row, now, false);
 }
 
 /// A node's change of state is published at once: the router limits how often that is.
@@ -95,7 +95,7 @@ void RowBook::remove(const RowKey& key, Now now) {
   by_node_[key.node].erase(key);
   if (by_node_[key.node].empty()) by_node_.erase(key.node), budgets_.erase(key.node);
   held_back_.erase(key);
-  tell(row, now);
+  publish(row, now);
   note_removed(row);
 }
 
@@ -112,18 +112,18 @@ void RowBook::note_removed(const Row& row) {
 }
 
 void RowBook::change(Row& row, Now now, bool at_once) {
-  const bool may = !is_budgeted(row.key) || budgets_[row.key.node].tell(row.size, now.mono) || at_once;
+  const bool may = !is_budgeted(row.key) || budgets_[row.key.node].take(row.size, now.mono) || at_once;
   if (may) {
     held_back_.erase(row.key);
-    return tell(row, now);
+    return publish(row, now);
   }
   held_back_.insert(row.key);
   if (!next_) next_ = now.mono + kHeldBack;
 }
 
-void RowBook::tell(Row& row, Now now) {
+void RowBook::publish(Row& row, Now now) {
   Order& order = orders_[index(stream_of(row.key.kind))];
-  row.told = row.is_removed() ? now : row.heard;
+  row.published = row.is_removed() ? now : row.heard;
   row.bytes.reset();
   auto node = order.extract(row.number);
   row.number = ++head_;
@@ -145,11 +145,11 @@ void RowBook::tick(Now now) {
 }
 
 const Row* RowBook::find(const RowKey& key) const {
-  const Row* row = find_told(key);
+  const Row* row = find_published(key);
   return row == nullptr || row->is_removed() ? nullptr : row;
 }
 
-const Row* RowBook::find_told(const RowKey& key) const {
+const Row* RowBook::find_published(const RowKey& key) const {
   const auto at = rows_.find(key);
   return at == rows_.end() ? nullptr : &at->second;
 }

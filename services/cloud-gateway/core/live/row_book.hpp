@@ -18,7 +18,7 @@ namespace trb::gateway {
 enum class RowStream : std::uint8_t { fleet = 0, alerts, teleop, single };
 RowStream stream_of(RowKind kind);
 
-/// Told of each change of a row's content, also of its removal; `before`: std::monostate for a new row.
+/// Notified of each change of a row's content, also of its removal; `before`: std::monostate for a new row.
 class RowObserver {
  public:
   RowObserver() = default;
@@ -31,7 +31,7 @@ class RowObserver {
 class RowBook {
  public:
   static constexpr std::size_t kMaxRemoved = 1000;
-  static constexpr Duration kTellAge = std::chrono::seconds(5);
+  static constexpr Duration kPublishAge = std::chrono::seconds(5);
 
   using Order = std::map<std::uint64_t, const Row*>;
 
@@ -51,7 +51,7 @@ class RowBook {
   /// nullptr: no such row, or it was removed.
   [[nodiscard]] const Row* find(const RowKey& key) const;
   /// Finds recently removed rows too.
-  [[nodiscard]] const Row* find_told(const RowKey& key) const;
+  [[nodiscard]] const Row* find_published(const RowKey& key) const;
   [[nodiscard]] const Order& order(RowStream stream) const { return orders_[index(stream)]; }
   /// The last number given.
   [[nodiscard]] std::uint64_t head() const { return head_; }
@@ -70,7 +70,7 @@ class RowBook {
   };
   static std::size_t index(RowStream stream) { return static_cast<std::size_t>(stream); }
   void change(Row& row, Now now, bool at_once);
-  void tell(Row& row, Now now);
+  void publish(Row& row, Now now);
   void note_removed(const Row& row);
   Row& insert(const RowKey& key);
   [[nodiscard]] bool is_budgeted(const RowKey& key) const { return !key.node.empty() && key.kind != RowKind::teleop; }

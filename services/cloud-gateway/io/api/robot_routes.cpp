@@ -70,7 +70,7 @@ void stop_all(Gateway& gateway, const CallPtr& call) {
   give_order(gateway, call, all_robots(gateway), Stop{*reason});
 }
 
-void tell_robot(Gateway& gateway, const CallPtr& call, const Body& body) {
+void command_robot(Gateway& gateway, const CallPtr& call, const Body& body) {
   order_once(gateway, call, "robot", [&gateway, call, body] {
     gateway.session.command(call->parameter("robot"), body, [call](const Result<Message>& answer) {
       if (!answer) return call->fail(answer.error());
@@ -84,16 +84,16 @@ void retire(Gateway& gateway, const CallPtr& call) {
   if (!body) return call->fail(body.error());
   const auto reason = body->text("reason", kMaxUseReason);
   if (!reason) return call->fail(reason.error());
-  tell_robot(gateway, call, TakeOutOfUse{{"", {}, *reason, 0, true, call->who().name}});
+  command_robot(gateway, call, TakeOutOfUse{{"", {}, *reason, 0, true, call->who().name}});
 }
 
 void repaired(Gateway& gateway, const CallPtr& call) {
-  if (call->request.body.empty()) return tell_robot(gateway, call, TakeIntoUse{"", false, call->who().name});
+  if (call->request.body.empty()) return command_robot(gateway, call, TakeIntoUse{"", false, call->who().name});
   const auto body = Members::of(*call, {"capability"});
   if (!body) return call->fail(body.error());
   const auto capability = body->text_or("capability", 64, "");
   if (!capability) return call->fail(capability.error());
-  tell_robot(gateway, call, TakeIntoUse{*capability, false, call->who().name});
+  command_robot(gateway, call, TakeIntoUse{*capability, false, call->who().name});
 }
 
 /// The profile's row, and the skills' parameters as JSON Schema beside it.
@@ -109,7 +109,7 @@ void reply_skills(const Gateway& gateway, const CallPtr& call) {
 }
 
 void returned(Gateway& gateway, const CallPtr& call) {
-  tell_robot(gateway, call, TakeIntoUse{"", true, call->who().name});
+  command_robot(gateway, call, TakeIntoUse{"", true, call->who().name});
 }
 
 }  // namespace

@@ -7,7 +7,7 @@
 namespace trb::scheduler {
 namespace {
 
-constexpr auto kAbort = PendingSignatures::Word::abort;
+constexpr auto kAbort = PendingSignatures::RunRecord::abort;
 
 /// A person gets a refusal; a member that still passes an order on gets a confirmation.
 Status check_not_over(const Run& run, RunState state) {
@@ -70,7 +70,7 @@ void AbortHandler::order_on_failure(Run& run, Step step) const {
 }
 
 bool AbortHandler::keep_signed(Run& run, const SignedRecord& record, Step step) {
-  if (!run.work().signatures().asks_for(kAbort, record)) return false;
+  if (!run.work().signatures().is_for(kAbort, record)) return false;
   if (auto kept = journal_.keep_abort(run, record, true, step); !kept) log_wrong_signature(kept.error(), step);
   return true;
 }

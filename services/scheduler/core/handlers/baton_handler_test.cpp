@@ -40,14 +40,14 @@ TEST_CASE("a baton's results are journaled before it is confirmed") {
   CHECK(std::any_cast<JournalResult>(&out.journal[0].record) != nullptr);
   CHECK(targets<BatonJournaled>(out) == Names{"drone"});
   CHECK(passing.known.run().open_tasks().startable() == std::vector<TaskIndex>{1});
-  CHECK_FALSE(passing.known.run().work().requests().needs_results());
+  CHECK_FALSE(passing.known.run().work().awaited().needs_results());
 }
 
 TEST_CASE("results that a baton only speaks of are asked of its giver") {
   Passing passing;
   passing.known.send(passing.handler, "drone", passing.baton());
   CHECK(passing.known.run().known_final() == std::vector<bool>{true, false, false});
-  CHECK(passing.known.run().work().requests().take_due_results(passing.known.now.mono).at("drone") ==
+  CHECK(passing.known.run().work().awaited().take_due_results(passing.known.now.mono).at("drone") ==
         std::vector<TaskIndex>{0});
 }
 

@@ -143,7 +143,7 @@ void DefinitionHandler::take(const Definition& body, const RunStart& claimed, co
 
 /// The answer of a node that was asked for decisions.
 void DefinitionHandler::handle_more(Run& run, const Definition& body, const Inbound& from, Step step) {
-  const bool expected = run.work().requests().settle_decisions(from.source);
+  const bool expected = run.work().awaited().settle_decisions(from.source);
   if (!expected || body.start.payload != run.definition().record().payload) return refuse(from, unexpected(), step);
   keep_decisions(run, body, from, step);
   lookup_.hand_out(run.id(), dispatch_, step);

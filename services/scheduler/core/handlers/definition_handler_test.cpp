@@ -88,7 +88,7 @@ TEST_CASE("decisions are taken from a definition that was asked for") {
   const Definition body{intake.known.start, {decision}};
   CHECK(nacks(intake.known.send(intake.handler, "drone", body)) == Codes{"unknown_run"});
   CHECK(intake.known.run().epochs().current() == 1);
-  intake.known.run().work().requests().await_decisions("drone");
+  intake.known.run().work().awaited().await_decisions("drone");
   intake.known.send(intake.handler, "drone", body, MessageType::information, 5);
   CHECK(intake.known.run().epochs().current() == 2);
 }

@@ -6,7 +6,7 @@
 namespace trb::scheduler {
 namespace {
 
-constexpr auto kEnd = PendingSignatures::Word::end;
+constexpr auto kEnd = PendingSignatures::RunRecord::end;
 
 /// Everything is done, and nothing has to be looked at by a person.
 bool is_done(const Run& run) {
@@ -42,13 +42,13 @@ void EndHandler::sign_end(Run& run, Step step) const {
 }
 
 void EndHandler::request_end(Run& run, Step step) const {
-  PendingRequests& requests = run.work().requests();
-  if (!run.is_open(step.steady) || !run.is_idle() || executor_.runs(run.id())) return requests.drop_end();
-  if (requests.end_is_due(step.now.mono)) step.out.request(run.definition().rule().judge(), NeedEnd{run.id()});
+  AwaitedRecords& awaited = run.work().awaited();
+  if (!run.is_open(step.steady) || !run.is_idle() || executor_.runs(run.id())) return awaited.drop_end();
+  if (awaited.end_is_due(step.now.mono)) step.out.request(run.definition().rule().judge(), NeedEnd{run.id()});
 }
 
 bool EndHandler::keep_signed(Run& run, const SignedRecord& record, Step step) {
-  if (!run.work().signatures().asks_for(kEnd, record)) return false;
+  if (!run.work().signatures().is_for(kEnd, record)) return false;
   if (auto end = run.checks().end(record); !end) {
     log_wrong_signature(end.error(), step);
     return true;

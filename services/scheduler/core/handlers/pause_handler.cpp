@@ -7,7 +7,7 @@
 namespace trb::scheduler {
 namespace {
 
-constexpr auto kHold = PendingSignatures::Word::hold;
+constexpr auto kHold = PendingSignatures::RunRecord::hold;
 
 }  // namespace
 
@@ -75,7 +75,7 @@ void PauseHandler::hold_for_doubles(Run& run, Step step) const {
 }
 
 bool PauseHandler::keep_signed(Run& run, const SignedRecord& record, Step step) {
-  if (!run.work().signatures().asks_for(kHold, record)) return false;
+  if (!run.work().signatures().is_for(kHold, record)) return false;
   if (auto kept = journal_.keep_pause(run, record, true, step); !kept) {
     log_wrong_signature(kept.error(), step);
   } else {

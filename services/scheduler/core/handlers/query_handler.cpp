@@ -109,7 +109,7 @@ void QueryHandler::handle(const RunListRequest& body, const Inbound& from, Step 
 
 void QueryHandler::handle(const RunWatch& body, const Inbound& from, Step step) {
   if (auto added = watchers_.add(from, body.lease_s, step.now); !added) return refuse(from, added.error(), step);
-  for (const Run* run : runs_.runs()) watchers_.note_told(from, run->id(), run->version());
+  for (const Run* run : runs_.runs()) watchers_.note_sent(from, run->id(), run->version());
   step.out.reply(from, open_runs(step));
 }
 

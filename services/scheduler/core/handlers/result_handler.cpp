@@ -28,9 +28,9 @@ bool is_of_later_epoch(const Run& run, const SignedRecord& record) {
 /// What an answer says of the tasks that its sender was asked for.
 void settle_requests(Run& run, const Results& answer, const std::vector<AttemptKey>& kept, const Inbound& from,
                      MonotonicTime now) {
-  PendingRequests& requests = run.work().requests();
-  for (const AttemptKey& key : kept) requests.settle_result(*run.index_of(key.task), from.source);
-  if (answer.results.empty()) requests.settle_without_result(from.source, now);
+  AwaitedRecords& awaited = run.work().awaited();
+  for (const AttemptKey& key : kept) awaited.settle_result(*run.index_of(key.task), from.source);
+  if (answer.results.empty()) awaited.settle_without_result(from.source, now);
 }
 
 /// The result of an earlier attempt says nothing about this one.

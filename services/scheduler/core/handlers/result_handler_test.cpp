@@ -24,10 +24,10 @@ struct Collecting {
 /// ur3 has asked the cloud for task-0's result.
 struct Asking : Collecting {
   Asking() : Collecting("ur3") {
-    requests().need_result(0, "cloud");
-    requests().take_due_results(known.now.mono);
+    awaited().need_result(0, "cloud");
+    awaited().take_due_results(known.now.mono);
   }
-  PendingRequests& requests() { return known.run().work().requests(); }
+  AwaitedRecords& awaited() { return known.run().work().awaited(); }
 };
 
 }  // namespace
@@ -46,43 +46,43 @@ TEST_CASE("results are journaled and confirmed by key; a bad one among them is r
 
 TEST_CASE("an answer without a result says that its giver does not hold what it spoke of") {
   Collecting collecting("ur3");
-  PendingRequests& requests = collecting.known.run().work().requests();
+  AwaitedRecords& awaited = collecting.known.run().work().awaited();
   const auto answer = [&](const std::string& giver, std::vector<SignedRecord> results) {
     const Results body{kKnownRun, std::move(results), {}};
     return collecting.known.send(collecting.handler, giver, body, MessageType::information, 5);
   };
-  requests.need_result(0, "drone");
-  requests.take_due_results(collecting.known.now.mono);
+  awaited.need_result(0, "drone");
+  awaited.take_due_results(collecting.known.now.mono);
   answer("cloud", {});
-  CHECK(requests.needs_results());
+  CHECK(awaited.needs_results());
   answer("drone", {});
-  CHECK_FALSE(requests.needs_results());
-  CHECK(requests.has_told("drone", 0));
+  CHECK_FALSE(awaited.needs_results());
+  CHECK(awaited.has_answered("drone", 0));
 }
 
 TEST_CASE("an answer that cannot be used says nothing of what its giver holds; of a later epoch it is asked for that") {
   Asking collecting;
-  PendingRequests& requests = collecting.requests();
+  AwaitedRecords& awaited = collecting.awaited();
   KnownRun there(chain({"drone", "ur3"}), "cloud");
   there.decide({{"task-0", Ruling::retry, "drone", 2, Evidence::result}});
   const Results later{kKnownRun, {there.result("task-0", "drone", TaskOutcome::finished, 2)}, {}};
   const Outbox out = collecting.known.send(collecting.handler, "cloud", later, MessageType::information, 5);
   CHECK(targets<NeedDefinition>(out) == Names{"cloud"});
-  CHECK(requests.needs_results());
-  CHECK_FALSE(requests.has_told("cloud", 0));
+  CHECK(awaited.needs_results());
+  CHECK_FALSE(awaited.has_answered("cloud", 0));
   const Results wrong{kKnownRun, {collecting.finished("task-0", "ur3")}, {}};
   const Outbox none = collecting.known.send(collecting.handler, "cloud", wrong, MessageType::information, 5);
   CHECK(targets<NeedDefinition>(none).empty());
-  CHECK_FALSE(requests.has_told("cloud", 0));
+  CHECK_FALSE(awaited.has_answered("cloud", 0));
 }
 
 TEST_CASE("a result that is not final is all that its giver holds of the task") {
   Asking collecting;
-  PendingRequests& requests = collecting.requests();
+  AwaitedRecords& awaited = collecting.awaited();
   const Results failed{kKnownRun, {collecting.known.result("task-0", "drone", TaskOutcome::failed)}, {}};
   collecting.known.send(collecting.handler, "cloud", failed, MessageType::information, 5);
-  CHECK_FALSE(requests.needs_results());
-  CHECK(requests.has_told("cloud", 0));
+  CHECK_FALSE(awaited.needs_results());
+  CHECK(awaited.has_answered("cloud", 0));
 }
 
 TEST_CASE("a member that asks for results gets those that are held") {

@@ -197,10 +197,10 @@ TEST_CASE(
   const Outbox out = working.known.send(working.robot, "ur3", Ack{"out_of_use", ""}, MessageType::information);
   CHECK(out.journal.size() == 1);
   CHECK(sent<Execute>(working.at_end_of_step()).empty());
-  PendingRequests& requests = working.known.run().work().requests();
+  AwaitedRecords& awaited = working.known.run().work().awaited();
   const std::string& judge = working.known.run().definition().rule().judge();
-  CHECK(requests.take_due_results(working.known.now.mono).at(judge) == std::vector<TaskIndex>{0});
-  requests.settle_without_result(judge, working.known.now.mono);
+  CHECK(awaited.take_due_results(working.known.now.mono).at(judge) == std::vector<TaskIndex>{0});
+  awaited.settle_without_result(judge, working.known.now.mono);
   CHECK(sent<Execute>(working.at_end_of_step()).size() == 1);
 }
 

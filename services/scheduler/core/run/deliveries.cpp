@@ -98,7 +98,7 @@ bool Deliveries::decider_gives(TaskIndex task) const {
   if (!epochs_.decides_here() || !facts_.all_before_final(task)) return false;
   return epochs_.is_ruled(task) || std::ranges::any_of(definition_.tasks()[task].after, [&](TaskIndex before) {
            const std::string& by = facts_.results().of(before)->result.robot;
-           return by != epochs_.robot_of(before) || epochs_.stands(by);
+           return by != epochs_.robot_of(before) || epochs_.is_vouched_still(by);
          });
 }
 

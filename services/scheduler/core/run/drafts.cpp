@@ -3,6 +3,7 @@
 #include "common/scenario/condition.hpp"
 #include "proto/body.hpp"
 #include "proto/value.hpp"
+#include "services/scheduler/core/after_failure.hpp"
 
 namespace trb::scheduler {
 namespace {
@@ -52,10 +53,9 @@ TaskResult released_result(const Run& run, TaskIndex task, UtcTime now) {
 }
 
 TaskResult unbegun_result(const Run& run, TaskIndex task, const std::string& why, UtcTime now) {
-  const OnFailure then = run.tasks()[task].on_failure;
-  const bool passes = then == OnFailure::skip || then == OnFailure::continue_;
-  TaskResult out = own_result(run, task, passes ? TaskOutcome::skipped : TaskOutcome::failed, now);
-  out.goes_on = then == OnFailure::continue_;
+  const AfterFailure after = after_failure(TaskOutcome::failed, {.on_failure = run.tasks()[task].on_failure});
+  TaskResult out = own_result(run, task, after.outcome, now);
+  out.goes_on = after.goes_on;
   out.reason = cut_utf8(why, kLongestReason);
   return out;
 }

@@ -37,7 +37,7 @@ void Epochs::adopt(const SignedRecord& record, const Decision& decision) {
   decisions_.push_back(decision);
   for (const TaskRuling& ruling : decision.tasks) {
     const TaskIndex task = *definition_.index_of(ruling.task);
-    if (ruling.evidence == Evidence::word) standing_.insert(robots_[task]);
+    if (ruling.evidence == Evidence::word) vouched_still_.insert(robots_[task]);
     robots_[task] = ruling.robot;
     since_[task] = decision.epoch;
     first_attempt_[task] = ruling.attempt;

@@ -53,7 +53,7 @@ class Epochs {
   /// None of these tasks was ruled on in a later epoch than that.
   [[nodiscard]] bool is_of_epoch(const std::vector<TaskIndex>& tasks, std::uint32_t epoch) const;
   /// The robot has lost a task because a person has stated that it stands.
-  [[nodiscard]] bool stands(const std::string& robot) const { return standing_.contains(robot); }
+  [[nodiscard]] bool is_vouched_still(const std::string& robot) const { return vouched_still_.contains(robot); }
 
   /// Where its condition is evaluated.
   [[nodiscard]] const std::string& chooser_of(TaskIndex task) const;
@@ -83,7 +83,7 @@ class Epochs {
   std::vector<std::string> robots_;           ///< of this epoch
   std::vector<std::uint32_t> since_;          ///< the epoch of the last ruling on a task; 1: none
   std::vector<std::uint32_t> first_attempt_;  ///< that is not void
-  std::set<std::string> standing_;
+  std::set<std::string> vouched_still_;
   std::vector<TaskIndex> own_tasks_;
   std::vector<TaskIndex> concerned_;
 };

@@ -31,8 +31,8 @@ TEST_CASE("a decision moves a task, and makes earlier attempts void; who had it 
   CHECK(epochs.robot_of(0) == "pioneer");
   CHECK(epochs.is_void(0, 4));
   CHECK_FALSE(epochs.is_void(0, 5));
-  CHECK(epochs.stands("ur3"));
-  CHECK_FALSE(epochs.stands("drone"));
+  CHECK(epochs.is_vouched_still("ur3"));
+  CHECK_FALSE(epochs.is_vouched_still("drone"));
   CHECK(epochs.last_decision_on(0).epoch == 3);
   CHECK(epochs.is_of_epoch({1, 2}, 1));
   CHECK_FALSE(epochs.is_of_epoch({0, 1}, 2));

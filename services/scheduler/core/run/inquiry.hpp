@@ -41,7 +41,7 @@ class Inquiry {
   bool on(const SensorReading& reading, const std::string& from, Now now);
   void sign(Bytes choice, Now now, Outbox& out);
   [[nodiscard]] bool signs(const SignedRecord& record) const {
-    return phase_ == InquiryPhase::signing && signature_.asks_for(record);
+    return phase_ == InquiryPhase::signing && signature_.is_for(record);
   }
 
  private:

@@ -8,7 +8,7 @@ void PendingWork::begin_anew(TaskIndex task) {
 }
 
 bool PendingWork::is_empty() const {
-  return !requests_.needs_results() && !signatures_.wants_results() && inquiries_.empty();
+  return !awaited_.needs_results() && !signatures_.wants_results() && inquiries_.empty();
 }
 
 bool PendingWork::may_leave(MonotonicTime now, Duration grace) {
@@ -17,13 +17,13 @@ bool PendingWork::may_leave(MonotonicTime now, Duration grace) {
 }
 
 void PendingWork::restart(Now now) {
-  requests_.restart();
+  awaited_.restart();
   for (Inquiry& inquiry : inquiries_) inquiry.restart(now);
   signatures_.restart(now);
 }
 
 std::optional<MonotonicTime> PendingWork::next() const {
-  std::optional<MonotonicTime> out = earlier(requests_.next(), signatures_.next());
+  std::optional<MonotonicTime> out = earlier(awaited_.next(), signatures_.next());
   for (const Inquiry& inquiry : inquiries_) out = earlier(out, inquiry.next());
   return earlier(earlier(out, timers_.next()), leaves_at_);
 }

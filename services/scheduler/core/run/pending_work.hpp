@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "services/scheduler/core/run/awaited_records.hpp"
 #include "services/scheduler/core/run/inquiry.hpp"
-#include "services/scheduler/core/run/pending_requests.hpp"
 #include "services/scheduler/core/run/signature.hpp"
 #include "services/scheduler/core/run/task_timers.hpp"
 #include "services/scheduler/core/run/withheld_tasks.hpp"
@@ -22,8 +22,8 @@ class PendingWork {
   [[nodiscard]] std::vector<Inquiry>& inquiries() { return inquiries_; }
   [[nodiscard]] const PendingSignatures& signatures() const { return signatures_; }
   [[nodiscard]] PendingSignatures& signatures() { return signatures_; }
-  [[nodiscard]] const PendingRequests& requests() const { return requests_; }
-  [[nodiscard]] PendingRequests& requests() { return requests_; }
+  [[nodiscard]] const AwaitedRecords& awaited() const { return awaited_; }
+  [[nodiscard]] AwaitedRecords& awaited() { return awaited_; }
   [[nodiscard]] const TaskTimers& timers() const { return timers_; }
   [[nodiscard]] TaskTimers& timers() { return timers_; }
   [[nodiscard]] const WithheldTasks& withheld() const { return withheld_; }
@@ -53,7 +53,7 @@ class PendingWork {
  private:
   std::vector<Inquiry> inquiries_;
   PendingSignatures signatures_;
-  PendingRequests requests_;
+  AwaitedRecords awaited_;
   TaskTimers timers_;
   WithheldTasks withheld_;
   std::optional<MonotonicTime> served_;

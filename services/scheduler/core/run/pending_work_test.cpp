@@ -37,18 +37,18 @@ TEST_CASE("a task that a decision has ruled on begins anew") {
 TEST_CASE("results, signatures and values that are waited for keep a run from being idle") {
   PendingWork work;
   CHECK(work.is_empty());
-  work.requests().need_result(1, "drone");
+  work.awaited().need_result(1, "drone");
   CHECK_FALSE(work.is_empty());
-  work.requests().drop_results();
+  work.awaited().drop_results();
   work.inquiries().emplace_back("ur3", Condition{});
   CHECK_FALSE(work.is_empty());
 }
 
 TEST_CASE("back at its router the service asks everything again") {
   PendingWork work;
-  work.signatures().want(PendingSignatures::Word::end, {"run_end", "payload", at(0)});
+  work.signatures().want(PendingSignatures::RunRecord::end, {"run_end", "payload", at(0)});
   Outbox out;
-  work.signatures().tick(PendingSignatures::Word::end, "ur3", at(0), out);
+  work.signatures().tick(PendingSignatures::RunRecord::end, "ur3", at(0), out);
   CHECK(work.next() == at(2).mono);
   work.restart(at(1));
   CHECK(work.next() == at(1).mono);

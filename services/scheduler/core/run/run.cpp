@@ -72,7 +72,7 @@ bool Run::add(HeldResult held) {
   ++version_;
   const bool is_final = results().has_final(task);
   if (!was_double && results().finished_twice(task)) orders_.note_double(tasks()[task].id);
-  if (is_final) work_.requests().drop_result(task);
+  if (is_final) work_.awaited().drop_result(task);
   if (by_its_robot || is_final) reports_.forget_progress(task);
   if (facts_.current(task) != nullptr) work_.withheld().drop_failing(task);
   if (own) deliveries_.owe_own_result(task);
@@ -139,9 +139,9 @@ Status Run::apply(const JournalAbort& fact) {
   if (orders_.is_aborted()) return Done{};
   orders_.abort(fact.order);
   ++version_;
-  work_.signatures().drop(PendingSignatures::Word::abort);
+  work_.signatures().drop(PendingSignatures::RunRecord::abort);
   deliveries_.pending().drop(DeliveryKind::baton);
-  work_.requests().drop_results();
+  work_.awaited().drop_results();
   deliveries_.owe_to_members(DeliveryKind::abort);
   return Done{};
 }
@@ -152,7 +152,7 @@ Status Run::apply(const JournalPause& fact) {
   if (!orders_.is_newer(*order)) return Done{};
   orders_.adopt(fact.order, std::move(*order));
   ++version_;
-  work_.signatures().drop(PendingSignatures::Word::hold);
+  work_.signatures().drop(PendingSignatures::RunRecord::hold);
   deliveries_.pending().drop(DeliveryKind::pause);
   deliveries_.owe_to_members(DeliveryKind::pause);
   return Done{};
@@ -171,8 +171,8 @@ Status Run::apply(const JournalEnd& fact) {
   if (orders_.has_ended()) return Done{};
   orders_.end(fact.end);
   ++version_;
-  work_.signatures().drop(PendingSignatures::Word::end);
-  work_.requests().drop_results();
+  work_.signatures().drop(PendingSignatures::RunRecord::end);
+  work_.awaited().drop_results();
   for (const DeliveryKind kind : kDeliveryKinds) {
     if (kind != DeliveryKind::results) deliveries_.pending().drop(kind);
   }
@@ -192,7 +192,7 @@ void Run::receive(const std::vector<bool>& final_tasks, const std::vector<bool>&
                   const std::string& giver) {
   reports_.add(final_tasks, skipped_tasks);
   ++version_;
-  for (const TaskIndex task : open_tasks_.missing_results(reported_final())) work_.requests().need_result(task, giver);
+  for (const TaskIndex task : open_tasks_.missing_results(reported_final())) work_.awaited().need_result(task, giver);
 }
 
 std::vector<bool> Run::reported_final() const {

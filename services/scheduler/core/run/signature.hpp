@@ -27,7 +27,7 @@ class Signature {
   [[nodiscard]] MonotonicTime next() const { return next_; }
   /// The request may be lost: it is sent again at once.
   void restart(Now now) { next_ = now.mono; }
-  [[nodiscard]] bool asks_for(const SignedRecord& record) const {
+  [[nodiscard]] bool is_for(const SignedRecord& record) const {
     return record.kind == kind_ && record.payload.bytes == payload_;
   }
 
@@ -41,7 +41,7 @@ class Signature {
 /// attempt, and an order to abort, an order to hold, the record that it has FINISHED.
 class PendingSignatures {
  public:
-  enum class Word : std::uint8_t { abort = 0, hold, end };
+  enum class RunRecord : std::uint8_t { abort = 0, hold, end };
 
   /// Asks for a task's result. `make` gives the TaskResult, once.
   template <class Make>
@@ -58,18 +58,18 @@ class PendingSignatures {
   [[nodiscard]] bool wants_results() const { return !results_.empty(); }
 
   /// Requests an order or the end's record, in the place of the one before.
-  void want(Word word, Signature signature) { words_[word] = std::move(signature); }
-  [[nodiscard]] bool wants(Word word) const { return words_.contains(word); }
-  [[nodiscard]] bool asks_for(Word word, const SignedRecord& record) const;
-  void drop(Word word) { words_.erase(word); }
-  void tick(Word word, const std::string& node, Now now, Outbox& out);
+  void want(RunRecord kind, Signature signature) { records_[kind] = std::move(signature); }
+  [[nodiscard]] bool wants(RunRecord kind) const { return records_.contains(kind); }
+  [[nodiscard]] bool is_for(RunRecord kind, const SignedRecord& record) const;
+  void drop(RunRecord kind) { records_.erase(kind); }
+  void tick(RunRecord kind, const std::string& node, Now now, Outbox& out);
 
   void restart(Now now);
   [[nodiscard]] std::optional<MonotonicTime> next() const;
 
  private:
   std::map<TaskIndex, Signature> results_;
-  std::map<Word, Signature> words_;
+  std::map<RunRecord, Signature> records_;
 };
 
 }  // namespace trb::scheduler

@@ -11,7 +11,7 @@ using namespace trb::scheduler;
 
 namespace {
 
-using Word = PendingSignatures::Word;
+using RunRecord = PendingSignatures::RunRecord;
 
 std::size_t requests(const std::function<void(Outbox&)>& step) {
   Outbox out;
@@ -32,9 +32,9 @@ TEST_CASE("the router is asked to sign at once, and again every 2 s") {
   CHECK(requests([&](Outbox& out) { signature.tick("ur3", at(2), out); }) == 1);
   signature.restart(at(3));
   CHECK(requests([&](Outbox& out) { signature.tick("ur3", at(3), out); }) == 1);
-  CHECK(signature.asks_for(record_of("run_end", "it is over")));
-  CHECK_FALSE(signature.asks_for(record_of("run_end", "it is not")));
-  CHECK_FALSE(signature.asks_for(record_of("result", "it is over")));
+  CHECK(signature.is_for(record_of("run_end", "it is over")));
+  CHECK_FALSE(signature.is_for(record_of("run_end", "it is not")));
+  CHECK_FALSE(signature.is_for(record_of("result", "it is over")));
 }
 
 TEST_CASE("a task's result is drafted once, whatever time goes by, until it is wanted no more") {
@@ -65,14 +65,14 @@ TEST_CASE("a task's result is drafted once, whatever time goes by, until it is w
 TEST_CASE("an order waits for its signature beside the others") {
   PendingSignatures pending;
   CHECK_FALSE(pending.next().has_value());
-  pending.want(Word::abort, {"run_abort", "stop", at(1)});
-  CHECK(pending.wants(Word::abort));
-  CHECK_FALSE(pending.wants(Word::hold));
-  CHECK(pending.asks_for(Word::abort, record_of("run_abort", "stop")));
-  CHECK_FALSE(pending.asks_for(Word::end, record_of("run_abort", "stop")));
+  pending.want(RunRecord::abort, {"run_abort", "stop", at(1)});
+  CHECK(pending.wants(RunRecord::abort));
+  CHECK_FALSE(pending.wants(RunRecord::hold));
+  CHECK(pending.is_for(RunRecord::abort, record_of("run_abort", "stop")));
+  CHECK_FALSE(pending.is_for(RunRecord::end, record_of("run_abort", "stop")));
   CHECK(pending.next() == at(1).mono);
-  CHECK(requests([&](Outbox& out) { pending.tick(Word::abort, "ur3", at(1), out); }) == 1);
-  CHECK(requests([&](Outbox& out) { pending.tick(Word::hold, "ur3", at(1), out); }) == 0);
-  pending.drop(Word::abort);
+  CHECK(requests([&](Outbox& out) { pending.tick(RunRecord::abort, "ur3", at(1), out); }) == 1);
+  CHECK(requests([&](Outbox& out) { pending.tick(RunRecord::hold, "ur3", at(1), out); }) == 0);
+  pending.drop(RunRecord::abort);
   CHECK_FALSE(pending.next().has_value());
 }

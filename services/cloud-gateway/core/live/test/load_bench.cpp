@@ -19,7 +19,7 @@ class JsonEncoder final : public RowEncoder {
  public:
   Bytes encode(const Row& row) override {
     Bytes out = R"({"kind":")" + std::string(name_of(row.key.kind)) + R"(","id":")" + row.key.node;
-    out += R"(","number":)" + std::to_string(row.number) + R"(,"heard":")" + to_iso8601(row.told.utc) + '"';
+    out += R"(","number":)" + std::to_string(row.number) + R"(,"heard":")" + to_iso8601(row.published.utc) + '"';
     const auto* robot = std::get_if<RobotRow>(&row.content);
     if (robot != nullptr) {
       for (const RobotValue& one : robot->values) out += ",\"" + one.name + "\":" + one.value;

@@ -34,7 +34,7 @@ export const views: View[] = [
   { path: 'settings', title: 'settings.title', load: () => import('./settings/Settings.svelte'), isInMenu: true, least: 'admin' },
   { path: 'access', title: 'access.title', load: () => import('./access/Access.svelte'), isInMenu: true, least: 'admin' },
   { path: 'about', title: 'about.title', load: () => import('./about/About.svelte'), isInMenu: true },
-  { path: 'tokens', title: 'tokens.title', load: () => import('./tokens/Tokens.svelte') },
+  { path: 'design', title: 'design.title', load: () => import('./design/Design.svelte') },
 ];
 
 export const FIRST = 'hall';

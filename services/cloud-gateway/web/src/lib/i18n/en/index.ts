@@ -15,13 +15,13 @@ import { sensors } from './sensors';
 import { settings } from './settings';
 import { shell } from './shell';
 import { states } from './states';
-import { tokens } from './tokens';
+import { design } from './design';
 import { users } from './users';
 
 export const en = {
   ...shell,
   ...states,
-  ...tokens,
+  ...design,
   ...hall,
   ...robot,
   ...alerts,

@@ -1,0 +1,129 @@
+#include "services/resilience/core/alert_lifecycle.hpp"
+
+#include "proto/body.hpp"
+#include "proto/value.hpp"
+
+namespace trb::resilience {
+
+Alert alert_of(const WatchedRun& run, const std::string& robot, Now now) {
+  Alert out;
+  out.run = run.summary.run;
+  out.name = run.view->name;
+  out.robot = robot;
+  out.time = now.utc.ns;
+  return out;
+}
+
+void AlertLifecycle::restore(std::vector<Alert> alerts, const std::vector<StoredDecision>& decisions) {
+  for (Alert& alert : alerts) book_.restore(std::move(alert));
+  book_.prune();
+  for (const StoredDecision& stored : decisions) {
+    const auto decision = decode<Decision>(stored.record.payload.bytes);
+    if (decision) decided_.insert({decision->run, decision->epoch});
+    if (stored.delivered || !decision) continue;
+    const Alert* alert = book_.find(decision->alert);
+    if (alert == nullptr || alert->state != AlertState::releasing) continue;
+    work(alert->id).signing.restore(stored.record, decision->epoch);
+  }
+}
+
+void AlertLifecycle::keep(const Decision& decision, const SignedRecord& record, Outbox& out) {
+  decided_.insert({decision.run, decision.epoch});
+  out.record(RunDecision{record});
+}
+
+AlertWork& AlertLifecycle::work(std::string_view alert) {
+  const auto at = works_.find(alert);
+  return at == works_.end() ? works_[std::string(alert)] : at->second;
+}
+
+const AlertWork* AlertLifecycle::find_work(std::string_view alert) const {
+  const auto at = works_.find(alert);
+  return at == works_.end() ? nullptr : &at->second;
+}
+
+void AlertLifecycle::on_answer(const std::string& robot, const std::string& value) {
+  for (auto& [alert, work] : works_) {
+    if (work.inquiry.on_answer(robot, value)) situation_.note_change();
+  }
+}
+
+std::optional<MonotonicTime> AlertLifecycle::next(Now now) const {
+  std::optional<MonotonicTime> out;
+  for (const auto& [id, work] : works_) {
+    for (const auto& at : {work.inquiry.follow_at(), work.repair.next(), work.signing.next(now)}) {
+      if (at && *at > now.mono) out = earlier(out, at);
+    }
+  }
+  return out;
+}
+
+Alert* AlertLifecycle::raise(Alert fresh, Now now, Outbox& out) {
+  fresh.policy = "ask";
+  fresh.expires = fresh.run.empty() ? 0 : (now.utc + situation_.settings().resilience.expires).ns;
+  const std::string robot = fresh.robot;
+  Alert* alert = book_.add(std::move(fresh));
+  if (alert == nullptr) {
+    out.count("dropped.alerts");
+    out.log(LogLevel::error, "too_many_alerts",
+            "too many alerts are open: none for " + robot + "; decide on some: trb alert list");
+  }
+  return alert;
+}
+
+void AlertLifecycle::drop(const std::string& alert) {
+  reset_work(alert);
+  book_.drop(alert);
+}
+
+void AlertLifecycle::close(Alert& alert, const std::string& why, Outbox& out) {
+  alert.state = AlertState::closed;
+  if (situation_.runs().find(alert.run) != nullptr) situation_.due_runs().notify(alert.run);
+  alert.waits_for = cut_utf8(why, 512);
+  reset_work(alert.id);
+  record_end(alert, DecisionEnd::dropped, out);
+  out.record(alert);
+  out.log(LogLevel::info, "alert_closed", alert.id + ": " + why);
+}
+
+/// Records what became of the alert's decision, if one was signed.
+void AlertLifecycle::record_end(const Alert& alert, DecisionEnd end, Outbox& out) {
+  if (alert.epoch == 0) return;
+  if (end == DecisionEnd::dropped) decided_.erase({alert.run, alert.epoch});
+  out.record(DecisionOver{alert.run, alert.epoch, end});
+}
+
+void AlertLifecycle::finish(Alert& alert, Outbox& out) {
+  record_end(alert, DecisionEnd::handed, out);
+  alert.state = AlertState::decided;
+  situation_.due_runs().notify(alert.run);
+  alert.waits_for.clear();
+  reset_work(alert.id);
+  out.record(alert);
+  out.log(LogLevel::info, "decision_taken",
+          alert.id + ": run " + alert.run.substr(0, 8) + ", epoch " + std::to_string(alert.epoch));
+}
+
+void AlertLifecycle::reopen(Alert& alert, const std::string& why, Outbox& out, bool for_good) {
+  record_end(alert, DecisionEnd::dropped, out);
+  out.log(LogLevel::warning, "alert_reopened", alert.id + ": " + why);
+  AlertWork& is = work(alert.id);
+  const bool refused = for_good || is.signing.record().has_value();
+  alert.state = AlertState::open;
+  alert.verdict = Verdict::none;
+  alert.person.clear();
+  alert.reason.clear();
+  alert.epoch = 0;
+  alert.text = cut_utf8(alert.text + "; " + why, 1024);
+  alert.proposals.clear();
+  is = {};
+  // The policy must not try the same again and again.
+  if (refused) is.asks_for = why;
+  if (const WatchedRun* run = situation_.runs().find(alert.run); run != nullptr && run->is_known()) {
+    situation_.due_runs().notify(alert.run);  // proposals are made anew
+    situation_.runs().refresh(alert.run);
+  }
+  out.record(alert);
+}
+
+}  // namespace trb::resilience

@@ -1,0 +1,55 @@
+#include "services/resilience/core/alert_updater.hpp"
+
+#include "services/resilience/core/run_end.hpp"
+#include "services/resilience/core/run_over.hpp"
+#include "services/resilience/core/run_problems.hpp"
+
+namespace trb::resilience {
+
+void AlertUpdater::look(Alert& alert, Now now, Outbox& out) {
+  const RunWatcher& runs = situation_.runs();
+  const WatchedRun* run = runs.find(alert.run);
+  if (run == nullptr) {
+    if (runs.has_table()) alerts_.close(alert, run_over_text(runs, alert.run), out);
+    return;
+  }
+  if (!run->is_known()) return;
+  if (!may_be_ruled(alert)) return look_at_notice(alert, *run, now);
+  proposer_.refresh(alert, *run, now, out);
+  expire(alert, now, out);
+  alert.waits_for = waits_for(alert, *run);
+  if (alert.state == AlertState::open) policy_.try_decide(alert, now, out);
+}
+
+/// A notice only informs; there is nothing to propose.
+void AlertUpdater::look_at_notice(Alert& alert, const WatchedRun& run, Now now) {
+  const std::string id = run.summary.run.substr(0, 8);
+  alert.waits_for = alert.cause == kRunEnds
+                        ? wait_for_end(run, now)
+                        : "trb scenario resume " + id + " once somebody has looked, or trb scenario abort " + id;
+}
+
+void AlertUpdater::expire(Alert& alert, Now now, Outbox& out) {
+  if (alert.state != AlertState::open || alert.expires > now.utc.ns) return;
+  alert.state = AlertState::expired;
+  out.record(alert);
+  out.log(LogLevel::warning, "alert_expired", alert.id + ": nobody has decided; its run stays paused");
+}
+
+std::string AlertUpdater::waits_for(const Alert& alert, const WatchedRun& run) const {
+  if (!situation_.decides_on(&run)) {
+    const std::string who = run.decider();
+    return who.empty() ? "a cloud node: the run has none, so nobody decides; abort it" : "a verdict on node " + who;
+  }
+  std::string out = "a verdict: trb alert decide " + alert.id.substr(0, 8);
+  if (wants_robot(alert)) {
+    if (!alert.proposals.empty()) return out;
+    return "a robot that can do task '" + alert.tasks.front() + "', or " + out + " --skip or --abort";
+  }
+  if (alert.proposals.empty()) out += " (no robot can take over: --retry, --skip or --abort)";
+  if (alert.needs_word)
+    out += "; nothing is received from " + alert.robot + ": --stands if you have seen that it stands";
+  return out;
+}
+
+}  // namespace trb::resilience

@@ -1,0 +1,28 @@
+// Updates an open alert of a run: its proposals, its time, what it waits for, and the policy.
+#pragma once
+
+#include <string>
+
+#include "services/resilience/core/policy.hpp"
+
+namespace trb::resilience {
+
+class AlertUpdater {
+ public:
+  AlertUpdater(Situation& situation, AlertLifecycle& alerts, Proposer& proposer, Policy& policy)
+      : situation_(situation), alerts_(alerts), proposer_(proposer), policy_(policy) {}
+
+  void look(Alert& alert, Now now, Outbox& out);
+
+ private:
+  static void look_at_notice(Alert& alert, const WatchedRun& run, Now now);
+  static void expire(Alert& alert, Now now, Outbox& out);
+  [[nodiscard]] std::string waits_for(const Alert& alert, const WatchedRun& run) const;
+
+  Situation& situation_;
+  AlertLifecycle& alerts_;
+  Proposer& proposer_;
+  Policy& policy_;
+};
+
+}  // namespace trb::resilience

@@ -1,0 +1,73 @@
+#include "services/scheduler/core/run/awaited_records.hpp"
+
+#include <doctest/doctest.h>
+
+#include "tests/support/at.hpp"
+
+using namespace trb;
+using namespace trb::scheduler;
+
+TEST_CASE("results are asked of whoever was first said to hold them, with back-off") {
+  AwaitedRecords awaited;
+  awaited.need_result(1, "drone");
+  awaited.need_result(1, "pioneer");
+  awaited.need_result(2, "pioneer");
+  const auto first = awaited.take_due_results(at(0).mono);
+  CHECK(first.at("drone") == std::vector<TaskIndex>{1});
+  CHECK(first.at("pioneer") == std::vector<TaskIndex>{2});
+  CHECK(awaited.take_due_results(at(0.1).mono).empty());
+  CHECK(awaited.take_due_results(at(0.2).mono).size() == 2);
+  CHECK_FALSE(awaited.has_answered("pioneer", 2));
+  awaited.settle_without_result("pioneer", at(0.3).mono);
+  CHECK(awaited.has_answered("pioneer", 2));
+  CHECK_FALSE(awaited.has_answered("pioneer", 1));
+  CHECK(awaited.take_due_results(at(10).mono).size() == 1);
+  awaited.drop_result(1);
+  CHECK_FALSE(awaited.needs_results());
+}
+
+TEST_CASE("an answer without a result is about what every request asked for that it may answer") {
+  AwaitedRecords awaited;
+  awaited.need_result(1, "cloud");
+  awaited.take_due_results(at(0).mono);
+  awaited.need_result(2, "cloud");
+  CHECK(awaited.take_due_results(at(0.1).mono).at("cloud") == std::vector<TaskIndex>{1, 2});
+  awaited.settle_without_result("cloud", at(0.2).mono);
+  CHECK(awaited.has_answered("cloud", 1));
+  CHECK_FALSE(awaited.has_answered("cloud", 2));
+  awaited.settle_without_result("cloud", at(29.9).mono);
+  CHECK_FALSE(awaited.has_answered("cloud", 2));
+  awaited.settle_without_result("cloud", at(30).mono);
+  CHECK(awaited.has_answered("cloud", 2));
+}
+
+TEST_CASE("what was never asked for is not answered") {
+  AwaitedRecords awaited;
+  awaited.need_result(1, "cloud");
+  awaited.settle_without_result("cloud", at(60).mono);
+  CHECK_FALSE(awaited.has_answered("cloud", 1));
+  awaited.settle_result(1, "drone");
+  CHECK_FALSE(awaited.has_answered("drone", 1));
+  awaited.settle_result(1, "cloud");
+  CHECK(awaited.has_answered("cloud", 1));
+}
+
+TEST_CASE("decisions are taken only from whom they were asked, once") {
+  AwaitedRecords awaited;
+  awaited.await_decisions("cloud");
+  CHECK_FALSE(awaited.settle_decisions("drone"));
+  CHECK(awaited.settle_decisions("cloud"));
+  CHECK_FALSE(awaited.settle_decisions("cloud"));
+}
+
+TEST_CASE("the judge is asked for the end after 30 s, then more rarely, and anew when there was something to do") {
+  AwaitedRecords awaited;
+  CHECK_FALSE(awaited.end_is_due(at(0).mono));
+  CHECK(awaited.next() == at(30).mono);
+  CHECK(awaited.end_is_due(at(30).mono));
+  CHECK_FALSE(awaited.end_is_due(at(60).mono));
+  CHECK(awaited.end_is_due(at(90).mono));
+  awaited.drop_end();
+  CHECK_FALSE(awaited.end_is_due(at(100).mono));
+  CHECK(awaited.end_is_due(at(130).mono));
+}
