@@ -8,6 +8,7 @@
 #include "common/base/files.hpp"
 #include "common/config/cloud_file.hpp"
 #include "common/config/described_names.hpp"
+#include "common/config/hall_picture.hpp"
 #include "common/config/interfaces.hpp"
 #include "common/config/json_file.hpp"
 #include "common/config/metrics_file.hpp"
@@ -47,6 +48,7 @@ class NodeChecker {
     read_sensor_files(out_.config.dir, out_.faults);
     read_resilience_file(out_.config.dir, out_.faults);
     read_cloud_file(out_.config.dir, out_.faults);
+    read_hall_picture(out_.config.dir, out_.faults);
     read_metrics_file(out_.config.dir, out_.faults);
     if (node.usable) keys(running);
     if (!out_.config.bus.empty()) check_bus_keys(out_.config.dir, bus_names(out_.config), out_.faults);

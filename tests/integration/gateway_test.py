@@ -196,6 +196,25 @@ class Gateway(GatewayCase):
 
     # ---- the fleet
 
+    def test_the_walls_are_those_that_the_hall_s_people_have_drawn(self):
+        picture = self.fleet.dir("cloud") / "hall.svg"
+        self.addCleanup(picture.unlink, missing_ok=True)
+        self.assertNotIn("picture", self.viewer.ask("GET", "/api/v1/places").json)
+        self.assert_problem(self.viewer.ask("GET", "/api/v1/places/picture"), 404)
+        drawn = b'<svg xmlns="http://www.w3.org/2000/svg" viewBox="-1 -20 31 25"><path d="M0 0H30"/></svg>'
+        picture.write_bytes(drawn)
+        self.assertEqual(self.viewer.ask("GET", "/api/v1/places").json["picture"], {"west": -1, "south": -5, "east": 30, "north": 20})
+        walls = self.viewer.ask("GET", "/api/v1/places/picture")
+        self.assertEqual((walls.status, walls.bytes, walls.headers["Content-Type"]), (200, drawn, "image/svg+xml"))
+        self.assertNotIn("unsafe", walls.headers["Content-Security-Policy"])
+        self.assertEqual(self.viewer.ask("GET", "/api/v1/places/picture", If_None_Match=walls.headers["ETag"]).status, 304)
+        self.assert_problem(self.client().ask("GET", "/api/v1/places/picture"), 401)
+        picture.write_bytes(b"<svg>no metres</svg>")
+        self.assertNotIn("picture", self.viewer.ask("GET", "/api/v1/places").json)
+        self.assertIn("viewBox", self.viewer.ask("GET", "/api/v1/places/picture").bytes.decode())
+        checked = self.fleet.trb("check", self.fleet.dir("cloud"), check=False)
+        self.assertIn("hall.svg: viewBox: is missing", checked.stdout + checked.stderr)
+
     def test_a_robot_and_what_has_not_changed(self):
         listed = self.viewer.ask("GET", "/api/v1/robots").json
         self.assertEqual([row["node"] for row in listed["items"]], [ROBOT])

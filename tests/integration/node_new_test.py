@@ -17,6 +17,7 @@ import trb_fleet
 
 BLOCK = 210
 UDP_PORT = 50210
+NOBODY = 65534
 # name: framework, description, arguments of the virtual robot; and what `trb node new` calls such a robot.
 ROBOTS = {
     "arm": ("ur", "ur3", []),
@@ -199,6 +200,25 @@ class Folder(unittest.TestCase):
                 self.assertIn(said, refused.stderr)
                 self.assertFalse((self.folder / "other").exists())
         self.assertIn("--cloud", self.new(*self.good(), "--page", "127.0.0.1:8443").stderr)
+
+    def test_what_root_writes_belongs_to_the_folder_s_owner_and_nothing_outside_does(self):
+        if os.geteuid() != 0:
+            self.skipTest("only root can give files away")
+        cloud, outside = self.folder / "cloud", self.folder / "outside"
+        self.assertEqual(self.new(cloud, "--cloud", "cloud", "--network", "127.0.210.9").returncode, 0)
+        outside.write_text("not of the node")
+        for path in (cloud, *cloud.rglob("*")):
+            os.chown(path, NOBODY, NOBODY)
+        for key in (cloud / "keys").glob("*.key"):
+            key.unlink()
+        (cloud / "keys" / "symbolic").symlink_to(outside)
+        os.link(outside, cloud / "keys" / "second_name")
+        for words in (["fleet", "request"], ["cloud", "password"]):
+            subprocess.run([support.PROGRAMS / "trb", *words, cloud], check=True, capture_output=True, timeout=60)
+        owners = {path.name: path.lstat().st_uid for path in (cloud / "keys").iterdir()}
+        self.assertEqual({owners.pop("symbolic"), owners.pop("second_name"), outside.stat().st_uid}, {0})
+        self.assertEqual(set(owners.values()), {NOBODY})
+        self.assertLessEqual({"link.key", "request.json", "gateway.password"}, set(owners))
 
     def test_a_folder_that_cannot_be_written_leaves_nothing(self):
         (self.folder / "file").touch()

@@ -3,6 +3,7 @@
 #include "common/security/keys.hpp"
 #include "common/security/password_hash.hpp"
 #include "services/cli/commands/command.hpp"
+#include "services/cli/io/folder_owner.hpp"
 #include "services/cli/io/print.hpp"
 
 namespace trb::cli {
@@ -35,6 +36,7 @@ int run_password(const Arguments& arguments) {
   const std::string path = dir + "/keys/gateway.password";
   if (Status written = write_file(path, dump_json(json) + "\n"); !written)
     return print_error(arguments, written.error());
+  give_keys_to_owner(dir);
   if (arguments.has("--json")) {
     print_json(Value{Value::Object{{"user", Value{user}}, {"password", Value{password}}}});
     return kGood;

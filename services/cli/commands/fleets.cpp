@@ -16,6 +16,7 @@
 #include "services/cli/commands/relay_right.hpp"
 #include "services/cli/core/table.hpp"
 #include "services/cli/io/fleet_lock.hpp"
+#include "services/cli/io/folder_owner.hpp"
 #include "services/cli/io/passphrase.hpp"
 #include "services/cli/io/print.hpp"
 
@@ -68,6 +69,7 @@ int run_fleet_request(const Arguments& arguments) {
   const Status made = make_request(dir, *id, *role == "cloud" ? Role::cloud : Role::robot);
   if (!made) return print_error(arguments, made.error());
   if (const Status keys = make_keys_of_bus(dir); !keys) return print_error(arguments, keys.error());
+  give_keys_to_owner(dir);
   print_line("wrote " + dir + "/keys/request.json; the secret keys stay in " + dir + "/keys");
   print_line("next, where the authority's folder is: trb fleet sign FLEET_DIR " + dir + "/keys/request.json");
   return kGood;

@@ -16,6 +16,7 @@ const std::map<std::string, std::string> kTopics = {
   profile.json    which mode reaches which framework
   commands.json   which of the vendor's words belong to which subtype
   places.json     named poses in the hall (metres, radians)
+  hall.svg        of a cloud node: the walls on the page's map, drawn in metres
   keys/           secret keys (0600) and the certificate
   state/, log/    written by the services
 

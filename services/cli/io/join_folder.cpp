@@ -6,6 +6,7 @@
 #include "common/security/invitation.hpp"
 #include "common/security/node_keys.hpp"
 #include "proto/body.hpp"
+#include "services/cli/io/folder_owner.hpp"
 
 namespace trb::cli {
 namespace {
@@ -104,7 +105,9 @@ Result<CertificateFile> certificate_of(const std::string& dir, const JoinOffer& 
 Status take_certificate(const std::string& dir, const JoinOffer& offer) {
   const auto file = certificate_of(dir, offer);
   if (!file) return file.error();
-  return write_file(certificate_path(dir), certificate_file_to_json(*file));
+  const Status written = write_file(certificate_path(dir), certificate_file_to_json(*file));
+  if (written) give_keys_to_owner(dir);
+  return written;
 }
 
 }  // namespace trb::cli

@@ -52,6 +52,7 @@ constexpr Route kRoutes[] = {
     {post, "/api/v1/robots/{robot}/returned", operator_, changes},
     {post, "/api/v1/stop", operator_, changes},
     {get, "/api/v1/places", viewer, reads},
+    {get, "/api/v1/places/picture", viewer, reads},
 
     {get, "/api/v1/messages", viewer, reads},
     {post, "/api/v1/messages", operator_, changes},

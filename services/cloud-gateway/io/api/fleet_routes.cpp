@@ -1,8 +1,12 @@
 // nodes, sensors, places.
 #include <set>
 
+#include "common/base/hex.hpp"
+#include "common/config/hall_picture.hpp"
 #include "common/operator/read_sensor.hpp"
+#include "common/security/keys.hpp"
 #include "services/cloud-gateway/io/api/api.hpp"
+#include "services/cloud-gateway/io/api/conditional.hpp"
 #include "services/cloud-gateway/io/api/lists.hpp"
 #include "services/cloud-gateway/io/json_text.hpp"
 
@@ -61,7 +65,16 @@ std::string json_pose(const std::string& name, const Pose& pose) {
   return out.done();
 }
 
-/// The names that robots know, and the poses of the hall.
+std::string json_box(const HallBox& box) {
+  JsonObject out;
+  for (const auto& [key, value] :
+       {std::pair("west", box.west), {"south", box.south}, {"east", box.east}, {"north", box.north}}) {
+    out.raw(key, dump_json(Value{value}));
+  }
+  return out.done();
+}
+
+/// The names that robots know, and the poses of the hall; where its picture lies, if there is one.
 void list_places(const Gateway& gateway, const CallPtr& call) {
   std::set<std::string> names;
   gateway.book.each(RowKind::profile, [&](const Row& row) {
@@ -72,7 +85,27 @@ void list_places(const Gateway& gateway, const CallPtr& call) {
   for (const std::string& name : names) out.add(json_quoted(name));
   JsonList poses;
   for (const auto& [name, pose] : gateway.places) poses.add(json_pose(name, pose));
-  call->reply(json_reply(JsonObject().raw("places", out.done()).raw("poses", poses.done()).done()));
+  JsonObject reply;
+  reply.raw("places", out.done()).raw("poses", poses.done());
+  ConfigFaults faults;  // trb check tells them
+  if (const auto picture = read_hall_picture(gateway.node_dir, faults)) reply.raw("picture", json_box(picture->box));
+  call->reply(json_reply(reply.done()));
+}
+
+/// The walls of this hall, if its people have drawn them.
+void reply_picture(const Gateway& gateway, const CallPtr& call) {
+  ConfigFaults faults;
+  auto picture = read_hall_picture(gateway.node_dir, faults);
+  if (!picture) {
+    return call->reply(problem_reply(404, "missing", "the node's folder has no hall.svg that can be drawn",
+                                     faults.empty() ? "put one there" : faults[0].hint));
+  }
+  const std::string tag = to_hex(digest(picture->svg)).substr(0, 32);
+  HttpReply out;
+  out.content_type = "image/svg+xml";
+  out.body = std::make_shared<const Bytes>(std::move(picture->svg));
+  out.headers = {{"Cache-Control", "no-cache"}};
+  reply_tagged(call, ETag{tag, false}, std::move(out));
 }
 
 }  // namespace
@@ -88,6 +121,7 @@ void add_fleet_routes(Gateway& gateway, HandlerTable& table) {
   table.add(Method::get, "/api/v1/sensors/{node}/{sensor}/value",
             [&](const CallPtr& call) { read_value(gateway, call); });
   table.add(Method::get, "/api/v1/places", [&](const CallPtr& call) { list_places(gateway, call); });
+  table.add(Method::get, "/api/v1/places/picture", [&](const CallPtr& call) { reply_picture(gateway, call); });
 }
 
 }  // namespace trb::gateway

@@ -1,1 +1,0 @@
-import{aH as c,aI as t,aJ as f}from"./index-3pj3qL4M.js";const i=Symbol("NaN");function y(e,r,n){var o=new f(e),s=!c();t(()=>{var a=r();a!==a&&(a=i),s&&a!==null&&typeof a=="object"&&(a={}),o.ensure(a,n)})}export{y as k};
