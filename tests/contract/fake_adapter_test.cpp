@@ -111,7 +111,7 @@ class Real {
   }
   void write() {
     for (const RobotWrite& write : core_->take_robot_output().writes)
-      events_.after(kOnTheWay, life_, [this, bytes = write.bytes] { robot_.hear(bytes); });
+      events_.after(kOnTheWay, life_, [this, bytes = write.bytes] { robot_.receive(bytes); });
   }
 
   world::Events& events_;
