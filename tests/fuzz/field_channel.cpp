@@ -73,11 +73,11 @@ void check_agreement(const FieldChannel& channel, BytesView bytes) {
     const bool ok = receiver.between_messages() && (text == words.ok() || words.urgent_done(text));
     const auto heard = collector.take(text);
     if (ok) {
-      require(heard && heard->kind != conform::Heard::Kind::said, "both take it for no message");
+      require(heard && heard->kind != conform::Received::Kind::said, "both take it for no message");
       continue;
     }
     const auto message = receiver.take(text, false);
-    if (!message || (heard && heard->kind == conform::Heard::Kind::nonsense)) return;
+    if (!message || (heard && heard->kind == conform::Received::Kind::nonsense)) return;
     require(message->has_value() == heard.has_value(), "both see the same end of a message");
     if (!heard) continue;
     const FieldMessage& mine = **message;
