@@ -220,6 +220,18 @@ class Folder(unittest.TestCase):
         self.assertEqual(set(owners.values()), {NOBODY})
         self.assertLessEqual({"link.key", "request.json", "gateway.password"}, set(owners))
 
+    def test_a_link_in_place_of_the_keys_leads_root_to_no_other_folder(self):
+        if os.geteuid() != 0:
+            self.skipTest("only root can give files away")
+        cloud, outside = self.folder / "cloud", self.folder / "outside"
+        self.assertEqual(self.new(cloud, "--cloud", "cloud", "--network", "127.0.210.9").returncode, 0)
+        (cloud / "keys").rename(outside)
+        (outside / "of_root").write_text("not of the node")
+        (cloud / "keys").symlink_to(outside)
+        os.chown(cloud, NOBODY, NOBODY)
+        subprocess.run([support.PROGRAMS / "trb", "cloud", "password", cloud], capture_output=True, timeout=60)
+        self.assertEqual({path.lstat().st_uid for path in (outside, *outside.rglob("*"))}, {0})
+
     def test_a_folder_that_cannot_be_written_leaves_nothing(self):
         (self.folder / "file").touch()
         done = self.new(self.folder / "file" / "arm", *self.good()[1:])
