@@ -70,8 +70,6 @@ void ServiceProcess::deliver(Message message) {
   if (!body) return void(++malformed_);
   Inbound inbound{message.type,  std::move(message.source), std::move(message.target), message.id, message.reply_to,
                   message.flags, message.remaining_ms,      std::move(*body)};
-  const Meddler* meddler = settings_.meddler;
-  if (meddler != nullptr && meddler->hears && !meddler->hears(node_, inbound)) return;
   if (on_received) on_received(inbound);
   process_.take(inbound);
 }

@@ -14,7 +14,6 @@ namespace trb::world {
 
 /// A core that is broken on purpose: what passes through its seam is changed, or held back (false).
 struct Meddler {
-  std::function<bool(const std::string& node, Inbound& message)> hears;
   std::function<bool(const std::string& node, const Send& send)> sends;
   std::function<bool(const std::string& node, const Journal& record)> writes;
 };
