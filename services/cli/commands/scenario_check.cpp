@@ -28,7 +28,7 @@ int print_good(const Arguments& arguments, std::size_t tasks, const ConfigFaults
     return kGood;
   }
   std::fputs(to_text(faults).c_str(), stderr);
-  print_line(arguments.words[0] + ": " + std::to_string(tasks) + " tasks, no faults" +
+  print_line(arguments.words[0] + ": " + std::to_string(tasks) + (tasks == 1 ? " task" : " tasks") + ", no faults" +
              (without != nullptr ? "" : " (robots, skills, places and sensors were not checked: no --node)"));
   if (without == nullptr) return kGood;
   for (const NoSpare& one : *without) {
