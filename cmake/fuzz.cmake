@@ -2,17 +2,18 @@
 # `fuzz` preset alone. See scripts/fuzz.
 option(TRB_LIBFUZZER "build the fuzz targets for libFuzzer; needs clang" OFF)
 
-if(TRB_BUILD_TESTS)
-  trb_library(trb_fuzz_require SOURCES tests/fuzz/require.cpp)
-  trb_library(trb_fuzz_replay SOURCES tests/fuzz/replay.cpp)
+if(NOT TRB_BUILD_TESTS)
+  function(trb_fuzz)
+  endfunction()
+  return()
 endif()
+
+trb_library(trb_fuzz_require SOURCES tests/fuzz/require.cpp)
+trb_library(trb_fuzz_replay SOURCES tests/fuzz/replay.cpp)
 
 # trb_fuzz(NAME FILE fuzz/name.cpp SOURCES more.cpp ... LIBS x y INPUTS n): FILE, or NAME.cpp, is the target; n of 20000 if one
 # takes long.
 function(trb_fuzz NAME)
-  if(NOT TRB_BUILD_TESTS)
-    return()
-  endif()
   cmake_parse_arguments(ARG "" "INPUTS;FILE" "SOURCES;LIBS" ${ARGN})
   if(NOT ARG_INPUTS)
     set(ARG_INPUTS 20000)
