@@ -24,12 +24,12 @@ std::vector<std::string> ResilienceCore::subscriptions() {
 
 void ResilienceCore::restore(std::vector<Alert> alerts, const std::vector<StoredDecision>& decisions) {
   for (const auto& [id, robot] : fleet().robots()) fleet().set_later_tasks(id, 0);  // the runs report it anew
-  alerts_.restore(std::move(alerts), decisions);
+  parts_.alerts.restore(std::move(alerts), decisions);
 }
 
 void ResilienceCore::on_welcome(const NodeIdentity& node, Now now, Outbox& out) {
   welcomed_ = true;
-  situation_.on_welcome(node, now);
+  parts_.situation.on_welcome(node, now);
   settle(now, out);
 }
 
@@ -45,7 +45,7 @@ void ResilienceCore::on(const Inbound& message, Now now, Outbox& out) {
 // ---- requests and verdicts of people
 
 void ResilienceCore::on_request(const Inbound& message, Now now, Outbox& out) {
-  situation_.note_change();
+  parts_.situation.note_change();
   if (Taken::dispatch(message.body, [&](const auto& body) { handle(body, message, now, out); })) return;
   out.count("refused.unexpected");
   out.nack(message,
@@ -53,13 +53,13 @@ void ResilienceCore::on_request(const Inbound& message, Now now, Outbox& out) {
 }
 
 void ResilienceCore::handle(const AlertListRequest& body, const Inbound& from, Now now, Outbox& out) {
-  for (Alert* alert : alerts_.open()) {
-    const WatchedRun* run = situation_.runs().find(alert->run);
+  for (Alert* alert : parts_.alerts.open()) {
+    const WatchedRun* run = parts_.situation.runs().find(alert->run);
     // The proposals of an expired alert are old.
     const bool is_old = alert->state == AlertState::expired && run != nullptr && run->is_known();
-    if (is_old) proposer_.propose(*alert, *run, now);
+    if (is_old) parts_.proposer.propose(*alert, *run, now);
   }
-  AlertTable table = alerts_.book().table(body.all);
+  AlertTable table = parts_.alerts.book().table(body.all);
   for (Alert& lesser : lesser_faults(fleet(), now.utc - kShown)) {
     if (table.alerts.size() == AlertBook::kMaxTable) break;
     table.alerts.push_back(std::move(lesser));
@@ -68,19 +68,19 @@ void ResilienceCore::handle(const AlertListRequest& body, const Inbound& from, N
 }
 
 void ResilienceCore::handle(const AlertDecide& body, const Inbound& from, Now now, Outbox& out) {
-  if (from.source == situation_.node()) {
-    if (auto other = verdicts_.elsewhere(body)) return out.reply(from, std::move(*other));
+  if (from.source == parts_.situation.node()) {
+    if (auto other = parts_.verdicts.elsewhere(body)) return out.reply(from, std::move(*other));
   }
-  const auto taken = verdicts_.receive(body, from.source, now, out);
+  const auto taken = parts_.verdicts.receive(body, from.source, now, out);
   if (taken) return out.reply(from, Ack{"accepted", cut_utf8(*taken, 1024)});
   out.count("refused.alert_decide." + std::string(errc_name(taken.error().code)));
   out.nack(from, taken.error());
 }
 
 void ResilienceCore::handle(const AlertRankRequest& body, const Inbound& from, Now now, Outbox& out) {
-  const auto alert = alerts_.book().choose(body.alert);
+  const auto alert = parts_.alerts.book().choose(body.alert);
   if (!alert) return out.nack(from, alert.error());
-  auto ranking = proposer_.rank_by(**alert, body.weights, now, out);
+  auto ranking = parts_.proposer.rank_by(**alert, body.weights, now, out);
   if (!ranking) return out.nack(from, ranking.error());
   out.reply(from, std::move(*ranking));
 }
@@ -92,7 +92,7 @@ void ResilienceCore::handle(const HistoryListRequest& body, const Inbound& from,
   }
   const auto entries = history_->history(body.robot, body.most);
   if (!entries) return out.nack(from, entries.error());
-  if (entries->empty() && !body.robot.empty() && situation_.fleet().find(body.robot) == nullptr) {
+  if (entries->empty() && !body.robot.empty() && parts_.situation.fleet().find(body.robot) == nullptr) {
     return out.nack(from, fail(Errc::unknown_target, "'" + body.robot + "' is not known", "trb robot list"));
   }
   HistoryTable table;
@@ -109,72 +109,75 @@ void ResilienceCore::on_information(const Inbound& message, Now now, Outbox& out
 /// False: it is another subtype.
 bool ResilienceCore::on_fleet(const Inbound& message, Now now, Outbox& out) {
   const std::string& from = message.source;
-  return visit(Overloaded{[&](const RobotState& body) { return situation_.receive(body, from, now, out), true; },
-                          [&](const RobotFault& body) { return situation_.receive(body, from, now, out), true; },
-                          [&](const RobotConnection& body) { return situation_.receive(body, from, now, out), true; },
-                          [&](const auto&) { return false; }},
-               message.body);
+  return visit(
+      Overloaded{[&](const RobotState& body) { return parts_.situation.receive(body, from, now, out), true; },
+                 [&](const RobotFault& body) { return parts_.situation.receive(body, from, now, out), true; },
+                 [&](const RobotConnection& body) { return parts_.situation.receive(body, from, now, out), true; },
+                 [&](const auto&) { return false; }},
+      message.body);
 }
 
 /// False: it is another subtype. From another node it is dropped.
 bool ResilienceCore::on_own_node(const Inbound& message, Now now, Outbox& out) {
-  RunWatcher& runs = situation_.runs();
-  const bool own = message.source == situation_.node();
+  RunWatcher& runs = parts_.situation.runs();
+  const bool own = message.source == parts_.situation.node();
   const auto take = [&](const auto& effect) {
     own ? effect() : out.count("dropped.foreign");
     return true;
   };
-  return visit(Overloaded{[&](const PeerJoined& body) { return take([&] { situation_.receive(body, now, out); }); },
-                          [&](const PeerExpired& body) { return take([&] { situation_.receive(body, now); }); },
-                          [&](const RouteTable& body) { return take([&] { receive(body, now, out); }); },
-                          [&](const RunTable& body) { return take([&] { runs.on(body, now); }); },
-                          [&](const RunChanged& body) { return take([&] { runs.on(body, now); }); },
-                          [&](const RunView& body) { return take([&] { runs.on(body); }); },
-                          [&](const Definition& body) { return take([&] { runs.on(body); }); },
-                          [&](const SignedRecord& body) { return take([&] { decisions_.receive(body, out); }); },
-                          [&](const auto&) { return false; }},
-               message.body);
+  return visit(
+      Overloaded{[&](const PeerJoined& body) { return take([&] { parts_.situation.receive(body, now, out); }); },
+                 [&](const PeerExpired& body) { return take([&] { parts_.situation.receive(body, now); }); },
+                 [&](const RouteTable& body) { return take([&] { receive(body, now, out); }); },
+                 [&](const RunTable& body) { return take([&] { runs.on(body, now); }); },
+                 [&](const RunChanged& body) { return take([&] { runs.on(body, now); }); },
+                 [&](const RunView& body) { return take([&] { runs.on(body); }); },
+                 [&](const Definition& body) { return take([&] { runs.on(body); }); },
+                 [&](const SignedRecord& body) { return take([&] { parts_.decisions.receive(body, out); }); },
+                 [&](const auto&) { return false; }},
+      message.body);
 }
 
 void ResilienceCore::on_answer(const Inbound& message, Now now, Outbox& out) {
   const std::string& from = message.source;
   const bool asked = message.reply_to != 0;
   const auto unexpected = [&] { out.count("dropped.unexpected"); };
-  visit(Overloaded{[&](const Ack& body) { receive(body, from, now); },
-                   [&](const Nack& body) { receive(body, from, now, out); },
-                   [&](const Opaque& body) { asked ? proposer_.receive(body, from, now, out) : unexpected(); },
-                   [&](const SensorReading& body) { asked ? proposer_.receive(body, from, now, out) : unexpected(); },
-                   [&](const auto&) { unexpected(); }},
-        message.body);
+  visit(
+      Overloaded{
+          [&](const Ack& body) { receive(body, from, now); }, [&](const Nack& body) { receive(body, from, now, out); },
+          [&](const Opaque& body) { asked ? parts_.proposer.receive(body, from, now, out) : unexpected(); },
+          [&](const SensorReading& body) { asked ? parts_.proposer.receive(body, from, now, out) : unexpected(); },
+          [&](const auto&) { unexpected(); }},
+      message.body);
 }
 
 void ResilienceCore::receive(const RouteTable& page, Now now, Outbox& out) {
-  const auto table = situation_.routes().receive(page, situation_.node(), out);
+  const auto table = parts_.situation.routes().receive(page, parts_.situation.node(), out);
   if (!table) return;
-  alerts_.on_answer(situation_.node(), std::string(RouteListRequest::kSubtype));
-  situation_.receive(*table, now, out);
+  parts_.alerts.on_answer(parts_.situation.node(), std::string(RouteListRequest::kSubtype));
+  parts_.situation.receive(*table, now, out);
 }
 
 void ResilienceCore::receive(const Ack& ack, const std::string& from, Now now) {
-  const bool own = from == situation_.node();
-  if (own) return decisions_.on_accepted();
-  if (ack.state == "in_use") repairs_.on_taken(from, now);
+  const bool own = from == parts_.situation.node();
+  if (own) return parts_.decisions.on_accepted();
+  if (ack.state == "in_use") parts_.repairs.on_taken(from, now);
 }
 
 void ResilienceCore::receive(const Nack& nack, const std::string& from, Now now, Outbox& out) {
   const bool of_decision = nack.subtype == RunDecision::kSubtype || nack.subtype == RunAbort::kSubtype;
-  if (nack.subtype == TakeIntoUse::kSubtype) return repairs_.on_refused(nack, from, now, out);
+  if (nack.subtype == TakeIntoUse::kSubtype) return parts_.repairs.on_refused(nack, from, now, out);
   // Only the own scheduler may refuse a decision.
-  if (of_decision && from != situation_.node()) return out.count("dropped.foreign");
-  alerts_.on_answer(nack.target, nack.subtype);
-  if (nack.subtype == SensorRead::kSubtype) proposer_.on_reading_refused(nack.target);
-  if (of_decision) return decisions_.on_refused(nack, out);
+  if (of_decision && from != parts_.situation.node()) return out.count("dropped.foreign");
+  parts_.alerts.on_answer(nack.target, nack.subtype);
+  if (nack.subtype == SensorRead::kSubtype) parts_.proposer.on_reading_refused(nack.target);
+  if (of_decision) return parts_.decisions.on_refused(nack, out);
   if (nack.subtype == ReleaseTasks::kSubtype || nack.subtype == SignRequest::kSubtype) {
     out.count("nacked." + nack.subtype);
     return out.log(LogLevel::warning, "not_yet", nack.subtype + " to '" + nack.target + "': " + nack.what);
   }
   for (const std::string_view word : {RunWatch::kSubtype, RunQuery::kSubtype, NeedDefinition::kSubtype}) {
-    if (nack.subtype == word) situation_.runs().on_nack(nack, now, out);
+    if (nack.subtype == word) parts_.situation.runs().on_nack(nack, now, out);
   }
 }
 
@@ -187,57 +190,58 @@ void ResilienceCore::tick(Now now, Outbox& out) {
 /// Looks at what has changed, and once a second at what is open.
 void ResilienceCore::look(Now now, Outbox& out) {
   const bool due = look_at_ && *look_at_ <= now.mono;
-  detection_.look(now, out);
-  if (!situation_.take_change() && !due) return;
+  parts_.detection.look(now, out);
+  if (!parts_.situation.take_change() && !due) return;
   looked_at_ = now.mono;
   look_at_alerts(now, out);
-  standing_.raise_due(now, out);
+  parts_.standing.raise_due(now, out);
 }
 
 void ResilienceCore::look_at_alerts(Now now, Outbox& out) {
-  for (Alert* alert : alerts_.open()) {
+  for (Alert* alert : parts_.alerts.open()) {
     if (alert->run.empty()) {
-      standing_.look(*alert, now, out);
+      parts_.standing.look(*alert, now, out);
     } else if (alert->state == AlertState::releasing) {
-      decisions_.advance(*alert, now, out);
+      parts_.decisions.advance(*alert, now, out);
     } else {
-      alert_updater_.look(*alert, now, out);
+      parts_.alert_updater.look(*alert, now, out);
     }
   }
-  alerts_.book().prune();
+  parts_.alerts.book().prune();
 }
 
 void ResilienceCore::settle(Now now, Outbox& out) {
   if (!welcomed_) return;
-  const bool judged = situation_.is_judged();
+  const bool judged = parts_.situation.is_judged();
   if (judged) look(now, out);
   schedule_look(now);
   want_routes(now);
   // Without a first table nothing is judged: it is requested again soon.
-  situation_.routes().tick(situation_.node(), judged ? RouteRequests::kIdle : RouteRequests::kAtOnce, now, out);
-  situation_.runs().tick(now, out);
+  parts_.situation.routes().tick(parts_.situation.node(), judged ? RouteRequests::kIdle : RouteRequests::kAtOnce, now,
+                                 out);
+  parts_.situation.runs().tick(now, out);
 }
 
 void ResilienceCore::schedule_look(Now now) {
-  const DueRuns& due = situation_.due_runs();
-  look_at_ = !alerts_.open().empty() && looked_at_ ? std::optional(*looked_at_ + kLook) : std::nullopt;
-  look_at_ = earlier(look_at_, alerts_.next(now));
-  look_at_ = earlier(earlier(look_at_, situation_.liveness().next(now)), standing_.next(now));
-  if (!situation_.is_judged()) return;
+  const DueRuns& due = parts_.situation.due_runs();
+  look_at_ = !parts_.alerts.open().empty() && looked_at_ ? std::optional(*looked_at_ + kLook) : std::nullopt;
+  look_at_ = earlier(look_at_, parts_.alerts.next(now));
+  look_at_ = earlier(earlier(look_at_, parts_.situation.liveness().next(now)), parts_.standing.next(now));
+  if (!parts_.situation.is_judged()) return;
   look_at_ = due.has_notified() ? std::optional(now.mono) : earlier(look_at_, due.next());
 }
 
 void ResilienceCore::want_routes(Now now) {
   // Only the table reports a changed profile: for example that a robot was retired or has returned.
-  const bool often = !alerts_.open().empty() || fleet().has_retired() || !situation_.runs().runs().empty();
-  if (often) situation_.routes().want(now, RouteRequests::kWhileOpen);
+  const bool often = !parts_.alerts.open().empty() || fleet().has_retired() || !parts_.situation.runs().runs().empty();
+  if (often) parts_.situation.routes().want(now, RouteRequests::kWhileOpen);
   // A robot that was gone may be back, and its report lost with a link that was just coming up.
-  if (situation_.liveness().next(now)) situation_.routes().want(now, RouteRequests::kAtOnce);
+  if (parts_.situation.liveness().next(now)) parts_.situation.routes().want(now, RouteRequests::kAtOnce);
 }
 
 std::optional<MonotonicTime> ResilienceCore::next_deadline() const {
   if (!welcomed_) return std::nullopt;
-  return earlier(earlier(look_at_, situation_.routes().next_deadline()), situation_.runs().next_deadline());
+  return earlier(earlier(look_at_, parts_.situation.routes().next_deadline()), parts_.situation.runs().next_deadline());
 }
 
 }  // namespace trb::resilience

@@ -8,8 +8,7 @@
 
 #include "common/actor/core.hpp"
 #include "common/actor/takes.hpp"
-#include "services/resilience/core/alert_updater.hpp"
-#include "services/resilience/core/detection.hpp"
+#include "services/resilience/core/core_parts.hpp"
 #include "services/resilience/core/history_reader.hpp"
 
 namespace trb::resilience {
@@ -19,9 +18,7 @@ class ResilienceCore final : public Core {
  public:
   /// `history`: outlives the core; nullptr: there is none.
   explicit ResilienceCore(CoreSettings settings, HistoryReader* history = nullptr)
-      : situation_(std::move(settings)), history_(history) {}
-  ResilienceCore(const ResilienceCore&) = delete;  ///< its parts refer to each other
-  ResilienceCore& operator=(const ResilienceCore&) = delete;
+      : parts_(std::move(settings)), history_(history) {}
 
   using Taken = Takes<AlertListRequest, AlertDecide, AlertRankRequest, HistoryListRequest>;
   /// Information of which the service wants a copy.
@@ -35,7 +32,7 @@ class ResilienceCore final : public Core {
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const override;
 
   /// Whoever runs the core writes its changes.
-  Fleet& fleet() { return situation_.fleet(); }
+  Fleet& fleet() { return parts_.situation.fleet(); }
 
  private:
   void on_request(const Inbound& message, Now now, Outbox& out);
@@ -58,17 +55,8 @@ class ResilienceCore final : public Core {
   void schedule_look(Now now);
   void want_routes(Now now);
 
-  Situation situation_;
+  CoreParts parts_;
   HistoryReader* history_;
-  AlertLifecycle alerts_{situation_};
-  Proposer proposer_{situation_, alerts_};
-  Repairs repairs_{situation_, alerts_};
-  Decisions decisions_{situation_, alerts_, repairs_};
-  StandingAlerts standing_{situation_, alerts_, repairs_};
-  Verdicts verdicts_{VerdictParts{situation_, alerts_, proposer_, repairs_, decisions_, standing_}};
-  Policy policy_{situation_, alerts_, proposer_, verdicts_};
-  AlertUpdater alert_updater_{situation_, alerts_, proposer_, policy_};
-  Detection detection_{situation_, alerts_, proposer_, verdicts_};
   bool welcomed_ = false;
   std::optional<MonotonicTime> looked_at_;
   std::optional<MonotonicTime> look_at_;

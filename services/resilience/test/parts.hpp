@@ -6,19 +6,18 @@
 #include <string>
 #include <vector>
 
-#include "services/resilience/core/alert_updater.hpp"
-#include "services/resilience/core/detection.hpp"
+#include "services/resilience/core/core_parts.hpp"
 #include "services/resilience/test/add_task.hpp"
 #include "services/resilience/test/fleet_fixture.hpp"
 
 namespace trb::resilience::test {
 
-class Parts {
+class Parts : public CoreParts {
  public:
   /// The cloud node decides on run "run1": t1 of r1, running; t2 of r2, waiting. r1, r2 and r3 are there, and each can
   /// do both.
   explicit Parts(Role role = Role::cloud, ResilienceSettings settings = default_resilience())
-      : situation({"", role, settings, {{"dock", {0, 0}}}}) {
+      : CoreParts({"", role, settings, {{"dock", {0, 0}}}}) {
     situation.on_welcome({"cloud", role, 1}, now);
     begin_run();
     tell_routes();
@@ -71,16 +70,6 @@ class Parts {
   Now now{{1'000'000'000'000}, at_second(0)};
   Outbox out;
   RunView view;
-  Situation situation;
-  AlertLifecycle alerts{situation};
-  Proposer proposer{situation, alerts};
-  Repairs repairs{situation, alerts};
-  Decisions decisions{situation, alerts, repairs};
-  StandingAlerts standing{situation, alerts, repairs};
-  Verdicts verdicts{VerdictParts{situation, alerts, proposer, repairs, decisions, standing}};
-  Policy policy{situation, alerts, proposer, verdicts};
-  AlertUpdater alert_updater{situation, alerts, proposer, policy};
-  Detection detection{situation, alerts, proposer, verdicts};
 
  private:
   void begin_run() {
