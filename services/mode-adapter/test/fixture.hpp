@@ -57,6 +57,9 @@ inline Settings pioneer() {
   return settings;
 }
 
+/// The joints of an arm that stands upright, as data.
+constexpr const char* kUpright = "[0, -1.5708, 0, -1.5708, 0, 0]";
+
 /// An arm that accepts URScript.
 inline Settings ur3() {
   Settings settings = robot_settings("ur3", "ur", Mode::direct, "tcp-text");
@@ -149,6 +152,12 @@ class Fixture {
     const auto found = told<T>();
     REQUIRE(found.size() == 1);
     return get<T>(found.front().body);
+  }
+  /// The reason of the only outcome, which is a failure.
+  std::string failure() {
+    const auto outcome = one<Outcome>();
+    CHECK(outcome.outcome == TaskOutcome::failed);
+    return outcome.reason;
   }
   /// The faults that were reported as over: "CAPABILITY: TEXT".
   std::vector<std::string> over() {

@@ -116,9 +116,7 @@ TEST_CASE("a robot that says `failed` gives its reason; a `done` that comes late
   CHECK(fixture.told<Outcome>().empty());
   fixture.take_fields();
   fixture.say("information\nfailed\n\n12\nhome blocked\n");
-  const auto outcome = fixture.one<Outcome>();
-  CHECK(outcome.outcome == TaskOutcome::failed);
-  CHECK(outcome.reason == "blocked");
+  CHECK(fixture.failure() == "blocked");
   fixture.say("information\ndone\n\n4\nhome\n");
   CHECK(fixture.told<Outcome>().empty());
   CHECK(fixture.counted("refused.late_done") == 2);
@@ -144,9 +142,7 @@ TEST_CASE("time-out: the motion is stopped without a fence, and what is said of 
   CHECK(fixture.told<Outcome>().empty());
   CHECK(fixture.answer(fixture.execute(order("home", "", 2))) == "nack busy");  // not before the robot has stopped
   fixture.say("!stopped\n!released\n");
-  const auto outcome = fixture.one<Outcome>();
-  CHECK(outcome.outcome == TaskOutcome::failed);
-  CHECK(outcome.reason == "timed out after 2.5 s");
+  CHECK(fixture.failure() == "timed out after 2.5 s");
   fixture.execute(order("home", "", 3));
   fixture.say("information\ndone\n\n4\nhome\n");
   CHECK(fixture.told<Outcome>().empty());

@@ -173,8 +173,7 @@ TEST_CASE("a skill ends when the program says so, with its text") {
 
 TEST_CASE("the end of an old message is not taken for that of a new one") {
   C3Fixture fixture;
-  fixture.deliver(MessageType::request, order("home", ""), "kuka");
-  fixture.take();
+  fixture.begin_home();
   const std::string ours = fixture.number;
   fixture.number = "1999000001";
   fixture.finish();
@@ -219,8 +218,7 @@ TEST_CASE("a stop that the robot does not confirm is told so") {
 
 TEST_CASE("a controller that stops its program: a fault with the robot's text, and nothing goes on by itself") {
   C3Fixture fixture;
-  fixture.deliver(MessageType::request, order("home", ""), "kuka");
-  fixture.take();
+  fixture.begin_home();
   fixture.robot["TRB_ERROR[]"] = "\"grab URGENT gripper \\qleft\\q lost\"";
   fixture.robot["$STOPMESS"] = "TRUE";
   fixture.live(0.2);
@@ -314,8 +312,7 @@ TEST_CASE("a robot that answers nothing for 2 s is dialled again; what was under
   CHECK(fixture.closed() == "no answer for 2 s;");
   CHECK(fixture.answer(id) == "nack robot_offline");
   C3Fixture moving;
-  moving.deliver(MessageType::request, order("home", ""), "kuka");
-  moving.take();
+  moving.begin_home();
   moving.wait(2.1);
   CHECK(moving.one<Outcome>().outcome == TaskOutcome::interrupted);
   // It accepts connections, but sends nothing: it counts as gone until it does.

@@ -65,6 +65,18 @@ class C3Fixture : public Fixture {
     number = robot["TRB_NUMBER"];
     live(0.1);
   }
+  /// The skill 'home' is under way.
+  void begin_home() {
+    deliver(MessageType::request, order("home", ""), "kuka");
+    take();
+  }
+  void cancel() { deliver(MessageType::command, CancelExecution{attempt(), "enough"}, "kuka"); }
+  /// The program takes a command: its answer.
+  std::string take_command() {
+    const auto id = command("wave", "1");
+    take();
+    return answer(id);
+  }
   void finish(int result = 0, const std::string& text = "") {
     robot["TRB_DONE_NUMBER"] = number;
     robot["TRB_RESULT"] = std::to_string(result);

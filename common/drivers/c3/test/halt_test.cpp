@@ -6,8 +6,7 @@ using namespace trb::adapter;
 
 TEST_CASE("a skill that takes too long: the motion is ended, and what the robot says afterwards is late") {
   C3Fixture fixture;
-  fixture.deliver(MessageType::request, order("home", ""), "kuka");
-  fixture.take();
+  fixture.begin_home();
   fixture.writes();
   fixture.live(10);
   CHECK(fixture.writes() == "TRB_STOP=TRUE\n");
@@ -20,27 +19,23 @@ TEST_CASE("a skill that takes too long: the motion is ended, and what the robot 
   fixture.robot["TRB_STOPPED"] = "FALSE";
   fixture.live(0.1);
   fixture.flags = kFlagTakeControl;
-  const auto id = fixture.command("wave", "1");
-  fixture.take();
-  CHECK(fixture.answer(id) == "ack started");
+  CHECK(fixture.take_command() == "ack started");
 }
 
 TEST_CASE("a message that came to its end before the robot has confirmed its halt has finished") {
   C3Fixture fixture;
-  fixture.deliver(MessageType::request, order("home", ""), "kuka");
-  fixture.take();
-  fixture.deliver(MessageType::command, CancelExecution{attempt(), "enough"}, "kuka");
+  fixture.begin_home();
+  fixture.cancel();
   fixture.finish();
   CHECK(fixture.one<Outcome>().outcome == TaskOutcome::finished);
 }
 
 TEST_CASE("a halt that waits for a release leaves the message its end") {
   C3Fixture fixture;
-  fixture.deliver(MessageType::request, order("home", ""), "kuka");
-  fixture.take();
+  fixture.begin_home();
   fixture.robot["TRB_STOPPED"] = "TRUE";
   fixture.deliver(MessageType::command, Release{}, "operator");
-  fixture.deliver(MessageType::command, CancelExecution{attempt(), "enough"}, "kuka");
+  fixture.cancel();
   fixture.finish();
   CHECK(fixture.one<Outcome>().outcome == TaskOutcome::finished);
 }
@@ -51,7 +46,7 @@ TEST_CASE("a message that the program has just taken is halted, too") {
   fixture.live(0.1);
   fixture.robot["TRB_COMMAND"] = "FALSE";  // and nobody has read it yet
   fixture.writes();
-  fixture.deliver(MessageType::command, CancelExecution{attempt(), "enough"}, "kuka");
+  fixture.cancel();
   fixture.live(0.1);
   CHECK(fixture.writes().find("TRB_STOP=TRUE") != std::string::npos);
   CHECK(fixture.told<Outcome>().empty());
@@ -62,10 +57,9 @@ TEST_CASE("a message that the program has just taken is halted, too") {
 
 TEST_CASE("a halt that the robot refuses: the message goes on, and the next one waits for its end") {
   C3Fixture fixture;
-  fixture.deliver(MessageType::request, order("home", ""), "kuka");
-  fixture.take();
+  fixture.begin_home();
   fixture.robot.erase("TRB_STOP");
-  fixture.deliver(MessageType::command, CancelExecution{attempt(), "enough"}, "kuka");
+  fixture.cancel();
   fixture.live(0.1);
   CHECK(fixture.one<Outcome>().outcome == TaskOutcome::interrupted);
   CHECK(fixture.told<RobotFault>().size() == 2);  // a capability each
@@ -77,16 +71,13 @@ TEST_CASE("a halt that the robot refuses: the message goes on, and the next one 
   CHECK(fixture.writes().empty());
   fixture.finish();
   fixture.writes();
-  const auto id = fixture.command("wave", "1");
-  fixture.take();
-  CHECK(fixture.answer(id) == "ack started");
+  CHECK(fixture.take_command() == "ack started");
 }
 
 TEST_CASE("a halt that is lost with the connection is written again before all else") {
   C3Fixture fixture;
-  fixture.deliver(MessageType::request, order("home", ""), "kuka");
-  fixture.take();
-  fixture.deliver(MessageType::command, CancelExecution{attempt(), "enough"}, "kuka");
+  fixture.begin_home();
+  fixture.cancel();
   fixture.wait(2.1);
   CHECK(fixture.one<Outcome>().outcome == TaskOutcome::interrupted);
   fixture.written(Channel::command);
@@ -105,9 +96,8 @@ TEST_CASE("a halt that is lost with the connection is written again before all e
 TEST_CASE(
     "a halt in whose place came a stop, and neither was confirmed: it is written behind the release of that stop") {
   C3Fixture fixture;
-  fixture.deliver(MessageType::request, order("home", ""), "kuka");
-  fixture.take();
-  fixture.deliver(MessageType::command, CancelExecution{attempt(), "enough"}, "kuka");
+  fixture.begin_home();
+  fixture.cancel();
   fixture.live(0.1);
   fixture.deliver(MessageType::command, Stop{"fire"});
   fixture.live(0.1);

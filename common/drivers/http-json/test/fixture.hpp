@@ -86,6 +86,12 @@ struct MirFixture : Fixture {
     serve();
     deliver(MessageType::command, CancelExecution{drive.key, "enough"}, "mir");
   }
+  /// The skill 'drive' was cancelled, and the robot has stopped for it.
+  void halt_drive() {
+    cancel_drive();
+    CHECK(asked() == R"(PUT /status {"state_id": 4})");
+    answer_with(200, "{}");
+  }
   std::string robot() {
     deliver(MessageType::request, AdapterStateRequest{}, "mir");
     return get<AdapterState>(told<AdapterState>().back().body).robot;

@@ -110,9 +110,7 @@ TEST_CASE("http: a robot that was halted is released before it gets anything els
 
 TEST_CASE("http: a stop that comes after a halt leaves the robot stopped") {
   OnlineMir fixture;
-  fixture.cancel_drive();
-  fixture.asked();
-  fixture.answer_with(200, "{}");
+  fixture.halt_drive();
   CHECK(fixture.asked() == R"(PUT /status {"state_id": 3})");
   fixture.deliver(MessageType::command, Stop{}, "operator");
   fixture.answer_with(200, "{}");
@@ -121,9 +119,7 @@ TEST_CASE("http: a stop that comes after a halt leaves the robot stopped") {
 
 TEST_CASE("http: a robot that does not go on after a halt is out of use until it does") {
   OnlineMir fixture;
-  fixture.cancel_drive();
-  fixture.asked();
-  fixture.answer_with(200, "{}");
+  fixture.halt_drive();
   fixture.asked();
   fixture.answer_with(503);
   const RobotFault fault = fixture.one<RobotFault>();

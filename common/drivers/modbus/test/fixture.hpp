@@ -82,6 +82,12 @@ struct PlcFixture : Fixture {
       serve();
     }
   }
+  /// The skill 'run' is under way.
+  void begin_run() {
+    deliver(MessageType::command, order("run", R"({"speed": 0.5})"), "conveyor");
+    serve();
+  }
+  void cancel_run() { deliver(MessageType::command, CancelExecution{attempt(), "enough"}, "conveyor"); }
   void connect() {
     up(Channel::command);
     serve();

@@ -29,9 +29,7 @@ TEST_CASE("modbus: a skill whose write is refused has failed, with the device's 
   fixture.deliver(MessageType::command, order("run", R"({"speed": 0.5})"), "conveyor");
   fixture.asked();
   fixture.answer_call(4);
-  const Outcome outcome = fixture.one<Outcome>();
-  CHECK(outcome.outcome == TaskOutcome::failed);
-  CHECK(outcome.reason == "speed (holding 0): the device answered 'server device failure' (exception 4)");
+  CHECK(fixture.failure() == "speed (holding 0): the device answered 'server device failure' (exception 4)");
 }
 
 TEST_CASE("modbus: a stop overtakes what waits, and is answered when the device has taken it") {
@@ -149,10 +147,8 @@ TEST_CASE("modbus: a skill that times out is stopped without a fence") {
 TEST_CASE("modbus: a skill is halted once the device has acknowledged it; if it refuses, nobody knows") {
   for (const std::uint8_t exception : {0, 4}) {
     OnlinePlc fixture;
-    const Execute run = order("run", R"({"speed": 0.5})");
-    fixture.deliver(MessageType::command, run, "conveyor");
-    fixture.serve();
-    fixture.deliver(MessageType::command, CancelExecution{run.key, "enough"}, "conveyor");
+    fixture.begin_run();
+    fixture.cancel_run();
     CHECK(fixture.asked() == "write coil 0 0");
     CHECK(fixture.told<Outcome>().empty());
     fixture.answer_call(exception);
@@ -168,10 +164,8 @@ TEST_CASE("modbus: a device that was halted is released, again if that is lost, 
   for (const bool lost : {false, true}) {
     PlcFixture fixture(settings);
     fixture.connect();
-    const Execute run = order("run", R"({"speed": 0.5})");
-    fixture.deliver(MessageType::command, run, "conveyor");
-    fixture.serve();
-    fixture.deliver(MessageType::command, CancelExecution{run.key, "enough"}, "conveyor");
+    fixture.begin_run();
+    fixture.cancel_run();
     CHECK(fixture.asked() == "write coil 0 0");
     fixture.answer_call();
     CHECK(fixture.asked() == "write coil 2 1");
@@ -195,15 +189,13 @@ TEST_CASE(
   settings.commands.commands["release"] = "coil 2 = true";
   PlcFixture fixture(settings);
   fixture.connect();
-  const Execute run = order("run", R"({"speed": 0.5})");
-  fixture.deliver(MessageType::command, run, "conveyor");
-  fixture.serve();
+  fixture.begin_run();
   fixture.deliver(MessageType::command, Release{}, "operator");
   fixture.asked();
   fixture.answer_call(4);
   CHECK(fixture.told<RobotFault>().empty());
   CHECK(fixture.told<Outcome>().empty());
-  fixture.deliver(MessageType::command, CancelExecution{run.key, "enough"}, "conveyor");
+  fixture.cancel_run();
   CHECK(fixture.asked() == "write coil 0 0");
   fixture.answer_call();
   CHECK(fixture.asked() == "write coil 2 0");
@@ -217,10 +209,8 @@ TEST_CASE(
 
 TEST_CASE("modbus: a halt whose answer is lost with the connection is written again before anything else") {
   OnlinePlc fixture;
-  const Execute run = order("run", R"({"speed": 0.5})");
-  fixture.deliver(MessageType::command, run, "conveyor");
-  fixture.serve();
-  fixture.deliver(MessageType::command, CancelExecution{run.key, "enough"}, "conveyor");
+  fixture.begin_run();
+  fixture.cancel_run();
   CHECK(fixture.asked() == "write coil 0 0");
   fixture.down(Channel::command, "no answer in time");
   CHECK(fixture.one<Outcome>().outcome == TaskOutcome::interrupted);

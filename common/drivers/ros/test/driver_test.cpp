@@ -5,9 +5,7 @@ using namespace trb;
 using namespace trb::adapter;
 
 TEST_CASE("a command is published on the topic that commands.json names, as its sender wrote it") {
-  RosFixture fixture;
-  fixture.bridge(true);
-  fixture.asked();
+  OnlineRos fixture;
   const auto id = fixture.command("move", "[0.5,0,0,0,0,0.3]");
   const auto asked = fixture.asked();
   REQUIRE(asked.size() == 1);
@@ -21,9 +19,7 @@ TEST_CASE("a command is published on the topic that commands.json names, as its 
 }
 
 TEST_CASE("a template's items are JSON, whatever they hold") {
-  RosFixture fixture;
-  fixture.bridge(true);
-  fixture.asked();
+  OnlineRos fixture;
   fixture.command("go_to", R"([1.5, "\"}, \"x\": {"])");
   const auto asked = fixture.asked();
   REQUIRE(asked.size() == 1);
@@ -34,18 +30,14 @@ TEST_CASE("a template's items are JSON, whatever they hold") {
 }
 
 TEST_CASE("a refusal of the bridge is the sender's answer") {
-  RosFixture fixture;
-  fixture.bridge(true);
-  fixture.asked();
+  OnlineRos fixture;
   const auto id = fixture.command("move", "[1]");
   fixture.tell(fixture.asked().at(0).token, BridgeResult::failed, "", "bad_value");
   CHECK(fixture.answer(id) == "nack bad_value");
 }
 
 TEST_CASE("a request is answered with the topic's next message") {
-  RosFixture fixture;
-  fixture.bridge(true);
-  fixture.asked();
+  OnlineRos fixture;
   const auto id = fixture.send(MessageType::request, "scan", "");
   const auto asked = fixture.asked();
   REQUIRE(asked.size() == 1);
@@ -241,9 +233,7 @@ TEST_CASE("a critical fault ends the skill that needs what is gone: it is halted
     CHECK(fixture.told<Outcome>().empty());
     fixture.wait(0.1);
     fixture.tell(error, BridgeResult::value, "\"a wheel is blocked\"");  // the way to the robot is not lost
-    const auto outcome = fixture.one<Outcome>();
-    CHECK(outcome.outcome == TaskOutcome::failed);
-    CHECK(outcome.reason == "a wheel is blocked");
+    CHECK(fixture.failure() == "a wheel is blocked");
   }
 }
 
@@ -282,9 +272,7 @@ TEST_CASE("a skill whose capability a fault has taken is not begun, until the ro
 }
 
 TEST_CASE("a request for a stream is answered, and then told again and again until its time is over") {
-  RosFixture fixture;
-  fixture.bridge(true);
-  fixture.asked();
+  OnlineRos fixture;
   const auto id = fixture.send(MessageType::request, "scan", R"({"stream_s": 2, "every_s": 0.5})");
   auto asked = fixture.asked();
   REQUIRE(asked.size() == 2);

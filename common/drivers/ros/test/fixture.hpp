@@ -40,4 +40,12 @@ struct RosFixture : Fixture {
   }
 };
 
+/// ROS is there, and what is asked of it at first has been read.
+struct OnlineRos : RosFixture {
+  explicit OnlineRos(Settings settings = ridgeback()) : RosFixture(std::move(settings)) {
+    bridge(true);
+    asked();
+  }
+};
+
 }  // namespace trb::adapter

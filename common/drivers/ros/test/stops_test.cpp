@@ -5,9 +5,7 @@ using namespace trb;
 using namespace trb::adapter;
 
 TEST_CASE("a stop goes to every topic that it names, overtakes what waits, and is answered once all have it") {
-  RosFixture fixture;
-  fixture.bridge(true);
-  fixture.asked();
+  OnlineRos fixture;
   const auto waiting = fixture.command("move", "[1]");
   const auto moves = fixture.asked();
   const auto id = fixture.deliver(MessageType::command, Stop{"fire"});
@@ -26,9 +24,7 @@ TEST_CASE("a stop goes to every topic that it names, overtakes what waits, and i
 }
 
 TEST_CASE("what nobody waits for any more is not published later: the message's time is over, or the skill's") {
-  RosFixture fixture;
-  fixture.bridge(true);
-  fixture.asked();
+  OnlineRos fixture;
   fixture.remaining_ms = 700;
   const auto id = fixture.command("move", "[1]");
   const auto move = fixture.asked().at(0);
@@ -40,9 +36,7 @@ TEST_CASE("what nobody waits for any more is not published later: the message's 
   CHECK(asked[0].action == BridgeAction::unwatch);
   CHECK(asked[0].token == move.token);
 
-  RosFixture cancelled;
-  cancelled.bridge(true);
-  cancelled.asked();
+  OnlineRos cancelled;
   const Execute drive{{"run", "t1", 1, 1}, 1, kInstance, "go_to", R"({"place":"dock"})", 0};
   cancelled.deliver(MessageType::command, drive, "ridgeback");
   const auto goal = cancelled.asked().at(0);
@@ -58,9 +52,7 @@ TEST_CASE("what nobody waits for any more is not published later: the message's 
 TEST_CASE("a stop drops a release that waits, and a release a stop") {
   Settings settings = ridgeback();
   settings.commands.commands["release"] = "/brake std_msgs/Bool {\"data\": false}";
-  RosFixture fixture(std::move(settings));
-  fixture.bridge(true);
-  fixture.asked();
+  OnlineRos fixture(std::move(settings));
   fixture.deliver(MessageType::command, Release{});
   const auto release = fixture.asked().at(0);
   fixture.deliver(MessageType::command, Stop{"fire"});
@@ -115,9 +107,7 @@ TEST_CASE("a stop stays with a bridge that is silent, and is given again, in its
 }
 
 TEST_CASE("a halt that nothing subscribes to: nobody knows; it is published again when the bridge is back") {
-  RosFixture fixture;
-  fixture.bridge(true);
-  fixture.asked();
+  OnlineRos fixture;
   const Execute drive{{"run", "t1", 1, 1}, 1, kInstance, "go_to", R"({"place":"dock"})", 0};
   fixture.deliver(MessageType::command, drive, "ridgeback");
   for (const auto& one : fixture.asked()) fixture.tell(one.token, BridgeResult::done);

@@ -6,8 +6,6 @@ using namespace trb::adapter;
 
 namespace {
 
-constexpr const char* kJoints = "[0, -1.5708, 0, -1.5708, 0, 0]";
-
 Settings unwrapped() {
   Settings settings = ur3();
   settings.commands.wrap.clear();
@@ -18,7 +16,7 @@ Settings unwrapped() {
 
 TEST_CASE("a command becomes a program with a name, and is answered when the robot says that it has started") {
   UrFixture fixture;
-  const auto id = fixture.command("move", kJoints);
+  const auto id = fixture.command("move", kUpright);
   CHECK(fixture.sent() ==
         "def trb_77_1():\n  movej([0, -1.5708, 0, -1.5708, 0, 0])\n  textmsg(\"trb_77_1 done\")\nend\n");
   CHECK(fixture.answer(id).empty());
@@ -32,7 +30,7 @@ TEST_CASE("a command becomes a program with a name, and is answered when the rob
 TEST_CASE("the next program is sent once the robot has taken or refused the last, so that a refusal has one owner") {
   UrFixture fixture;
   const auto wrong = fixture.command("move", "[1, 2]");
-  const auto right = fixture.command("move", kJoints);
+  const auto right = fixture.command("move", kUpright);
   CHECK(fixture.sent().find("trb_77_2") == std::string::npos);
   fixture.monitor(ur_exception(2, 9, "compile_error_wrong_number_of_joints:2:"));
   CHECK(fixture.nack_of(wrong).code == "robot_error");
@@ -44,7 +42,7 @@ TEST_CASE("the next program is sent once the robot has taken or refused the last
 
 TEST_CASE("without a wrap the words leave as a line and count as handed over") {
   UrFixture fixture(unwrapped());
-  const auto id = fixture.command("move", kJoints);
+  const auto id = fixture.command("move", kUpright);
   CHECK(fixture.sent() == "movej([0, -1.5708, 0, -1.5708, 0, 0])\n");
   CHECK(fixture.answer(id) == "ack handed_over");
 }
@@ -85,9 +83,9 @@ TEST_CASE("what the controller still reports of an earlier process's program is 
 TEST_CASE("a robot that neither starts nor refuses a program does not hold up the next one for ever") {
   UrFixture fixture;
   fixture.remaining_ms = 1000;
-  const auto silent = fixture.command("move", kJoints);
+  const auto silent = fixture.command("move", kUpright);
   fixture.remaining_ms = 5000;
-  fixture.command("move", kJoints);
+  fixture.command("move", kUpright);
   fixture.sent();
   fixture.live(1);
   CHECK(fixture.answer(silent) == "nack timeout");
@@ -96,8 +94,8 @@ TEST_CASE("a robot that neither starts nor refuses a program does not hold up th
 
 TEST_CASE("the queue of programs is bounded") {
   UrFixture fixture;
-  for (int i = 0; i < 65; ++i) CHECK(fixture.answer(fixture.command("move", kJoints)).empty());
-  CHECK(fixture.answer(fixture.command("move", kJoints)) == "nack queue_full");
+  for (int i = 0; i < 65; ++i) CHECK(fixture.answer(fixture.command("move", kUpright)).empty());
+  CHECK(fixture.answer(fixture.command("move", kUpright)) == "nack queue_full");
 }
 
 TEST_CASE("a request is answered with what the monitor last told") {
@@ -124,13 +122,13 @@ TEST_CASE("what commands.json has no words for goes to the field channel; with n
 
 TEST_CASE("with the controller gone commands and requests are refused") {
   Fixture fixture(ur3());
-  CHECK(fixture.answer(fixture.command("move", kJoints)) == "nack robot_offline");
+  CHECK(fixture.answer(fixture.command("move", kUpright)) == "nack robot_offline");
   CHECK(fixture.answer(fixture.send(MessageType::request, "position", "")) == "nack robot_offline");
 }
 
 TEST_CASE("a command under way when the controller is lost is answered") {
   UrFixture fixture;
-  const auto id = fixture.command("move", kJoints);
+  const auto id = fixture.command("move", kUpright);
   fixture.down(Channel::command, "connection reset by peer");
   CHECK(fixture.answer(id) == "nack robot_offline");
 }
@@ -174,12 +172,12 @@ TEST_CASE("a protective stop is a fault of everything that the arm can do") {
 TEST_CASE("an operator's program does not take the arm away from a skill") {
   UrFixture fixture;
   fixture.deliver(MessageType::command, order("reach", R"({"joints": [0,0,0,0,0,0]})"), "ur3");
-  CHECK(fixture.answer(fixture.command("move", kJoints)) == "nack control_held");
+  CHECK(fixture.answer(fixture.command("move", kUpright)) == "nack control_held");
   fixture.flags = kFlagTakeControl;
-  CHECK(fixture.answer(fixture.command("move", kJoints)) == "nack busy");
+  CHECK(fixture.answer(fixture.command("move", kUpright)) == "nack busy");
   fixture.monitor(ur_started("trb_77_1"));
-  CHECK(fixture.answer(fixture.command("move", kJoints)) == "nack busy");
+  CHECK(fixture.answer(fixture.command("move", kUpright)) == "nack busy");
   fixture.monitor(ur_text("trb_77_1 done") + ur_stopped("trb_77_1"));
   CHECK(fixture.one<Outcome>().outcome == TaskOutcome::finished);
-  CHECK(fixture.answer(fixture.command("move", kJoints)).empty());
+  CHECK(fixture.answer(fixture.command("move", kUpright)).empty());
 }

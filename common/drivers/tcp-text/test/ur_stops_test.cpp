@@ -6,8 +6,6 @@ using namespace trb::adapter;
 
 namespace {
 
-constexpr const char* kWhere = "[0, -1.5708, 0, -1.5708, 0, 0]";
-
 Settings with_power() {
   Settings settings = ur3();
   settings.commands.commands.insert(
@@ -116,7 +114,7 @@ TEST_CASE("while the arm carries nothing out, a command is refused with the way 
     CAPTURE(one.what);
     UrFixture fixture(with_power());
     fixture.state(one.picture);
-    const auto id = fixture.command("move", kWhere);
+    const auto id = fixture.command("move", kUpright);
     CHECK(fixture.nack_of(id).code == "robot_error");
     CHECK(fixture.nack_of(id).what.find(one.what) != std::string::npos);
     CHECK(fixture.nack_of(id).hint.find(one.hint) != std::string::npos);
@@ -124,20 +122,20 @@ TEST_CASE("while the arm carries nothing out, a command is refused with the way 
     CHECK(fixture.answer(fixture.command("power_on", "")) == "ack handed_over");
     CHECK(fixture.sent() == "power on\n");
     fixture.state();
-    CHECK(fixture.answer(fixture.command("move", kWhere)).empty());
+    CHECK(fixture.answer(fixture.command("move", kUpright)).empty());
   }
 }
 
 TEST_CASE("an arm without words for its power is sent to its pendant") {
   UrFixture fixture;
   fixture.state({.mode = 5});
-  CHECK(fixture.nack_of(fixture.command("move", kWhere)).hint == "use the robot's pendant");
+  CHECK(fixture.nack_of(fixture.command("move", kUpright)).hint == "use the robot's pendant");
 }
 
 TEST_CASE("a program that was sent and one that waits are refused when the arm stops") {
   UrFixture fixture(with_power());
-  const auto sent = fixture.command("move", kWhere);
-  const auto waits = fixture.command("move", kWhere);
+  const auto sent = fixture.command("move", kUpright);
+  const auto waits = fixture.command("move", kUpright);
   fixture.state({.protective = true});
   CHECK(fixture.answer(sent) == "nack robot_error");
   CHECK(fixture.answer(waits) == "nack robot_error");

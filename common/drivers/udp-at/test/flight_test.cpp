@@ -68,9 +68,7 @@ TEST_CASE("two commands at once: the later one counts, and the skill that it end
   CHECK(fixture.answer(fixture.command("land", "")) == "nack control_held");
   fixture.flags = kFlagTakeControl;
   CHECK(fixture.answer(fixture.command("land", "")) == "ack handed_over");
-  const auto outcome = fixture.one<Outcome>();
-  CHECK(outcome.outcome == TaskOutcome::failed);
-  CHECK(outcome.reason == "'land' took its place");
+  CHECK(fixture.failure() == "'land' took its place");
   CHECK(fixture.last("REF") == kRefGround);
 }
 
@@ -174,9 +172,7 @@ TEST_CASE("an emergency in the middle of a skill: the skill fails, and everybody
   Sky fallen = kOnGround;
   fallen.bits = kEmergencyBit | kCutoutBit;
   fixture.live(1, fallen);
-  const auto outcome = fixture.one<Outcome>();
-  CHECK(outcome.outcome == TaskOutcome::failed);
-  CHECK(outcome.reason == "the drone's motors were cut (battery 76 %): cutout: a motor was held or stopped");
+  CHECK(fixture.failure() == "the drone's motors were cut (battery 76 %): cutout: a motor was held or stopped");
   const auto faults = fixture.faults();
   REQUIRE(faults.size() == 1);
   CHECK(faults[0].capability == "fly");
