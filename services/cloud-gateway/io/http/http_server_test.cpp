@@ -22,14 +22,20 @@ const std::string kGet = get("/a");
 /// One client that was served, and one whose request is under way.
 struct IdleAndBusy {
   explicit IdleAndBusy(ServerFixture& fixture) : idle(fixture.client()), busy(fixture.client()) {
-    idle.say(kGet);
-    idle.hear("/a ");
+    REQUIRE(is_served(idle));
     busy.say(get("/later"));
     REQUIRE(fixture.until([&] { return fixture.handler.kept.size() == 1; }));
   }
   TlsClient idle;
   TlsClient busy;
 };
+
+/// The handler answers all that it has kept, and each of these clients hears it.
+void check_answered(ServerFixture& fixture, TlsClient& one, TlsClient& other) {
+  for (const Reply& reply : fixture.handler.kept) reply({});
+  CHECK(one.hear("\r\n\r\n").starts_with("HTTP/1.1 200"));
+  CHECK(other.hear("\r\n\r\n").starts_with("HTTP/1.1 200"));
+}
 
 }  // namespace
 
@@ -102,9 +108,7 @@ TEST_CASE("server: one address has so many connections and no more; those under 
   TlsClient three = fixture.client();
   three.hear("never");
   CHECK(three.ended);
-  for (const Reply& reply : fixture.handler.kept) reply({});
-  CHECK(one.hear("\r\n\r\n").starts_with("HTTP/1.1 200"));
-  CHECK(two.hear("\r\n\r\n").starts_with("HTTP/1.1 200"));
+  check_answered(fixture, one, two);
 }
 
 TEST_CASE("server: given a full address, then its connection that was idle for longest makes room for its next one") {
@@ -114,8 +118,7 @@ TEST_CASE("server: given a full address, then its connection that was idle for l
   IdleAndBusy clients(fixture);
   auto& [idle, busy] = clients;
   TlsClient stop = fixture.client();
-  stop.say(kGet);
-  CHECK(stop.hear("/a ").starts_with("HTTP/1.1 200"));
+  CHECK(is_served(stop));
   CHECK(idle.is_dropped());
   CHECK(fixture.server->connections() == 2);
   fixture.handler.kept.at(0)({});
@@ -129,8 +132,7 @@ TEST_CASE("server: the address of a proxy has more connections") {
   settings.proxies = {"127.0.0.1"};
   ServerFixture fixture(settings);
   IdleAndBusy clients(fixture);
-  clients.idle.say(kGet);
-  CHECK(clients.idle.hear("/a ").starts_with("HTTP/1.1 200"));
+  CHECK(is_served(clients.idle));
 }
 
 TEST_CASE("server: when it stops, idle connections end and nobody else comes in") {
@@ -158,8 +160,7 @@ TEST_CASE("server: chunks are put together, in as many pieces as they come") {
   client.say(post("/a", "Transfer-Encoding: chunked", "2\r\nhi"));
   for (const char c : std::string("\r\n3;x\r\n ho\r\n0\r\nHost: evil\r\n\r\n")) client.say(std::string(1, c));
   CHECK(client.hear("/a hi ho").starts_with("HTTP/1.1 200"));
-  client.say(get("/b"));
-  CHECK(client.hear("/b ").starts_with("HTTP/1.1 200"));
+  CHECK(is_served(client, "/b"));
 }
 
 TEST_CASE("server: chunks over 1 MiB are refused, and the client is let go") {
@@ -281,9 +282,7 @@ TEST_CASE("server: when it is full, the one that waits longest makes room; who i
   TlsClient fourth = fixture.client();
   CHECK(fourth.is_dropped());
   CHECK(fixture.server->connections() == 2);
-  for (const Reply& reply : fixture.handler.kept) reply({});
-  CHECK(busy.hear("\r\n\r\n").starts_with("HTTP/1.1 200"));
-  CHECK(third.hear("\r\n\r\n").starts_with("HTTP/1.1 200"));
+  check_answered(fixture, busy, third);
 }
 
 TEST_CASE("server: given strangers who begin no handshake hold all room, then the oldest of them makes room") {
@@ -297,16 +296,14 @@ TEST_CASE("server: given strangers who begin no handshake hold all room, then th
     REQUIRE(fixture.until([&] { return fixture.server->connections() == i + 1; }));
   }
   TlsClient person = fixture.client();
-  person.say(kGet);
-  CHECK(person.hear("/a ").starts_with("HTTP/1.1 200"));
+  CHECK(is_served(person));
   CHECK(fixture.server->connections() == 2);
 }
 
 TEST_CASE("server: TLS 1.2 is spoken; what is older, or no TLS at all, is not") {
   ServerFixture fixture;
   TlsClient client(fixture.loop, fixture.server->port(), TLS1_2_VERSION);
-  client.say(kGet);
-  CHECK(client.hear("/a ").starts_with("HTTP/1.1 200"));
+  CHECK(is_served(client));
   TlsClient old(fixture.loop, fixture.server->port(), TLS1_1_VERSION);
   CHECK(old.is_dropped());
   boost::asio::ip::tcp::socket plain(fixture.loop);

@@ -209,6 +209,12 @@ struct ServerFixture {
 inline std::string get(const std::string& target, const std::string& more = "") {
   return "GET " + target + " HTTP/1.1\r\nHost: localhost\r\n" + more + "\r\n";
 }
+/// True: the client asks for that path, and is answered.
+inline bool is_served(TlsClient& client, const std::string& path = "/a") {
+  client.say(get(path));
+  return client.hear(path + " ").starts_with("HTTP/1.1 200");
+}
+
 inline std::string post(const std::string& target, const std::string& headers, const std::string& body = "") {
   return "POST " + target + " HTTP/1.1\r\nHost: localhost\r\n" + headers + "\r\n\r\n" + body;
 }
