@@ -39,6 +39,18 @@ struct Watch {
     CHECK(order.lease_s == lease_s);
     return order;
   }
+  /// The sensor's node takes the order.
+  void take(const std::string& from) {
+    order(from);
+    node.answer(Ack{"watching", ""});
+  }
+  /// The sensor's node ends the watch.
+  void refuse(const Nack& why) {
+    Message message;
+    message.subtype = Nack::kSubtype;
+    message.data = encode(why);
+    sensor.receive(message);
+  }
   void value(const std::string& from, double number, std::uint64_t watch) {
     Message message;
     message.subtype = SensorReading::kSubtype;
@@ -113,13 +125,8 @@ TEST_CASE("a watch tells its own values, and is renewed") {
 
 TEST_CASE("a device with a serial number is found where it is plugged in next") {
   Watch watch(plugged_into("hall"));
-  watch.order("hall");
-  watch.node.answer(Ack{"watching", ""});
-  // Its node reports that it is gone.
-  Message gone;
-  gone.subtype = Nack::kSubtype;
-  gone.data = encode(Nack{"no_sensor", "", "hall", "oven is unplugged", ""});
-  watch.sensor.receive(gone);
+  watch.take("hall");
+  watch.refuse({"no_sensor", "", "hall", "oven is unplugged", ""});
   CHECK(watch.told == "(oven is unplugged; looks for it) ");
   watch.node.pass(std::chrono::milliseconds(100));
   watch.node.take<RouteListRequest>();
@@ -133,13 +140,9 @@ TEST_CASE("a device with a serial number is found where it is plugged in next") 
 
 TEST_CASE("a watch that had to make room asks again ever less often, and at once again once it has held") {
   Watch watch(plugged_into("hall"));
-  watch.order("hall");
-  watch.node.answer(Ack{"watching", ""});
-  Message full;
-  full.subtype = Nack::kSubtype;
-  full.data = encode(Nack{"queue_full", "sensor_watch", "oven", "256 times already", ""});
+  watch.take("hall");
   const auto asks_after = [&](Duration wait) {
-    watch.sensor.receive(full);
+    watch.refuse({"queue_full", "sensor_watch", "oven", "256 times already", ""});
     watch.node.pass(wait - std::chrono::milliseconds(1));
     CHECK(watch.node.is_quiet());
     watch.node.pass(std::chrono::milliseconds(1));

@@ -41,6 +41,13 @@ struct Fixture {
     BridgeCommand body{adapter, token, action, name, "", data, std::move(paths), 5};
     core.on({MessageType::command, source, "ridgeback", token, 0, kFlagNoAnswer, 1000, std::move(body)}, now, out);
   }
+  /// A publication that waits at the worker; returns its message there.
+  WorkerMessage publish() {
+    up();
+    command(1, BridgeAction::publish, "/cmd_vel", "{}");
+    worker(Word::type, {"/cmd_vel", "geometry_msgs/Twist"});
+    return said().back();
+  }
   void wait(Duration time) {
     const MonotonicTime end = now.mono + time;
     while (core.next_deadline() && *core.next_deadline() <= end) {
@@ -202,15 +209,12 @@ TEST_CASE("what is dropped is not published once its type is known, nor once som
 
 TEST_CASE("what an adapter that is gone wanted published is dropped at the worker") {
   Fixture fixture;
-  fixture.up();
-  fixture.command(1, BridgeAction::publish, "/cmd_vel", "{}");
-  fixture.worker(Word::type, {"/cmd_vel", "geometry_msgs/Twist"});
-  const auto publish = fixture.said();
+  const WorkerMessage publish = fixture.publish();
   fixture.command(1, BridgeAction::ask, "/scan", "", {}, "ridgeback", kAdapter + 1);
   const auto said = fixture.said();
   REQUIRE(said.size() == 2);
   CHECK(said[0].word == Word::drop);
-  CHECK(said[0].parts[0] == publish.back().parts[0]);
+  CHECK(said[0].parts[0] == publish.parts[0]);
 }
 
 TEST_CASE("nobody waits for ever") {
@@ -254,15 +258,12 @@ TEST_CASE("an absent master is told of, and commands are refused with it") {
 
 TEST_CASE("what waits at the worker when the master goes is dropped there: its sender was refused") {
   Fixture fixture;
-  fixture.up();
-  fixture.command(1, BridgeAction::publish, "/cmd_vel", "{}");
-  fixture.worker(Word::type, {"/cmd_vel", "geometry_msgs/Twist"});
-  const auto publish = fixture.said();
+  const WorkerMessage publish = fixture.publish();
   fixture.worker(Word::alive, {"absent", "no ROS master at http://10.0.0.9:11311"});
   const auto said = fixture.said();
   REQUIRE(said.size() == 1);
   CHECK(said[0].word == Word::drop);
-  CHECK(said[0].parts[0] == publish.back().parts[0]);
+  CHECK(said[0].parts[0] == publish.parts[0]);
   fixture.worker(Word::alive, {"absent", "no ROS master at http://10.0.0.9:11311, still"});
   CHECK(fixture.said().empty());
 }
