@@ -7,6 +7,7 @@
 
 #include "common/scenario/run_proof_file.hpp"
 #include "common/scenario/run_start.hpp"
+#include "common/scenario/test/make_task.hpp"
 #include "proto/body.hpp"
 
 using namespace trb;
@@ -23,13 +24,7 @@ class Hall {
     std::vector<Member> members{add("cloud", Role::cloud), add("ant", Role::robot), add("bee", Role::robot)};
     Scenario scenario;
     scenario.name = "two";
-    for (const char* robot : {"ant", "bee"}) {
-      Task task;
-      task.id = "of-" + std::string(robot);
-      task.robot = robot;
-      task.skill = "go_to";
-      scenario.tasks.push_back(task);
-    }
+    for (const std::string robot : {"ant", "bee"}) scenario.tasks.push_back(make_task("of-" + robot, robot, "go_to"));
     start_ = build_run_start(scenario, members, "cloud", {10}, {20}, std::string(32, 'a'));
   }
 

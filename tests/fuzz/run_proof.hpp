@@ -11,6 +11,7 @@
 #include "common/base/result.hpp"
 #include "common/scenario/condition.hpp"
 #include "common/scenario/run_start.hpp"
+#include "common/scenario/test/make_task.hpp"
 #include "common/security/keys.hpp"
 #include "proto/body.hpp"
 #include "services/scheduler/core/journal_records.hpp"
@@ -24,12 +25,7 @@ const char* const kNodes[] = {"cloud", "b", "c", "d", "a", "stranger"};
 constexpr std::size_t kTasks = 8;
 
 inline Task task(const char* id, const char* robot, std::vector<std::uint16_t> after) {
-  Task out;
-  out.id = id;
-  out.robot = robot;
-  out.skill = "do";
-  out.after = std::move(after);
-  return out;
+  return make_task(id, robot, "do", std::move(after));
 }
 
 inline Scenario scenario() {

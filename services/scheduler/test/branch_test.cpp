@@ -2,6 +2,7 @@
 #include <doctest/doctest.h>
 
 #include "common/scenario/run_start.hpp"
+#include "common/scenario/test/make_task.hpp"
 #include "services/scheduler/test/decision_story.hpp"
 
 using namespace trb;
@@ -12,11 +13,7 @@ namespace {
 
 Task named_task(const char* id, const char* robot, std::vector<TaskIndex> after,
                 OnFailure then = OnFailure::resilience) {
-  Task out;
-  out.id = id;
-  out.robot = robot;
-  out.skill = id;
-  out.after = std::move(after);
+  Task out = make_task(id, robot, id, std::move(after));
   out.on_failure = then;
   return out;
 }

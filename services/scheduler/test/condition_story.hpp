@@ -9,17 +9,13 @@
 #include <string>
 #include <vector>
 
+#include "common/scenario/test/make_task.hpp"
 #include "services/scheduler/test/fleet.hpp"
 
 namespace trb::scheduler::test {
 
 inline Task task(const char* id, const char* robot, std::vector<TaskIndex> after) {
-  Task out;
-  out.id = id;
-  out.robot = robot;
-  out.skill = "go_to";
-  out.after = std::move(after);
-  return out;
+  return make_task(id, robot, "go_to", std::move(after));
 }
 
 inline Task when(Task is, Comparison op, double degrees, const char* of = "conveyor") {

@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include "common/scenario/run_start.hpp"
+#include "common/scenario/test/make_task.hpp"
 #include "services/scheduler/test/decision_story.hpp"
 
 using namespace trb;
@@ -12,12 +13,7 @@ using namespace trb::scheduler::test;
 namespace {
 
 Task lost_task(const char* id, const char* robot, std::vector<TaskIndex> after) {
-  Task out;
-  out.id = id;
-  out.robot = robot;
-  out.skill = id;
-  out.after = std::move(after);
-  return out;
+  return make_task(id, robot, id, std::move(after));
 }
 
 /// The UR's node loses its journal while the drone flies.

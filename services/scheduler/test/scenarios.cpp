@@ -1,28 +1,19 @@
 #include "services/scheduler/test/scenarios.hpp"
 #include "common/scenario/graph.hpp"
+#include "common/scenario/test/make_task.hpp"
 
 namespace trb::scheduler::test {
 
 Scenario nine_tasks() {
   Scenario scenario;
   scenario.name = "demonstration";
-  const auto add = [&](const char* id, const char* robot, const char* skill, std::vector<TaskIndex> after) {
-    Task task;
-    task.id = id;
-    task.robot = robot;
-    task.skill = skill;
-    task.after = std::move(after);
-    scenario.tasks.push_back(std::move(task));
+  scenario.tasks = {
+      make_task("bring_box", "ridgeback", "go_to"),     make_task("move_box", "conveyor", "run_belt", {0}),
+      make_task("put_down", "ur3", "grab", {1}),        make_task("approach", "pioneer", "go_to", {2}),
+      make_task("take_off", "drone", "take_off", {3}),  make_task("pick", "ur3", "grab_left", {3}),
+      make_task("go_back", "pioneer", "go_to", {4, 5}), make_task("land", "drone", "land", {6}),
+      make_task("load_out", "ridgeback", "go_to", {6}),
   };
-  add("bring_box", "ridgeback", "go_to", {});
-  add("move_box", "conveyor", "run_belt", {0});
-  add("put_down", "ur3", "grab", {1});
-  add("approach", "pioneer", "go_to", {2});
-  add("take_off", "drone", "take_off", {3});
-  add("pick", "ur3", "grab_left", {3});
-  add("go_back", "pioneer", "go_to", {4, 5});
-  add("land", "drone", "land", {6});
-  add("load_out", "ridgeback", "go_to", {6});
   return scenario;
 }
 
@@ -30,12 +21,8 @@ Scenario chain(const std::vector<std::string>& robots) {
   Scenario scenario;
   scenario.name = "chain";
   for (std::size_t i = 0; i < robots.size(); ++i) {
-    Task task;
-    task.id = "task-" + std::to_string(i);
-    task.robot = robots[i];
-    task.skill = "go_to";
-    if (i > 0) task.after = {static_cast<TaskIndex>(i - 1)};
-    scenario.tasks.push_back(std::move(task));
+    scenario.tasks.push_back(make_task("task-" + std::to_string(i), robots[i], "go_to"));
+    if (i > 0) scenario.tasks.back().after = {static_cast<TaskIndex>(i - 1)};
   }
   return scenario;
 }
