@@ -277,12 +277,16 @@ Routing TestFleet::stream(const std::string& from, const Message& message) {
 
 Routing TestFleet::arrive(TestNode& node, LinkId link, std::uint64_t sequence, const Message& message) {
   keep_time();
-  return node.router.from_link(link, frame_of(link, sequence, message));
+  const Bytes frame = frame_of(link, sequence, message);
+  const auto header = decode_frame(frame);
+  return header ? node.router.from_link(link, *header, frame) : Routing{};
 }
 
 Routing TestFleet::forward(TestNode& node, ConnectionId from, const Message& message) {
   keep_time();
-  return node.router.from_bus(from, encode_frame(message));
+  const Bytes frame = encode_frame(message);
+  const auto header = decode_frame(frame);
+  return header ? node.router.from_bus(from, *header, frame) : Routing{};
 }
 
 /// Time passes here by events; a test may also say what time it is.

@@ -85,11 +85,6 @@ void RouterProcess::on_beacon(BytesView plain) {
   step([&](Now now, Effects& out) { core_.beacons().on_beacon(plain, now, out); });
 }
 
-router::Routing RouterProcess::from_link(LinkId link, Bytes frame) {
-  const auto header = decode_frame(frame);
-  return header ? from_link(link, *header, std::move(frame)) : Routing{};
-}
-
 router::Routing RouterProcess::from_link(LinkId link, const HeaderView& header, Bytes frame) {
   Routing way;
   step([&](Now now, Effects& out) {
@@ -114,11 +109,6 @@ void RouterProcess::on_bus_frame(ConnectionId from, const std::string& name, Byt
   if (!header) return;
   if (header->subtype == ServiceHello::kSubtype) return on_hello(from, name, *header);
   if (core_.bus().knows(from)) from_bus(from, *header, std::move(frame));
-}
-
-router::Routing RouterProcess::from_bus(ConnectionId from, Bytes frame) {
-  const auto header = decode_frame(frame);
-  return header ? from_bus(from, *header, std::move(frame)) : Routing{};
 }
 
 router::Routing RouterProcess::from_bus(ConnectionId from, const HeaderView& header, Bytes frame) {

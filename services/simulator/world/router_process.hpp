@@ -44,9 +44,9 @@ class RouterProcess final : public Host, public BusServer {
   void watch(RouterWatch watch) { watch_ = std::move(watch); }
   /// Carries out what a call of the core has ordered.
   void follow(Effects& effects);
-  /// A frame of the bus, or one that came by a link: where it goes.
-  Routing from_bus(ConnectionId from, Bytes frame);
-  Routing from_link(LinkId link, Bytes frame);
+  /// A frame of the bus, or one that came by a link, with its header: where it goes.
+  Routing from_bus(ConnectionId from, const HeaderView& header, Bytes frame);
+  Routing from_link(LinkId link, const HeaderView& header, Bytes frame);
   /// Numbers and sends a frame. False: it does not leave.
   bool send(LinkId link, std::string_view subtype, Bytes frame);
 
@@ -93,8 +93,6 @@ class RouterProcess final : public Host, public BusServer {
   [[nodiscard]] const std::string& id() const { return core_.config().id; }
   void stored(router::Kept what);
   void on_hello(ConnectionId from, const std::string& name, const HeaderView& header);
-  Routing from_link(LinkId link, const HeaderView& header, Bytes frame);
-  Routing from_bus(ConnectionId from, const HeaderView& header, Bytes frame);
   void deliver(LinkId link, std::uint64_t sequence, bool hold, ConnectionId to, Bytes frame);
   bool send(LinkId link, const router::Outgoing& outgoing, std::string_view subtype, Bytes frame);
   void count_local(const HeaderView& header, BytesView frame);
