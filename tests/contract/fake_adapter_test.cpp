@@ -168,6 +168,10 @@ struct Both {
   void execute(const std::string& task, std::uint64_t instance = kInstance) {
     say(Execute{key(task), 1, instance, "grip", "", 0});
   }
+  void begin(const std::string& task) {
+    execute(task);
+    told({"execution " + task + " running by 100", "state ONLINE busy by 100"});
+  }
   void query(const std::string& task) { say(ExecutionQuery{key(task)}, MessageType::request); }
   void cancel(const std::string& task) {
     say(CancelExecution{key(task), "enough"}, MessageType::command, kFlagNoAnswer);
@@ -200,8 +204,7 @@ struct Both {
 
 TEST_CASE("a skill begins, and its outcome is told until it is journaled; afterwards it is still known") {
   Both both;
-  both.execute("t");
-  both.told({"execution t running by 100", "state ONLINE busy by 100"});
+  both.begin("t");
   both.query("t");
   both.told({"execution t running by 100"});
   both.pass(seconds(0.8));
@@ -234,8 +237,7 @@ TEST_CASE("the same attempt is begun once, another one waits, another instance's
 
 TEST_CASE("what is cancelled has failed, begun or not") {
   Both both;
-  both.execute("t");
-  both.told({"execution t running by 100", "state ONLINE busy by 100"});
+  both.begin("t");
   both.cancel("t");
   both.told({"outcome t failed by 100", "state ONLINE by 100"});
   both.cancel("u");
@@ -247,8 +249,7 @@ TEST_CASE("what is cancelled has failed, begun or not") {
 TEST_CASE("what runs when its robot is gone, or stopped, is broken off") {
   for (const bool stop : {false, true}) {
     Both both;
-    both.execute("t");
-    both.told({"execution t running by 100", "state ONLINE busy by 100"});
+    both.begin("t");
     stop ? both.person(Stop{}) : both.real.disconnect();
     both.fake.adapter.set(stop, stop);
     both.told({"outcome t interrupted by 100", stop ? "state ONLINE fenced by 100" : "state CONNECTION_BROKEN by 100"});
@@ -300,8 +301,7 @@ TEST_CASE("what is out of use begins nothing") {
   both.person(TakeIntoUse{"hands", false, "ann"});
   both.fake.adapter.take_into_use({"hands", false, "ann"});
   both.told({"state ONLINE by 100"});
-  both.execute("t");
-  both.told({"execution t running by 100", "state ONLINE busy by 100"});
+  both.begin("t");
 }
 
 TEST_CASE("a new process knows nothing of what its robot was doing") {

@@ -54,6 +54,15 @@ class Two {
     network_.heal("r0", "r1");
     network_.heal("r1", "r0");
   }
+  /// The link is cut for 20 ms: "a" is sent at its beginning, "b" 5 ms before its end.
+  void send_two_while_cut() {
+    cut();
+    send("a");
+    pass(15);
+    send("b");
+    pass(5);
+    heal();
+  }
 
  private:
   static constexpr LinkId kLink = 7;
@@ -82,12 +91,7 @@ using Texts = std::vector<std::string>;
 
 TEST_CASE("what waited for a link to be healed arrives before what was under way then") {
   Two two;
-  two.cut();
-  two.send("a");
-  two.pass(15);
-  two.send("b");
-  two.pass(5);
-  two.heal();
+  two.send_two_while_cut();
   two.send("c");
   two.close();
   two.pass(9);
@@ -98,12 +102,7 @@ TEST_CASE("what waited for a link to be healed arrives before what was under way
 
 TEST_CASE("a link that is cut again before anything has arrived holds all of it back") {
   Two two;
-  two.cut();
-  two.send("a");
-  two.pass(15);
-  two.send("b");
-  two.pass(5);
-  two.heal();
+  two.send_two_while_cut();
   two.pass(2);
   two.cut();
   two.send("c");
