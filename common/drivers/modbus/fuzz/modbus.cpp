@@ -54,8 +54,7 @@ void answer_driver(BytesView input) {
   DriverUnderTest driver(make_with<ModbusDriver, read_modbus_vendor>(settings()));
   Driver& mode = *driver.mode;
   const DriverOut to = driver.to();
-  Now now{{1'000'000'000}, {0}};
-  mode.on_up(Channel::command, now, to);
+  Now& now = driver.now;
   for (Token token = 1; !input.empty(); ++token) {
     require(driver.robot.writes.size() <= 1, "one call at a time");
     driver.robot = {};

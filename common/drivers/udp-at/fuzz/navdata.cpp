@@ -56,8 +56,7 @@ void hear(BytesView datagram) {
   DriverUnderTest driver(make_with<AtDriver, read_at_commands>(settings()));
   Driver& mode = *driver.mode;
   const DriverOut to = driver.to();
-  Now now{{10'000'000'000}, {0}};
-  mode.on_up(Channel::command, now, to);
+  Now& now = driver.now;
   mode.on_up(Channel::monitor, now, to);
   mode.on_bytes(Channel::monitor, packet(0, 2, true), now, to);
   require(mode.online(), "a good navdata makes the link");
