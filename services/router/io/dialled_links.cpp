@@ -8,7 +8,7 @@
 
 namespace trb::router {
 DialledLinks::DialledLinks(ShellContext& shell, FrameForwarder& forwarder, CurveKeys keys)
-    : shell_(shell), forwarder_(forwarder), keys_(std::move(keys)) {}
+    : shell_(shell), forwarder_(forwarder), keys_(std::move(keys)), dialled_(shell) {}
 
 bool DialledLinks::dial(const Dial& dial, const std::string& scope) {
   if (is_numeric_endpoint(dial.address)) return dial_numbers(dial, scope, "");
@@ -35,21 +35,18 @@ bool DialledLinks::dial_numbers(const Dial& dial, const std::string& scope, cons
 }
 
 Status DialledLinks::open(const Dial& dial, const std::string& scope, const std::string& name) {
-  Dialled dialled;
-  dialled.name = name;
-  dialled.budget = shell_.new_budget();
   auto made = Socket::dialler(shell_.zmq(), keys_, dial.server_key);
   if (!made) return made.error();
-  dialled.socket = std::make_unique<Socket>(std::move(*made));
   const LinkId link = dial.link;
-  auto monitor = SocketMonitor::watch(shell_.zmq(), shell_.loop(), *dialled.socket,
-                                      [this, link](LinkEvent event, int) { on_event(link, event); });
-  if (!monitor) return monitor.error();
-  dialled.monitor = std::move(*monitor);
-  Socket& socket = *dialled.socket;
+  Dialled dialled;
+  dialled.budget = shell_.new_budget();
+  dialled.name = name;
+  const Status added = dialled_.add(link, std::move(dialled), std::move(*made),
+                                    [this, link](LinkEvent event, int) { on_event(link, event); });
+  if (!added) return added;
+  Socket& socket = *dialled_.find(link)->socket;
   shell_.loop().add_socket(
       socket.handle(), [this, link] { drain(link); }, socket.unseen());
-  dialled_[link] = std::move(dialled);
   if (const Status sent = socket.dial("tcp://" + with_scope(dial.address, scope)); !sent) {
     shell_.log(Level::warning, "dial_failed", sent.error().what);
   }
@@ -67,36 +64,34 @@ void DialledLinks::on_event(LinkId link, LinkEvent event) {
 }
 
 void DialledLinks::close(LinkId link) {
-  const auto at = dialled_.find(link);
-  if (at == dialled_.end()) return;
-  if (!at->second.name.empty()) resolver_.ended(at->second.name, read_clocks().mono);
-  shell_.loop().remove_socket(at->second.socket->handle());
-  closed_.push_back(std::move(at->second));
-  dialled_.erase(at);
+  const Dialled* dialled = dialled_.find(link);
+  if (dialled == nullptr) return;
+  if (!dialled->name.empty()) resolver_.ended(dialled->name, read_clocks().mono);
+  dialled_.close(link);
 }
 
 std::optional<bool> DialledLinks::has_room(LinkId link, std::size_t bytes) const {
-  const auto at = dialled_.find(link);
-  if (at == dialled_.end()) return std::nullopt;
-  return at->second.budget->has_room(bytes);
+  const Dialled* dialled = dialled_.find(link);
+  if (dialled == nullptr) return std::nullopt;
+  return dialled->budget->has_room(bytes);
 }
 
 std::optional<SendResult> DialledLinks::send(LinkId link, Frame&& frame) {
-  const auto at = dialled_.find(link);
-  if (at == dialled_.end()) return std::nullopt;
-  Socket& socket = *at->second.socket;
-  return send_within(at->second.budget, frame, [&](Frame&& one) { return socket.send(std::move(one)); });
+  const Dialled* dialled = dialled_.find(link);
+  if (dialled == nullptr) return std::nullopt;
+  Socket& socket = *dialled->socket;
+  return send_within(dialled->budget, frame, [&](Frame&& one) { return socket.send(std::move(one)); });
 }
 
 void DialledLinks::drain(LinkId link) {
   Frame frame;
   std::size_t bytes = 0;
   for (int i = 0; i < kTurnMessages && bytes < kTurnBytes; ++i) {
-    const auto at = dialled_.find(link);
-    if (at == dialled_.end() || !at->second.socket->receive(frame)) return;
+    const Dialled* dialled = dialled_.find(link);
+    if (dialled == nullptr || !dialled->socket->receive(frame)) return;
     bytes += frame.size();
     if (frame.more()) {
-      at->second.socket->skip_rest(frame);
+      dialled->socket->skip_rest(frame);
       shell_.count("refused.malformed");
       continue;
     }

@@ -1,15 +1,12 @@
 // The links that this node has dialled: a DEALER for each.
 #pragma once
 
-#include <map>
 #include <memory>
 #include <optional>
 #include <string>
-#include <vector>
 
-#include "common/transport/monitor.hpp"
+#include "services/router/io/dialled_sockets.hpp"
 #include "services/router/io/resolver.hpp"
-#include "services/router/io/shell_context.hpp"
 
 namespace trb::router {
 
@@ -24,18 +21,16 @@ class DialledLinks {
   /// descriptor was left to begin with; this was counted and logged.
   bool dial(const Dial& dial, const std::string& scope);
   void close(LinkId link);
-  /// Between turns: a monitor must not die inside its own call.
-  void free_closed() { closed_.clear(); }
+  /// Between turns.
+  void free_closed() { dialled_.free_closed(); }
 
   /// Nothing if no such link was dialled.
   [[nodiscard]] std::optional<bool> has_room(LinkId link, std::size_t bytes) const;
   std::optional<SendResult> send(LinkId link, Frame&& frame);
 
  private:
-  struct Dialled {
+  struct Dialled : DialledSocket {
     std::shared_ptr<ByteBudget> budget;
-    std::unique_ptr<Socket> socket;
-    std::unique_ptr<SocketMonitor> monitor;
     std::string name;  ///< of a seed that was resolved
   };
 
@@ -50,8 +45,7 @@ class DialledLinks {
   FrameForwarder& forwarder_;
   CurveKeys keys_;
   Resolver resolver_;
-  std::map<LinkId, Dialled> dialled_;
-  std::vector<Dialled> closed_;
+  DialledSockets<Dialled> dialled_;
 };
 
 }  // namespace trb::router

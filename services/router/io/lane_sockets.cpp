@@ -25,7 +25,8 @@ LaneSockets::LaneSockets(ShellContext& shell, FrameForwarder& forwarder, const S
       forwarder_(forwarder),
       keys_(options.link_keys),
       own_(shell.zmq(), shell.loop(), shell.core().lanes(), shell.core().counters(), options.link_keys,
-           options.pending_connections, shell.whole(), owner_of(shell)) {}
+           options.pending_connections, shell.whole(), owner_of(shell)),
+      dialled_(shell) {}
 
 void LaneSockets::publish(LinkId link, Frame&& frame) {
   const Link* to = shell_.core().table().link(link);
@@ -36,10 +37,10 @@ void LaneSockets::publish(LinkId link, Frame&& frame) {
 
 void LaneSockets::dial(const DialLane& dial, const std::string& scope) {
   if (!is_numeric_endpoint(dial.address)) return ended(dial.link, LinkEndReason::failed);
-  close_dialled(dial.link);
+  dialled_.close(dial.link);
   if (const Status opened = open(dial, scope); !opened) {
     shell_.log(Level::warning, "no_lane", dial.address + ": " + opened.error().text());
-    close_dialled(dial.link);
+    dialled_.close(dial.link);
     ended(dial.link, LinkEndReason::failed);
   }
 }
@@ -48,24 +49,20 @@ Status LaneSockets::open(const DialLane& dial, const std::string& scope) {
   auto made = Socket::lane_client(shell_.zmq(), keys_, dial.server_key, topic_of(shell_.core().config().id));
   if (!made) return made.error();
   const LinkId link = dial.link;
-  Dialled dialled;
-  dialled.socket = std::make_unique<Socket>(std::move(*made));
-  auto monitor = SocketMonitor::watch(shell_.zmq(), shell_.loop(), *dialled.socket,
-                                      [this, link](LinkEvent event, int) { on_event(link, event); });
-  if (!monitor) return monitor.error();
-  dialled.monitor = std::move(*monitor);
-  Socket& socket = *dialled.socket;
+  const Status added =
+      dialled_.add(link, {}, std::move(*made), [this, link](LinkEvent event, int) { on_event(link, event); });
+  if (!added) return added;
+  Socket& socket = *dialled_.find(link)->socket;
   shell_.loop().add_background_socket(
       socket.handle(), [this, link] { drain(link); }, socket.unseen());
-  dialled_[link] = std::move(dialled);
   return socket.dial("tcp://" + with_scope(dial.address, scope));
 }
 
 void LaneSockets::on_event(LinkId link, LinkEvent event) {
   if (event == LinkEvent::connected) return shell_.core().lanes().on_connected(link, read_clocks());
   const auto end = to_end_reason(event);
-  if (!end || dialled_.count(link) == 0) return;
-  close_dialled(link);
+  if (!end || dialled_.find(link) == nullptr) return;
+  dialled_.close(link);
   ended(link, *end);
 }
 
@@ -77,28 +74,20 @@ void LaneSockets::ended(LinkId link, LinkEndReason how) {
 
 void LaneSockets::close_link(LinkId link) {
   own_.link_closed(link);
-  close_dialled(link);
-}
-
-void LaneSockets::close_dialled(LinkId link) {
-  const auto at = dialled_.find(link);
-  if (at == dialled_.end()) return;
-  shell_.loop().remove_socket(at->second.socket->handle());
-  closed_.push_back(std::move(at->second));
-  dialled_.erase(at);
+  dialled_.close(link);
 }
 
 void LaneSockets::drain(LinkId link) {
   Frame topic;
   Frame frame;
   for (int i = 0; i < kLaneBatch; ++i) {
-    const auto at = dialled_.find(link);
-    if (at == dialled_.end() || !at->second.socket->receive(topic)) return;
-    const bool whole = topic.more() && at->second.socket->receive(frame) && !frame.more();
+    const DialledSocket* dialled = dialled_.find(link);
+    if (dialled == nullptr || !dialled->socket->receive(topic)) return;
+    const bool whole = topic.more() && dialled->socket->receive(frame) && !frame.more();
     if (whole) {
       forwarder_.from_lane(link, frame);
     } else {
-      at->second.socket->skip_rest(topic.more() ? frame : topic);
+      dialled->socket->skip_rest(topic.more() ? frame : topic);
       shell_.count("refused.lane_malformed");
     }
   }

@@ -1,13 +1,10 @@
 // Lossy information: sent by the own lane, received from the peers' lanes, a SUB for each.
 #pragma once
 
-#include <map>
-#include <memory>
 #include <string>
-#include <vector>
 
+#include "services/router/io/dialled_sockets.hpp"
 #include "services/router/io/lane_server.hpp"
-#include "services/router/io/shell_context.hpp"
 #include "services/router/io/shell_options.hpp"
 
 namespace trb::router {
@@ -27,17 +24,11 @@ class LaneSockets {
   void dial(const DialLane& dial, const std::string& scope);
   /// The link is over: ends its lanes in both directions.
   void close_link(LinkId link);
-  /// Between turns: a monitor must not die inside its own call.
-  void free_closed() { closed_.clear(); }
+  /// Between turns.
+  void free_closed() { dialled_.free_closed(); }
 
  private:
-  struct Dialled {
-    std::unique_ptr<Socket> socket;
-    std::unique_ptr<SocketMonitor> monitor;
-  };
-
   Status open(const DialLane& dial, const std::string& scope);
-  void close_dialled(LinkId link);
   void on_event(LinkId link, LinkEvent event);
   void ended(LinkId link, LinkEndReason how);
   void drain(LinkId link);
@@ -46,8 +37,7 @@ class LaneSockets {
   FrameForwarder& forwarder_;
   CurveKeys keys_;
   LaneServer own_;
-  std::map<LinkId, Dialled> dialled_;
-  std::vector<Dialled> closed_;
+  DialledSockets<DialledSocket> dialled_;
 };
 
 }  // namespace trb::router
