@@ -17,6 +17,12 @@ HttpServerSettings impatient() {
   return out;
 }
 
+HttpServerSettings with_bound(std::size_t HttpServerSettings::*which, std::size_t most) {
+  HttpServerSettings out;
+  out.*which = most;
+  return out;
+}
+
 const std::string kGet = get("/a");
 
 /// One client that was served, and one whose request is under way.
@@ -97,9 +103,7 @@ TEST_CASE("server: who sends nothing, or headers without an end, is let go") {
 }
 
 TEST_CASE("server: one address has so many connections and no more; those under way are served") {
-  HttpServerSettings settings;
-  settings.max_of_source = 2;
-  ServerFixture fixture(settings);
+  ServerFixture fixture(with_bound(&HttpServerSettings::max_of_source, 2));
   TlsClient one = fixture.client();
   TlsClient two = fixture.client();
   one.say(get("/later"));
@@ -112,9 +116,7 @@ TEST_CASE("server: one address has so many connections and no more; those under 
 }
 
 TEST_CASE("server: given a full address, then its connection that was idle for longest makes room for its next one") {
-  HttpServerSettings settings;
-  settings.max_of_source = 2;
-  ServerFixture fixture(settings);
+  ServerFixture fixture(with_bound(&HttpServerSettings::max_of_source, 2));
   IdleAndBusy clients(fixture);
   auto& [idle, busy] = clients;
   TlsClient stop = fixture.client();
@@ -270,9 +272,7 @@ TEST_CASE("server: a large reply comes whole") {
 }
 
 TEST_CASE("server: when it is full, the one that waits longest makes room; who is served stays") {
-  HttpServerSettings settings;
-  settings.max_connections = 2;
-  ServerFixture fixture(settings);
+  ServerFixture fixture(with_bound(&HttpServerSettings::max_connections, 2));
   IdleAndBusy clients(fixture);
   auto& [idle, busy] = clients;
   TlsClient third = fixture.client();
@@ -286,9 +286,7 @@ TEST_CASE("server: when it is full, the one that waits longest makes room; who i
 }
 
 TEST_CASE("server: given strangers who begin no handshake hold all room, then the oldest of them makes room") {
-  HttpServerSettings settings;
-  settings.max_connections = 2;
-  ServerFixture fixture(settings);
+  ServerFixture fixture(with_bound(&HttpServerSettings::max_connections, 2));
   std::vector<boost::asio::ip::tcp::socket> strangers;
   for (std::size_t i = 0; i < 2; ++i) {
     strangers.emplace_back(fixture.loop);
