@@ -21,7 +21,7 @@ class Parts : public CoreParts {
     situation.on_welcome({"cloud", role, 1}, now);
     begin_run();
     tell_routes();
-    detection.look(now, out);
+    detect();
     out = {};
   }
 
@@ -38,6 +38,9 @@ class Parts : public CoreParts {
   /// Sends the scheduler's present view.
   void tell_view() { situation.runs().on(view); }
 
+  /// Looks for what is new.
+  void detect() { detection.look(now, out); }
+
   void break_down(const std::string& robot) {
     situation.receive(RobotFault{"mobile", Severity::critical, "a wheel is off"}, robot, now, out);
   }
@@ -48,7 +51,7 @@ class Parts : public CoreParts {
     view.tasks[task].outcome = TaskOutcome::failed;
     view.tasks[task].attempt = 1;
     tell_view();
-    detection.look(now, out);
+    detect();
     REQUIRE(alerts.open().size() == 1);
     return *alerts.open().front();
   }

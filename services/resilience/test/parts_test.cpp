@@ -24,18 +24,18 @@ TEST_CASE("detection: a task that has failed is an alert; once it runs again the
   parts.view.state = RunState::running;
   parts.view.tasks[0].outcome = TaskOutcome::none;
   parts.tell_view();
-  parts.detection.look(parts.now, parts.out);
+  parts.detect();
   CHECK(alert.state == AlertState::closed);
 }
 
 TEST_CASE("detection: a robot that has been away for five seconds is an alert, at that moment and without a message") {
   Parts parts;
   parts.tell_routes("r1");
-  parts.detection.look(parts.now, parts.out);
+  parts.detect();
   CHECK(parts.alerts.open().empty());
   CHECK(parts.situation.due_runs().next() == parts.now.mono + Liveness::kGrace);
   parts.wait(Liveness::kGrace);
-  parts.detection.look(parts.now, parts.out);
+  parts.detect();
   REQUIRE(parts.alerts.open().size() == 1);
   CHECK(parts.alerts.open().front()->cause == "peer_expired");
 }

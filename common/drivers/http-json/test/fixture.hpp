@@ -92,6 +92,12 @@ struct MirFixture : Fixture {
     CHECK(asked() == R"(PUT /status {"state_id": 4})");
     answer_with(200, "{}");
   }
+  /// The connection ends, and the next one is there soon after.
+  void reconnect() {
+    down(Channel::command, "end of the stream");
+    wait(0.1);
+    up(Channel::command);
+  }
   std::string robot() {
     deliver(MessageType::request, AdapterStateRequest{}, "mir");
     return get<AdapterState>(told<AdapterState>().back().body).robot;

@@ -54,9 +54,7 @@ TEST_CASE("http: a stop that three connections in turn do not answer is a critic
   for (int i = 1; i <= 3; ++i) {
     CHECK(fixture.told<RobotFault>().empty());
     CHECK(fixture.asked() == R"(PUT /status {"state_id": 4})");
-    fixture.down(Channel::command, "end of the stream");
-    fixture.wait(0.1);
-    fixture.up(Channel::command);
+    fixture.reconnect();
   }
   const auto faults = fixture.told<RobotFault>();
   REQUIRE_FALSE(faults.empty());
@@ -73,9 +71,7 @@ TEST_CASE("http: each halt has three connections of its own: what one before has
     fixture.serve();
     fixture.deliver(MessageType::command, CancelExecution{order("drive", "", attempt).key, "enough"}, "mir");
     CHECK(fixture.asked() == R"(PUT /status {"state_id": 4})");
-    fixture.down(Channel::command, "end of the stream");
-    fixture.wait(0.1);
-    fixture.up(Channel::command);
+    fixture.reconnect();
     CHECK(fixture.serve().starts_with(R"(PUT /status {"state_id": 4})"));
     fixture.wait(0.1);
     fixture.serve();
@@ -102,9 +98,7 @@ TEST_CASE("http: a robot that was halted is released before it gets anything els
   fixture.command("again", "");
   fixture.answer_with(200, "{}");
   CHECK(fixture.asked() == R"(PUT /status {"state_id": 3})");
-  fixture.down(Channel::command, "end of the stream");
-  fixture.wait(0.1);
-  fixture.up(Channel::command);
+  fixture.reconnect();
   CHECK(fixture.serve() == R"(PUT /status {"state_id": 3}; DELETE /queue/7)");
 }
 
