@@ -37,7 +37,8 @@ class ArmFleet(trb_fleet.Fleet):
 
 
 class ArmTest:
-    """A mixin with what both arms' tests share; FRAMEWORK and BLOCK select the arm."""
+    """A mixin with what both arms' tests share. FRAMEWORK and BLOCK select the arm; BEGUN is what the virtual robot prints when it
+    begins a long motion; LOST and SILENT are what the fleet is told when the robot ends in the middle of it, and when it hangs."""
 
     @classmethod
     def setUpClass(cls):
@@ -110,6 +111,28 @@ class ArmTest:
 
     def pause_robot(self):
         os.kill(self.fleet.robot.child.pid, signal.SIGSTOP)
+
+    def begin_motion(self, **more):
+        """A run whose robot is in the middle of a long motion."""
+        run = self.run_skill("grasp_and_put_down", **more)
+        self.said(self.BEGUN)
+        return run
+
+    def check_interrupted(self, run, why):
+        outcome, reason = self.end_of(run)
+        self.assertEqual(outcome, "interrupted")
+        self.assertIn(why, reason)
+        self.assertEqual(self.refusal("go_home")["code"], "robot_offline")
+
+    def test_a_robot_that_is_killed_in_the_middle(self):
+        run = self.begin_motion()
+        self.kill_robot()
+        self.check_interrupted(run, self.LOST)
+
+    def test_a_robot_that_hangs_in_the_middle(self):
+        run = self.begin_motion()
+        self.pause_robot()
+        self.check_interrupted(run, self.SILENT)
 
     def start_tap(self, node):
         tap = trb_fleet.Process([self.fleet.programs / "trb", "tap", "--all", "--json", "--node", self.fleet.dir(node)],

@@ -142,6 +142,8 @@ class Alone(unittest.TestCase):
 class Node(arm_fleet.ArmTest, unittest.TestCase):
     FRAMEWORK = "kuka"
     BLOCK = 148
+    BEGUN = "start grasp_and_put_down"
+    LOST, SILENT = "was lost", "no answer for 2 s"
 
     def test_a_command_moves_the_axes(self):
         self.assertEqual(self.send("move", "[10, -80, 80, 0, 5, 0]"), "started")
@@ -192,16 +194,14 @@ class Node(arm_fleet.ArmTest, unittest.TestCase):
         self.said("start move_to 500.00 -400.00 0.00 0.00 0.00 180.00")
 
     def test_two_commands_at_once(self):
-        run = self.run_skill("grasp_and_put_down")
-        self.said("start grasp_and_put_down")
+        run = self.begin_motion()
         self.assertEqual(self.refusal("wave", "1")["code"], "busy")
         self.assertEqual(self.end_of(run)[0], "finished")
         self.assertEqual(self.send("move", "[60, -90, 90, 0, 0, 0]"), "started")
         self.assertEqual(self.send("go_home"), "started")  # once the first is over
 
     def test_a_stop_in_the_middle(self):
-        run = self.run_skill("grasp_and_put_down")
-        self.said("start grasp_and_put_down")
+        run = self.begin_motion()
         self.assertEqual(self.ask("stop", self.arm)["robots"][0]["state"], "confirmed")
         self.said("stopped")
         self.assertEqual(self.refusal("wave", "1")["code"], "fenced")
@@ -212,8 +212,7 @@ class Node(arm_fleet.ArmTest, unittest.TestCase):
 
     def test_a_fault_in_the_middle_of_a_move(self):
         tap = self.start_tap(self.arm)
-        run = self.run_skill("grasp_and_put_down")
-        self.said("start grasp_and_put_down")
+        run = self.begin_motion()
         self.fleet.robot.say("fault grab CRITICAL gripper lost air")
         self.said("fault grab")
         fault = json.loads(tap.wait_line('"robot_fault"', 60)[0])
@@ -227,27 +226,8 @@ class Node(arm_fleet.ArmTest, unittest.TestCase):
         self.said("failed")
         self.said("released")
 
-    def test_a_robot_that_is_killed_in_the_middle(self):
-        run = self.run_skill("grasp_and_put_down")
-        self.said("start grasp_and_put_down")
-        self.kill_robot()
-        outcome, reason = self.end_of(run)
-        self.assertEqual(outcome, "interrupted")
-        self.assertIn("was lost", reason)
-        self.assertEqual(self.refusal("go_home")["code"], "robot_offline")
-
-    def test_a_robot_that_hangs_in_the_middle(self):
-        run = self.run_skill("grasp_and_put_down")
-        self.said("start grasp_and_put_down")
-        self.pause_robot()
-        outcome, reason = self.end_of(run)
-        self.assertEqual(outcome, "interrupted")
-        self.assertIn("no answer for 2 s", reason)
-        self.assertEqual(self.refusal("go_home")["code"], "robot_offline")
-
     def test_an_end_after_the_time_out_is_late(self):
-        run = self.run_skill("grasp_and_put_down", timeout_s=1)
-        self.said("start grasp_and_put_down")
+        run = self.begin_motion(timeout_s=1)
         outcome, reason = self.end_of(run)
         self.assertEqual(outcome, "failed")
         self.assertIn("timed out after 1 s", reason)

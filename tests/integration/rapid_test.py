@@ -93,6 +93,8 @@ class Alone(unittest.TestCase):
 class Node(arm_fleet.ArmTest, unittest.TestCase):
     FRAMEWORK = "abb"
     BLOCK = 150
+    BEGUN = "start 2"
+    LOST, SILENT = "RAPID server was lost", "service task for 2 s"
 
     def test_a_command_moves_the_joints(self):
         self.assertEqual(self.send("move", "[10, 5, 5, 0, 35, 0]"), "started")
@@ -135,16 +137,14 @@ class Node(arm_fleet.ArmTest, unittest.TestCase):
         self.said("request 10 500 -400 0 0 #")
 
     def test_two_commands_at_once(self):
-        run = self.run_skill("grasp_and_put_down")
-        self.said("start 2")
+        run = self.begin_motion()
         self.assertEqual(self.refusal("go_home")["code"], "busy")
         self.assertEqual(self.end_of(run)[0], "finished")
         self.assertEqual(self.send("move", "[60, 0, 0, 0, 30, 0]"), "started")
         self.assertEqual(self.send("go_home"), "started")  # once the first is over
 
     def test_a_stop_in_the_middle(self):
-        run = self.run_skill("grasp_and_put_down")
-        self.said("start 2")
+        run = self.begin_motion()
         self.assertEqual(self.ask("stop", self.arm)["robots"][0]["state"], "confirmed")
         self.said("failed 2 stopped")
         self.assertEqual(self.refusal("go_home")["code"], "fenced")
@@ -155,8 +155,7 @@ class Node(arm_fleet.ArmTest, unittest.TestCase):
 
     def test_a_fault_in_the_middle_of_a_move(self):
         tap = self.start_tap(self.arm)
-        run = self.run_skill("grasp_and_put_down")
-        self.said("start 2")
+        run = self.begin_motion()
         self.fleet.robot.say("fault grab CRITICAL gripper lost air")
         self.assertIn("gripper lost air", tap.wait_line('"robot_fault"', 60)[0])
         outcome, reason = self.end_of(run)
@@ -165,27 +164,8 @@ class Node(arm_fleet.ArmTest, unittest.TestCase):
         self.fleet.wait("the motors are off", lambda: self.request("motors")["data"] == "0", 60)
         self.assertIn("panel", self.refusal("go_home")["cure"])
 
-    def test_a_robot_that_is_killed_in_the_middle(self):
-        run = self.run_skill("grasp_and_put_down")
-        self.said("start 2")
-        self.kill_robot()
-        outcome, reason = self.end_of(run)
-        self.assertEqual(outcome, "interrupted")
-        self.assertIn("RAPID server was lost", reason)
-        self.assertEqual(self.refusal("go_home")["code"], "robot_offline")
-
-    def test_a_robot_that_hangs_in_the_middle(self):
-        run = self.run_skill("grasp_and_put_down")
-        self.said("start 2")
-        self.pause_robot()
-        outcome, reason = self.end_of(run)
-        self.assertEqual(outcome, "interrupted")
-        self.assertIn("service task for 2 s", reason)
-        self.assertEqual(self.refusal("go_home")["code"], "robot_offline")
-
     def test_an_answer_after_the_time_out_is_late(self):
-        run = self.run_skill("grasp_and_put_down", timeout_s=1)
-        self.said("start 2")
+        run = self.begin_motion(timeout_s=1)
         outcome, reason = self.end_of(run)
         self.assertEqual(outcome, "failed")
         self.assertIn("timed out after 1 s", reason)
