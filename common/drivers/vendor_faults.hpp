@@ -2,8 +2,12 @@
 // commands.
 #pragma once
 
+#include <functional>
+#include <map>
 #include <memory>
 #include <string>
+#include <string_view>
+#include <type_traits>
 #include <utility>
 
 #include "common/drivers/driver.hpp"
@@ -26,6 +30,22 @@ class VendorFaults {
   std::string vendor_;
   FileFaults faults_;
 };
+
+/// The entries of `part` ("commands", "values"), each as `read` reads its words; what `read` refuses is a fault.
+template <class Read>
+auto read_part(std::string_view part, const std::map<std::string, std::string>& entries, const VendorFaults& faults,
+               Read read) {
+  std::map<std::string, std::decay_t<decltype(*read({}))>, std::less<>> out;
+  for (const auto& [name, words] : entries) {
+    auto one = read(words);
+    if (!one) {
+      faults.add(std::string(part) + "." + name, one.error());
+    } else {
+      out.emplace(name, std::move(*one));
+    }
+  }
+  return out;
+}
 
 /// Makes a driver with its commands, as `kRead` parses them from commands.json: never from texts that cannot be parsed.
 /// Errors: bad_value (the first fault).

@@ -24,14 +24,7 @@ ArcosCommands read_arcos_commands(const VendorCommands& vendor, const Descriptio
     }
     out.commands.emplace(subtype, std::move(*steps));
   }
-  for (const auto& [name, words] : vendor.values) {
-    auto fields = read_arcos_value(words);
-    if (!fields) {
-      faults.add("values." + name, fields.error());
-    } else {
-      out.values.emplace(name, std::move(*fields));
-    }
-  }
+  out.values = read_part("values", vendor.values, faults, read_arcos_value);
   return out;
 }
 

@@ -28,14 +28,7 @@ RapidCommands read_rapid_commands(const VendorCommands& vendor, const Descriptio
       out.commands.emplace(subtype, std::move(*read));
     }
   }
-  for (const auto& [name, words] : vendor.values) {
-    auto read = read_rapid_question(words);
-    if (!read) {
-      faults.add("values." + name, read.error());
-    } else {
-      out.values.emplace(name, std::move(*read));
-    }
-  }
+  out.values = read_part("values", vendor.values, faults, read_rapid_question);
   return out;
 }
 
