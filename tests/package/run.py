@@ -23,6 +23,7 @@ COMPILED_IN = {"talkrobots": ("libmsgpack-cxx-dev", "nlohmann-json3-dev", "cppzm
 # What a purge may leave, by Debian's policy: the user, whose number is not given away again.
 MAY_STAY = {"etc/passwd", "etc/passwd-", "etc/group", "etc/group-", "etc/shadow", "etc/shadow-", "etc/gshadow", "etc/gshadow-", "etc/.pwd.lock"}
 HANDBOOK = REPO / "deploy/handbook/README.md"
+PACKAGES_PAGE = REPO / "deploy/handbook/packages.md"
 # apt asks a person whether to go on; the answer here is yes, as by a person who presses Enter.
 YES = "echo 'APT::Get::Assume-Yes \"true\";' >/etc/apt/apt.conf.d/90-yes; trap 'rm /etc/apt/apt.conf.d/90-yes' EXIT\n"
 INSTALL = "apt-get install -y -qq {words} >/tmp/said 2>&1 || { cat /tmp/said; exit 1; }; cat /tmp/said"
@@ -39,9 +40,10 @@ as trb check node
 """
 UP = """
 cd /var/lib/talkrobots
+rm -f /tmp/up
 runuser -u trbots -- trb up node >/tmp/up 2>&1 &
 node=$!
-for _ in $(seq 300); do grep -q ready /tmp/up && break; kill -0 $node || break; read -r -t 0.2 <> <(:) || true; done
+for _ in $(seq 300); do grep -qs ready /tmp/up && break; kill -0 $node || break; read -r -t 0.2 <> <(:) || true; done
 cat /tmp/up
 grep -q ready /tmp/up
 runuser -u trbots -- trb service list --node node
@@ -85,6 +87,7 @@ class Story:
         self.debug = sorted((packages / "debug").glob("*.deb"))
         self.user = [path for path in self.debs if path.name.startswith("talkrobots")]
         self.changes = next(iter(packages.glob("*.changes")), None)
+        self.sums = packages / "SHA256SUMS"
         self.names = [fields(path)["Package"] for path in self.debs]
         self.root = Root(base, folder / "root")
         self.root.run("apt-get update -qq")
@@ -120,6 +123,18 @@ def installed_on_an_empty_computer(story):
     check(again.said.startswith("trb: "), again.said)
     story.figures.append(f"from `apt install` to a trb that answers: {done.seconds + again.seconds:.1f} s, {done.processor + again.processor:.1f} s of a processor")
     check(story.emulated or done.processor + again.processor < ROAD_S, story.figures[-1])
+
+
+@step
+def checked_against_their_list(story):
+    """the handbook's command that compares the packages with SHA256SUMS and installs; with one byte more it installs nothing"""
+    block = next(block.text for block in shell_blocks.blocks_of(PACKAGES_PAGE) if block.text.startswith("sha256sum "))
+    folder = pathlib.Path(story.root.share(*story.user, story.sums)[0]).parent
+    begin = f"{YES}rm -rf /tmp/stick; mkdir /tmp/stick; cp {folder}/*.deb {folder}/SHA256SUMS /tmp/stick; cd /tmp/stick\n"
+    good = story.root.run(begin + block).said
+    check(good.count(": OK") == len(story.user) and "FAILED" not in good, good)
+    wrong = story.root.run(f"{begin}printf x >> talkrobots_*.deb\nif {block.strip()}; then exit 1; fi; rm -r /tmp/stick").said
+    check("FAILED" in wrong and "Reading package lists" not in wrong, wrong)
 
 
 @step
