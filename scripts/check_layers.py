@@ -39,7 +39,7 @@ LAYERS = {
 CORE_FORBIDDEN = [
     (r'<zmq', "zmq"), (r'<nlohmann', "a JSON library"), (r'<spdlog', "a logger"),
     (r'<sqlite3|common/sqlite/', "a database"),
-    (r'<sys/socket|<netinet|<arpa/inet|<poll\.h|<unistd\.h|<sys/epoll', "sockets or descriptors"),
+    (r'<sys/socket|<netinet|<arpa/inet|<poll\.h|<unistd\.h|<sys/epoll|common/base/descriptor\.hpp', "sockets or descriptors"),
     (r'<sdbus-c|<systemd/|<libudev', "D-Bus or udev"),
     (r'<thread>|<mutex>|<condition_variable>|<atomic>|<future>', "threads"),
     (r'<fstream>|<filesystem>|<cstdio>.*FILE|common/base/files\.hpp', "files"),

@@ -9,20 +9,14 @@
 #include <cstring>
 #include <filesystem>
 
+#include "common/base/descriptor.hpp"
+
 namespace trb {
 namespace {
 
 Error io_fault(const std::string& path, const std::string& doing) {
   return fail(Errc::io_error, path + ": cannot " + doing + ": " + std::strerror(errno));
 }
-
-/// Closes at the end of the scope.
-struct Descriptor {
-  int fd = -1;
-  ~Descriptor() {
-    if (fd >= 0) ::close(fd);
-  }
-};
 
 bool write_all(int fd, BytesView bytes) {
   while (!bytes.empty()) {
@@ -37,8 +31,8 @@ bool write_all(int fd, BytesView bytes) {
 /// False: the new name may be lost after a power cut. A file system without support for this counts as synced.
 bool sync_folder(const std::string& path) {
   const std::string folder = std::filesystem::path(path).parent_path().string();
-  const Descriptor dir{::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)};
-  return dir.fd < 0 || ::fsync(dir.fd) == 0 || (errno != EIO && errno != ENOSPC);
+  const Descriptor dir(::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  return !dir || ::fsync(dir.get()) == 0 || (errno != EIO && errno != ENOSPC);
 }
 
 void close_to_others(const std::filesystem::directory_entry& entry) {
@@ -53,15 +47,15 @@ void close_to_others(const std::filesystem::directory_entry& entry) {
 }  // namespace
 
 Result<Bytes> read_file(const std::string& path, std::size_t max) {
-  const Descriptor file{::open(path.c_str(), O_RDONLY | O_CLOEXEC)};
-  if (file.fd < 0) {
+  const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  if (!file) {
     if (errno == ENOENT) return fail(Errc::missing, path + ": no such file");
     return io_fault(path, "open");
   }
   Bytes out;
   char buffer[65536];
   for (;;) {
-    const ssize_t count = ::read(file.fd, buffer, sizeof buffer);
+    const ssize_t count = ::read(file.get(), buffer, sizeof buffer);
     if (count < 0 && errno == EINTR) continue;
     if (count < 0) return io_fault(path, "read");
     if (count == 0) return out;
@@ -76,10 +70,10 @@ Status write_file(const std::string& path, BytesView bytes, unsigned mode) {
     // Whatever has this name was left by a process that was killed, or put there by somebody: nothing is written into
     // it.
     ::unlink(beside.c_str());
-    const Descriptor file{::open(beside.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, mode)};
-    if (file.fd < 0) return io_fault(beside, "create");
+    const Descriptor file(::open(beside.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, mode));
+    if (!file) return io_fault(beside, "create");
     // The umask must not widen or narrow what was asked for.
-    if (::fchmod(file.fd, mode) != 0 || !write_all(file.fd, bytes) || ::fsync(file.fd) != 0) {
+    if (::fchmod(file.get(), mode) != 0 || !write_all(file.get(), bytes) || ::fsync(file.get()) != 0) {
       const Error problem = io_fault(beside, "write");
       ::unlink(beside.c_str());
       return problem;
@@ -95,10 +89,10 @@ Status write_file(const std::string& path, BytesView bytes, unsigned mode) {
 }
 
 Status overwrite_file(const std::string& path, BytesView bytes) {
-  const Descriptor file{::open(path.c_str(), O_WRONLY | O_CLOEXEC)};
-  if (file.fd < 0 && errno == ENOENT) return fail(Errc::missing, path + ": no such file");
-  if (file.fd < 0) return io_fault(path, "open");
-  if (!write_all(file.fd, bytes) || ::fsync(file.fd) != 0) return io_fault(path, "write over");
+  const Descriptor file(::open(path.c_str(), O_WRONLY | O_CLOEXEC));
+  if (!file && errno == ENOENT) return fail(Errc::missing, path + ": no such file");
+  if (!file) return io_fault(path, "open");
+  if (!write_all(file.get(), bytes) || ::fsync(file.get()) != 0) return io_fault(path, "write over");
   return Done{};
 }
 

@@ -3,7 +3,9 @@
 #include <sys/types.h>
 
 #include <string>
+#include <utility>
 
+#include "common/base/descriptor.hpp"
 #include "common/base/result.hpp"
 
 namespace trb::supervisor {
@@ -16,15 +18,9 @@ class NodeLock {
   /// The pid of the running supervisor. Errors: missing if none runs; io_error if one runs but its pid is not on disk.
   static Result<pid_t> holder(const std::string& node_dir);
 
-  NodeLock(NodeLock&& other) noexcept : fd_(other.fd_) { other.fd_ = -1; }
-  NodeLock(const NodeLock&) = delete;
-  NodeLock& operator=(const NodeLock&) = delete;
-  NodeLock& operator=(NodeLock&&) = delete;
-  ~NodeLock();
-
  private:
-  explicit NodeLock(int fd) : fd_(fd) {}
-  int fd_;
+  explicit NodeLock(Descriptor file) : file_(std::move(file)) {}
+  Descriptor file_;
 };
 
 }  // namespace trb::supervisor

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <string>
+#include <utility>
 
+#include "common/base/descriptor.hpp"
 #include "common/base/result.hpp"
 
 namespace trb::cli {
@@ -13,15 +15,10 @@ class FleetLock {
  public:
   /// Waits for whoever has it. Errors: missing, io_error.
   static Result<FleetLock> take(const std::string& fleet_dir);
-  FleetLock(FleetLock&& other) noexcept : fd_(other.fd_) { other.fd_ = -1; }
-  FleetLock(const FleetLock&) = delete;
-  FleetLock& operator=(const FleetLock&) = delete;
-  FleetLock& operator=(FleetLock&&) = delete;
-  ~FleetLock();
 
  private:
-  explicit FleetLock(int fd) : fd_(fd) {}
-  int fd_;
+  explicit FleetLock(Descriptor folder) : folder_(std::move(folder)) {}
+  Descriptor folder_;
 };
 
 }  // namespace trb::cli

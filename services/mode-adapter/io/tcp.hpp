@@ -5,29 +5,10 @@
 #include <string>
 
 #include "common/base/bytes.hpp"
+#include "common/base/descriptor.hpp"
 #include "common/base/result.hpp"
 
 namespace trb::adapter {
-
-/// A descriptor that closes itself.
-class Descriptor {
- public:
-  Descriptor() = default;
-  explicit Descriptor(int fd) : fd_(fd) {}
-  Descriptor(Descriptor&& other) noexcept : fd_(other.release()) {}
-  Descriptor& operator=(Descriptor&& other) noexcept;
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  ~Descriptor() { reset(); }
-
-  [[nodiscard]] int get() const { return fd_; }
-  explicit operator bool() const { return fd_ >= 0; }
-  void reset();
-
- private:
-  int release();
-  int fd_ = -1;
-};
 
 /// Errors: bad_value (not an IPv4 address), io_error.
 Result<Descriptor> tcp_listen(const std::string& address, std::uint16_t port);

@@ -8,8 +8,8 @@
 #include <variant>
 #include <vector>
 
+#include "common/base/descriptor.hpp"
 #include "services/sensor-bus/core/device_events.hpp"
-#include "services/sensor-bus/readers/descriptor.hpp"
 
 namespace trb::sensor {
 
