@@ -238,6 +238,18 @@ def refused(story, *words):
     print(f"       {story.wait(f'it is refused with {words}', is_told, 120)[:240]}")
 
 
+def diagnosed(story, code):
+    found = story.wait("the doctor says it", lambda: story.findings()[0].get(code))
+    check(found["severity"] == "problem", "a problem")
+
+
+def told(story, code, cure):
+    """The doctor says that the disk takes nothing more, no run is taken, and the page says it, too."""
+    diagnosed(story, code)
+    refused(story, cure, NODE)
+    check(cure in hall.noted_on_page(story), "the page says it")
+
+
 def begun(story):
     """A run that has been acknowledged, and a task of which has ended."""
     run = story.wait("it takes a run", lambda: (taken := story.submit("long"))[0] and taken[1])
@@ -250,9 +262,7 @@ def no_room(story):
     """the disk is full: the doctor and the page say so, no run is taken, also after kill -9; with room again the run goes on"""
     run = begun(story)
     story.sh("runuser -u trbots -- dd if=/dev/zero of=/var/lib/talkrobots/filler bs=64k 2>/dev/null; sync; true")
-    check(story.wait("the doctor says it", lambda: story.findings()[0].get("disk_full"))["severity"] == "problem", "a problem")
-    refused(story, "df -h", NODE)
-    check("df -h" in hall.noted_on_page(story), "the page says it")
+    told(story, "disk_full", "df -h")
     story.sh(f"kill -9 {story.pid('trb-scheduler')}")
     story.wait("its scheduler waits", lambda: story.findings()[0].get("service_waits"))
     refused(story, "no_service", "df -h", NODE)
@@ -267,9 +277,7 @@ def no_inodes(story):
     """no file can be made: the doctor and the page say so, no run is taken; the run that it has comes to its end"""
     run = begun(story)
     story.sh("cd /var/lib/talkrobots && runuser -u trbots -- bash -c 'mkdir f && i=0; while touch f/$i; do i=$((i+1)); done' 2>/dev/null; true")
-    check(story.wait("the doctor says it", lambda: story.findings()[0].get("no_inodes"))["severity"] == "problem", "a problem")
-    refused(story, "df -i", NODE)
-    check("df -i" in hall.noted_on_page(story), "the page says it")
+    told(story, "no_inodes", "df -i")
     story.wait_finished(run)
     story.sh("rm -r /var/lib/talkrobots/f; sync")
     story.goes_on()
@@ -280,7 +288,7 @@ def no_inodes(story):
 def read_only(story):
     """the disk can only be read, at the node's start: the doctor says so, no run is taken; once it can be written all goes on"""
     story.sh("systemctl stop talkrobots; mount -o remount,ro /var/lib/talkrobots; systemctl start --no-block talkrobots")
-    check(story.wait("the doctor says it", lambda: story.findings()[0].get("disk_read_only"))["severity"] == "problem", "a problem")
+    diagnosed(story, "disk_read_only")
     accepted, said = story.submit()
     check(not accepted, f"a run was taken: {said}")
     print(f"       {said[:200]}")
