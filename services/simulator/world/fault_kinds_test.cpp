@@ -25,13 +25,6 @@ Fault on_sides(double at_s, FaultKind kind, std::vector<std::string> nodes) {
   return out;
 }
 
-void check_all_done(const Played& is, std::size_t tasks) {
-  check_unbroken(is);
-  CHECK(is.state == RunState::finished);
-  CHECK(is.over_everywhere);
-  CHECK(is.tasks_done == tasks);
-}
-
 }  // namespace
 
 TEST_CASE(

@@ -22,26 +22,19 @@ std::uint64_t from_environment(const char* name, std::uint64_t otherwise) {
 TEST_CASE("a robot breaks: the cloud gives its tasks to another one, and all of them are done") {
   World world(plan_of(3, 6, {{4, FaultKind::fail, "r1", ""}}));
   const Played is = world.play();
-  check_unbroken(is);
-  CHECK(is.state == RunState::finished);
-  CHECK(is.over_everywhere);
-  CHECK(is.tasks_done == 6);
+  check_all_done(is, 6);
 }
 
 TEST_CASE("a link is cut while a baton should pass: the run waits, and ends once it is healed") {
   World world(plan_of(2, 4, {{2, FaultKind::cut, "r0", "r1"}, {40, FaultKind::heal, "r0", "r1"}}));
   const Played is = world.play();
-  check_unbroken(is);
-  CHECK(is.state == RunState::finished);
-  CHECK(is.tasks_done == 4);
+  check_finished(is, 4);
 }
 
 TEST_CASE("a node dies and comes back: what is on its disk is all that it knows, and it is enough") {
   World world(plan_of(3, 6, {{1.5, FaultKind::kill, "r1", ""}, {9, FaultKind::start, "r1", ""}}));
   const Played is = world.play();
-  check_unbroken(is);
-  CHECK(is.state == RunState::finished);
-  CHECK(is.tasks_done == 6);
+  check_finished(is, 6);
 }
 
 TEST_CASE("a robot breaks and its node is away until the run has ended without it: it asks, and is told") {

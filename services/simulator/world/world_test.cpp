@@ -7,11 +7,8 @@ using namespace trb::world::test;
 TEST_CASE("three robots do six tasks in turn: each once, and the run ends everywhere") {
   World world(plan_of(3, 6));
   const Played is = world.play();
-  check_unbroken(is);
+  check_all_done(is, 6);
   CHECK(is.accepted);
-  CHECK(is.state == RunState::finished);
-  CHECK(is.over_everywhere);
-  CHECK(is.tasks_done == 6);
   CHECK(is.makespan_s > 18);
   CHECK(is.makespan_s < 19);
 }
@@ -49,9 +46,7 @@ TEST_CASE("a task takes as long as the plan says: its time-out is longer") {
   plan.task.mean_s = 700;
   World world(plan);
   const Played is = world.play();
-  check_unbroken(is);
-  CHECK(is.state == RunState::finished);
-  CHECK(is.tasks_done == 2);
+  check_finished(is, 2);
   CHECK(is.makespan_s > 1400);
   CHECK(world.witness().begun().size() == 2);
 }

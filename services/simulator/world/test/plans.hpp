@@ -22,4 +22,17 @@ inline void check_unbroken(const Played& is) {
   CHECK(is.broken.empty());
 }
 
+/// All of the run's tasks are done, and nothing was broken.
+inline void check_finished(const Played& is, std::size_t tasks) {
+  check_unbroken(is);
+  CHECK(is.state == RunState::finished);
+  CHECK(is.tasks_done == tasks);
+}
+
+/// And every node knows it.
+inline void check_all_done(const Played& is, std::size_t tasks) {
+  check_finished(is, tasks);
+  CHECK(is.over_everywhere);
+}
+
 }  // namespace trb::world::test
