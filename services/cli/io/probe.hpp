@@ -32,7 +32,7 @@ class Probe {
   template <class T>
   Result<T> wait(const std::function<void(op::Session&, op::Callback<T>)>& begin) {
     std::optional<Result<T>> out;
-    begin(session(), [&out](Result<T> result) { out.emplace(std::move(result)); });
+    begin(session(), [&out](Result<T>&& result) { out.emplace(std::move(result)); });
     wait_until([&out] { return out.has_value(); });
     return std::move(*out);
   }
