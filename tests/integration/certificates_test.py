@@ -142,9 +142,9 @@ class Renewed(Life):
     def test_a_renewal_spreads_and_no_link_is_lost(self):
         links = {node: {n: row["link"] for n, row in self.routes(node).items()} for node in NODES}
         before = {node: self.until(node) for node in NODES}
-        said = self.fleet.trb("fleet", "renew", self.fleet.authority_dir(), *NODES, "--days", "700", "--via",
+        said = self.fleet.trb("fleet", "renew", self.fleet.authority_dir(), "--all", "--days", "700", "--via",
                               self.fleet.dir("cat")).stdout
-        self.assertIn("3 renewed certificates, told to 2 nodes", said)
+        self.assertIn("5 renewed certificates, told to 2 nodes", said, "dog and elk are members, too")
         for node in NODES:
             self.watches[node].wait_logged("certificate_renewed serial")
             self.fleet.wait(f"{node} has it on disk",
@@ -155,6 +155,12 @@ class Renewed(Life):
         self.assertEqual({node: {n: row["link"] for n, row in self.routes(node).items()} for node in NODES}, links)
         self.assert_same_processes()
         self.assertEqual(self.watch.rise(), {})
+
+    def test_who_is_to_be_renewed_must_be_said(self):
+        for words, error in (((), "whose certificate is to be renewed?"), (("cat", "--all"), "--all: nodes are named, too")):
+            refused = self.fleet.trb("fleet", "renew", self.fleet.authority_dir(), *words, check=False)
+            self.assertNotEqual(refused.returncode, 0)
+            self.assertIn(error, refused.stderr)
 
     def test_a_node_that_was_off_while_it_was_renewed(self):
         """It comes with its old certificate, is refused, gets the new one, and joins with it."""

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <limits>
 #include <optional>
+#include <set>
 
 #include "common/base/files.hpp"
 #include "common/base/number_text.hpp"
@@ -100,6 +101,36 @@ Result<std::vector<Certificate>> find_certificates(Authority& authority, const A
   return out;
 }
 
+/// Every member's newest certificate. Who has ended is no member any more, and may be long out of use: it must be
+/// named.
+std::vector<Certificate> members_of(const Authority& authority, UtcTime now) {
+  std::set<std::string> ids;
+  std::vector<Certificate> out;
+  for (const Certificate& row : authority.issued) {
+    if (!ids.insert(row.id).second) continue;
+    if (const Certificate* living = find_living(authority, row.id, now)) {
+      out.push_back(*living);
+    } else if (find_renewable(authority, row.id) != nullptr) {
+      print_line("note: the certificate of " + row.id + " has ended; name it to renew it");
+    }
+  }
+  return out;
+}
+
+/// What is named, or with --all every member's. Errors: missing (nobody), conflict (both), those of find_certificates.
+Result<std::vector<Certificate>> chosen_certificates(Authority& authority, const Arguments& arguments, UtcTime now) {
+  const bool named = arguments.words.size() > 1;
+  if (named == arguments.has("--all")) {
+    return named ? fail(Errc::conflict, "--all: nodes are named, too", "name nodes, or give --all")
+                 : fail(Errc::missing, "whose certificate is to be renewed?", "name a node, or give --all");
+  }
+  if (named) return find_certificates(authority, arguments);
+  std::vector<Certificate> members = members_of(authority, now);
+  if (!members.empty()) return members;
+  return fail(Errc::missing, "--all: " + arguments.words[0] + " has no member",
+              "trb fleet sign and trb fleet invite make members");
+}
+
 /// A node that is up knows what this folder does not, if it is an older copy of itself.
 Result<bool> learn_from(Authority& authority, const std::string& dir, const std::string& via) {
   if (via.empty()) return false;
@@ -151,9 +182,9 @@ int run_renew(const Arguments& arguments) {
   const std::string& dir = arguments.words[0];
   if (auto learned = learn_from(*authority, dir, arguments.get("--via")); !learned)
     return print_error(arguments, learned.error());
-  auto old = find_certificates(*authority, arguments);
-  if (!old) return print_error(arguments, old.error());
   const UtcTime now = read_clocks().utc;
+  auto old = chosen_certificates(*authority, arguments, now);
+  if (!old) return print_error(arguments, old.error());
   std::vector<SignedRecord> renewed;
   for (const Certificate& certificate : *old) {
     auto record = renew_certificate(*authority, dir, certificate, now, seconds(*days * 86400), *relay);
@@ -223,11 +254,13 @@ const std::string kErrorsJson = "--json|errors for programs";
 
 const std::vector<Command> kTrustUpdateCommands = {
     {{"fleet", "renew"},
-     {"fleet renew FLEET_DIR ID|SERIAL|CERTIFICATE ...",
+     {"fleet renew FLEET_DIR [ID|SERIAL|CERTIFICATE ...]",
       "Signs new certificates for the same keys; a fleet that is up takes them without a restart.",
-      {"--days N|how long the certificate is valid (365)", kRelay, kNoRelay, kVia, kPassphrase, kErrorsJson},
-      {"trb fleet renew ~/hall-3-authority ur3 ur5 --via nodes/cloud"},
-      2,
+      {"--all|every member's, but not those that have ended or are revoked",
+       "--days N|how long the certificate is valid (365)", kRelay, kNoRelay, kVia, kPassphrase, kErrorsJson},
+      {"trb fleet renew ~/hall-3-authority ur3 ur5 --via nodes/cloud",
+       "trb fleet renew ~/hall-3-authority --all --via nodes/cloud"},
+      1,
       1000},
      run_renew},
     {{"fleet", "revoke"},
