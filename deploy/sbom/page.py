@@ -1,20 +1,25 @@
 """What of others the operators' page has in it (services/cloud-gateway/web): versions and licences from its lock file."""
 import json
-import urllib.parse
 
-from documents import Part
+from documents import Part, Supplier, purl
 
-# The page's own packages, with what of theirs runs in the browser; the rest of the lock file builds and tests.
-BUNDLED = ["svelte", "clsx", "uplot", "@xyflow/svelte", "@xyflow/system", "@svelte-put/shortcut", "d3-color", "d3-dispatch", "d3-drag", "d3-ease",
-           "d3-interpolate", "d3-selection", "d3-timer", "d3-transition", "d3-zoom"]
+D3 = Supplier("Mike Bostock", None, False)
+XYFLOW = Supplier("webkid GmbH", None, True)
+# The page's own packages, with what of theirs runs in the browser; the rest of the lock file builds and tests. Who they are from, which
+# the lock file does not say: the author in package.json, or who has the copyright in the licence.
+BUNDLED = {
+    "svelte": Supplier("Svelte Contributors", None, True), "clsx": Supplier("Luke Edwards", None, False), "uplot": Supplier("Leon Sorokin", None, False),
+    "@xyflow/svelte": XYFLOW, "@xyflow/system": XYFLOW, "@svelte-put/shortcut": Supplier("Quang Phan", None, False),
+    **{f"d3-{name}": D3 for name in ("color", "dispatch", "drag", "ease", "interpolate", "selection", "timer", "transition", "zoom")},
+}
 
 
 def parts(lock_file):
     with open(lock_file, encoding="utf-8") as file:
         locked = json.load(file)["packages"]
     found = []
-    for name in BUNDLED:
+    for name, supplier in BUNDLED.items():
         row = locked[f"node_modules/{name}"]
-        purl = f"pkg:npm/{urllib.parse.quote(name, safe='/')}@{row['version']}"
-        found.append(Part(f"npm-{name}", name, row["version"], row["license"], purl, "compiled in"))
+        scope, _, last = name.rpartition("/")
+        found.append(Part(f"npm-{name}", name, row["version"], row["license"], purl("npm", scope, last, row["version"]), "compiled in", supplier))
     return found

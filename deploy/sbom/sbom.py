@@ -6,6 +6,7 @@ import argparse
 import gzip
 import os
 import pathlib
+import re
 import sys
 
 import debian
@@ -15,11 +16,18 @@ import page
 from documents import Part
 
 LICENCE = "Apache-2.0"
+CONTROL = pathlib.Path(__file__).resolve().parents[1] / "debian" / "control"
 
 
 def part_of(package, how, needs=(), libraries=()):
-    return Part(f"deb-{package.id}", package.name, package.version, package.licence, package.purl, how, needs, package.said,
-                package.maintainer.split(" <")[0], libraries)
+    return Part(f"deb-{package.id}", package.name, package.version, package.licence, package.purl, how, package.supplier, needs, package.said, libraries)
+
+
+def own_part(name, version, arch, needs):
+    """The package itself."""
+    maintainer = re.search(r"^Maintainer:\s*(.+)$", CONTROL.read_text(encoding="utf-8"), re.MULTILINE)[1]
+    return Part(f"deb-{name}", name, version, LICENCE, documents.purl("deb", "talkrobots", name, version, arch=arch), None, debian.supplier(maintainer), needs,
+                kind="library" if name.startswith("lib") else "application")
 
 
 def dynamic_parts(programs, triplet):
@@ -81,8 +89,7 @@ def main():
         parts, direct, packages = collect(words.tree, linked.Build(words.build), words.triplet, words.page)
     except (OSError, LookupError) as fault:
         sys.exit(f"sbom: {fault}")
-    purl = f"pkg:deb/talkrobots/{words.package}@{words.version}?arch={words.arch}"
-    main_part = Part(f"deb-{words.package}", words.package, words.version, LICENCE, purl, None, direct)
+    main_part = own_part(words.package, words.version, words.arch, direct)
     epoch = os.environ.get("SOURCE_DATE_EPOCH", "0")
     output = pathlib.Path(words.output)
     output.mkdir(parents=True, exist_ok=True)

@@ -3,11 +3,17 @@ import json
 import os
 import shutil
 import subprocess
+import sys
 import unittest
 
 import support
 import sbom_check
 import skips
+
+sys.path.insert(0, str(support.REPO / "deploy" / "sbom"))
+
+import debian  # noqa: E402
+import documents  # noqa: E402
 
 PROGRAMS = ("trb-router", "trb-sensor-bus")
 COMPILED_IN = ("libmsgpack-cxx-dev", "cppzmq-dev")
@@ -60,6 +66,33 @@ class Sbom(unittest.TestCase):
         locked = json.loads((support.REPO / "services/cloud-gateway/web/package-lock.json").read_text())["packages"]
         self.assertEqual(parts["uplot"]["version"], locked["node_modules/uplot"]["version"])
         self.assertEqual(parts["@xyflow/svelte"]["licenses"], [{"license": {"id": "MIT"}}])
+
+    def test_a_licence_is_an_expression_only_where_it_is_certain(self):
+        for said, meant in (("Expat", "MIT"), ("GPL-2+ or LGPL-3+", "GPL-2.0-or-later OR LGPL-3.0-or-later"), ("PostgreSQL", "PostgreSQL")):
+            self.assertEqual(debian.licence(f"Files: *\nLicense: {said}\n", "some"), (meant, None))
+        for said in ("Expat, ISC", "Expat or ISC, and Zlib", "Beer"):
+            self.assertEqual(debian.licence(f"Files: *\nLicense: {said}\n", "some")[0], "LicenseRef-Debian-some", said)
+
+    def test_a_licence_without_a_name_of_spdx_comes_with_its_whole_text(self):
+        long = "Nobody may. " * 100
+        _, said = debian.licence(f"Files: *\nCopyright: me\nLicense: Beer\n\nFiles: b\nLicense: ISC\n\nLicense: Beer\n {long}\n .\n Cheers.\n", "some")
+        self.assertEqual(said, documents.Words("Beer", f"{long.strip()}\n\nCheers."))
+        self.assertEqual(debian.licence(long, "some"), ("LicenseRef-Debian-some", documents.Words("LicenseRef-Debian-some", long.strip())))
+
+    def test_a_person_is_told_apart_from_a_team_and_brackets_are_an_address_s_alone(self):
+        for field, told in (("Debian GCC Maintainers <gcc@lists.debian.org>", "Organization: Debian GCC Maintainers (gcc@lists.debian.org)"),
+                            ("Jane (JD) Doe <jd@debian.org>", "Person: Jane [JD] Doe (jd@debian.org)")):
+            self.assertEqual(documents.spdx_actor(debian.supplier(field)), told)
+
+    def test_a_purl_is_canonical(self):
+        self.assertEqual(documents.purl("deb", "debian", "libx++1", "1:2.0~a+b", distro="debian-12", arch="amd64"),
+                         "pkg:deb/debian/libx%2B%2B1@1:2.0~a%2Bb?arch=amd64&distro=debian-12")
+        self.assertEqual(documents.purl("npm", "@a", "b", "1.0"), "pkg:npm/%40a/b@1.0")
+
+    def test_another_time_is_another_document(self):
+        part = documents.Part("deb-a", "a", "1", "MIT", "pkg:deb/a/a@1", None, documents.Supplier("A", None, True))
+        for form, key in ((documents.spdx, "documentNamespace"), (documents.cyclonedx, "serialNumber")):
+            self.assertEqual(len({json.loads(form(part, [], epoch))[key] for epoch in (0, 0, 1)}), 2)
 
     def test_the_same_build_gives_the_same_bytes(self):
         self.list_parts(self.tree / "again")
