@@ -67,6 +67,9 @@ Result<SignedRecord> renew_certificate(Authority& authority, const std::string& 
 Status revoke_certificates(Authority& authority, const std::string& dir, const std::vector<Certificate>& over,
                            const std::string& reason, UtcTime now);
 
+/// Before they are signed. Errors: too_large (over 256, for which news.json has no room).
+Status check_renewals(std::size_t number);
+
 /// Writes FLEET_DIR/news.json: the newest list, these renewed certificates, and those in the file that are still valid.
 /// Errors: too_large (over 256 renewals), io_error.
 Status publish_trust_updates(const Authority& authority, const std::string& dir,

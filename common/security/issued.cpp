@@ -255,8 +255,15 @@ Status revoke_certificates(Authority& authority, const std::string& dir, const s
   return Done{};
 }
 
+Status check_renewals(std::size_t number) {
+  if (number <= kMaxRenewed) return Done{};
+  return fail(Errc::too_large, std::to_string(number) + " renewals at once; 256 at most",
+              "name some of them, hand these on, then name the others");
+}
+
 Status publish_trust_updates(const Authority& authority, const std::string& dir,
                              const std::vector<SignedRecord>& renewed, UtcTime now) {
+  if (Status few = check_renewals(renewed.size()); !few) return few;
   const std::string path = dir + "/news.json";
   TrustUpdate update{authority.revocations, {}};
   std::vector<SignedRecord> all = renewed;
@@ -269,9 +276,6 @@ Status publish_trust_updates(const Authority& authority, const std::string& dir,
     const bool there =
         std::find(update.certificates.begin(), update.certificates.end(), record) != update.certificates.end();
     if (counts && !there) update.certificates.push_back(record);
-  }
-  if (renewed.size() > kMaxRenewed) {
-    return fail(Errc::too_large, "over 256 renewals at once", "renew them in several parts, and hand each on");
   }
   update.certificates.resize(std::min(update.certificates.size(), kMaxRenewed));
   return write_trust_updates(path, update);

@@ -44,11 +44,22 @@ class Folder(unittest.TestCase):
         self.assertEqual(child.returncode, 0, problem)
         return said
 
+    def refused(self, *words):
+        child = self.start(*words)
+        said, problem = child.communicate(timeout=WAIT)
+        self.assertEqual(child.returncode, 1, said)
+        return problem
+
     def request(self, node):
         return self.folder / node / "keys" / "request.json"
 
     def members(self):
         return {row["id"]: row["serial"] for row in json.loads(self.trb("fleet", "show", self.authority, "--json"))["nodes"]}
+
+    def change(self, name, change):
+        told = json.loads((self.authority / name).read_text())
+        change(told)
+        (self.authority / name).write_text(json.dumps(told))
 
     def content(self):
         return {path.name: path.read_bytes() for path in self.authority.iterdir()}
@@ -87,6 +98,25 @@ class Folder(unittest.TestCase):
                 fcntl.flock(lock, fcntl.LOCK_UN)
                 self.assertEqual(child.wait(WAIT), 0)
 
+    def test_all_leaves_out_who_has_ended_or_is_revoked_and_tells_of_whom_the_folder_does_not_know(self):
+        self.trb("fleet", "sign", self.authority, *map(self.request, NODES[:4]))
+        self.trb("fleet", "revoke", self.authority, NODES[0])
+        self.change("issued.json", lambda issued: issued["certificates"][3].update(not_after=1))
+        self.change("fleet.json", lambda fleet: fleet.update(next_serial=fleet["next_serial"] + 1))  # of a version that kept none
+        before = self.members()
+        said = self.trb("fleet", "renew", self.authority, "--all")
+        self.assertIn(f"note: the certificate of {NODES[3]} has ended; name it to renew it", said)
+        self.assertIn("note: 1 certificates were signed before this folder kept them; their nodes are left out", said)
+        self.assertEqual({node for node, serial in self.members().items() if serial > before[node]}, set(NODES[1:3]))
+
+    def test_more_than_have_room_in_one_message_are_refused_before_anything_is_signed(self):
+        self.trb("fleet", "sign", self.authority, self.request(NODES[0]))
+        self.change("issued.json", lambda issued: issued.update(
+            certificates=[dict(issued["certificates"][0], id=f"n{serial}", serial=serial) for serial in range(1, 258)]))
+        before = self.content()
+        self.assertIn("257 renewals at once; 256 at most", self.refused("fleet", "renew", self.authority, "--all"))
+        self.assertTrue(self.content() == before, "something was signed")  # assertEqual would compare it line by line for hours
+
     def test_who_is_asked_for_the_passphrase_may_stop_and_the_terminal_shows_again_what_is_typed(self):
         env = {name: value for name, value in os.environ.items() if name != "TRB_PASSPHRASE"}
         for words in (("sign", self.authority, self.request(NODES[0])), ("invite", self.authority, NODES[0])):
@@ -107,9 +137,7 @@ class Folder(unittest.TestCase):
 
     def test_a_folder_that_is_not_there_or_no_folder_is_named(self):
         for place in (self.folder / "nowhere", self.request(NODES[0])):
-            child = self.start("fleet", "sign", place, self.request(NODES[0]))
-            self.assertIn("trb fleet init", child.communicate(timeout=WAIT)[1])
-            self.assertEqual(child.returncode, 1)
+            self.assertIn("trb fleet init", self.refused("fleet", "sign", place, self.request(NODES[0])))
 
 
 if __name__ == "__main__":

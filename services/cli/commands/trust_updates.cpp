@@ -117,14 +117,31 @@ std::vector<Certificate> members_of(const Authority& authority, UtcTime now) {
   return out;
 }
 
-/// What is named, or with --all every member's. Errors: missing (nobody), conflict (both), those of find_certificates.
-Result<std::vector<Certificate>> chosen_certificates(Authority& authority, const Arguments& arguments, UtcTime now) {
+/// Serials below the next one that no file names.
+std::size_t count_unknown(const Authority& authority) {
+  const auto signed_ones = static_cast<std::size_t>(authority.next_serial - 1);
+  return signed_ones - std::min(signed_ones, authority.issued.size());
+}
+
+/// `then`: what this means for their nodes.
+void note_unknown(const Authority& authority, const std::string& then) {
+  const std::size_t unknown = count_unknown(authority);
+  if (unknown == 0) return;
+  print_line("note: " + std::to_string(unknown) + " certificates were signed before this folder kept them; " + then);
+}
+
+/// Errors: missing (nobody), conflict (both).
+Status check_choice(const Arguments& arguments) {
   const bool named = arguments.words.size() > 1;
-  if (named == arguments.has("--all")) {
-    return named ? fail(Errc::conflict, "--all: nodes are named, too", "name nodes, or give --all")
-                 : fail(Errc::missing, "whose certificate is to be renewed?", "name a node, or give --all");
-  }
-  if (named) return find_certificates(authority, arguments);
+  if (named != arguments.has("--all")) return Done{};
+  return named ? fail(Errc::conflict, "--all: nodes are named, too", "name nodes, or give --all")
+               : fail(Errc::missing, "whose certificate is to be renewed?", "name a node, or give --all");
+}
+
+/// What is named, or with --all every member's. Errors: missing (no member), those of find_certificates.
+Result<std::vector<Certificate>> chosen_certificates(Authority& authority, const Arguments& arguments, UtcTime now) {
+  if (!arguments.has("--all")) return find_certificates(authority, arguments);
+  note_unknown(authority, "their nodes are left out. Name their certificate.json to renew them.");
   std::vector<Certificate> members = members_of(authority, now);
   if (!members.empty()) return members;
   return fail(Errc::missing, "--all: " + arguments.words[0] + " has no member",
@@ -172,6 +189,7 @@ int hand_on(const Arguments& arguments) {
 }
 
 int run_renew(const Arguments& arguments) {
+  if (Status clear = check_choice(arguments); !clear) return print_error(arguments, clear.error());
   auto held = open_for(arguments);
   if (!held) return print_error(arguments, held.error());
   Authority* const authority = &held->authority;
@@ -185,6 +203,7 @@ int run_renew(const Arguments& arguments) {
   const UtcTime now = read_clocks().utc;
   auto old = chosen_certificates(*authority, arguments, now);
   if (!old) return print_error(arguments, old.error());
+  if (Status few = check_renewals(old->size()); !few) return print_error(arguments, few.error());
   std::vector<SignedRecord> renewed;
   for (const Certificate& certificate : *old) {
     auto record = renew_certificate(*authority, dir, certificate, now, seconds(*days * 86400), *relay);
@@ -196,12 +215,6 @@ int run_renew(const Arguments& arguments) {
   if (Status told = publish_trust_updates(*authority, dir, renewed, now); !told)
     return print_error(arguments, told.error());
   return hand_on(arguments);
-}
-
-/// Serials below the next one that no file names: their nodes get no new beacon key.
-std::size_t count_unknown(const Authority& authority) {
-  const auto signed_ones = static_cast<std::size_t>(authority.next_serial - 1);
-  return signed_ones - std::min(signed_ones, authority.issued.size());
 }
 
 int run_revoke(const Arguments& arguments) {
@@ -222,11 +235,8 @@ int run_revoke(const Arguments& arguments) {
   print_line("list " + std::to_string(authority->list.number) + ", beacon key " +
              std::to_string(authority->list.beacon_number) + " for the " +
              std::to_string(authority->list.beacon_keys.size()) + " nodes that stay");
-  if (const std::size_t unknown = count_unknown(*authority); unknown > 0) {
-    print_line("note: " + std::to_string(unknown) +
-               " certificates were signed before this folder kept them; their nodes "
-               "get no new beacon key. Name their certificate.json in trb fleet renew, then revoke again.");
-  }
+  note_unknown(*authority,
+               "their nodes get no new beacon key. Name their certificate.json in trb fleet renew, then revoke again.");
   if (Status told = publish_trust_updates(*authority, dir, {}, now); !told)
     return print_error(arguments, not_handed_on(told, dir));
   return hand_on(arguments);
