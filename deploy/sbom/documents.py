@@ -112,7 +112,7 @@ def cyclonedx_supplier(supplier):
 
 def cyclonedx_component(part):
     if part.said:
-        licences = [{"license": {"name": part.said.name}}]
+        licences = [{"license": {"name": part.said.name, "text": {"content": part.said.text}}}]
     elif re.fullmatch(r"[A-Za-z0-9.+-]+", part.licence):
         licences = [{"license": {"id": part.licence}}]
     else:

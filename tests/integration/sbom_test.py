@@ -77,6 +77,9 @@ class Sbom(unittest.TestCase):
         long = "Nobody may. " * 100
         _, said = debian.licence(f"Files: *\nCopyright: me\nLicense: Beer\n\nFiles: b\nLicense: ISC\n\nLicense: Beer\n {long}\n .\n Cheers.\n", "some")
         self.assertEqual(said, documents.Words("Beer", f"{long.strip()}\n\nCheers."))
+        part = documents.Part("deb-a", "a", "1", "LicenseRef-Debian-some", "pkg:deb/a/a@1", None, documents.Supplier("A", None, True), said=said)
+        row, = json.loads(documents.cyclonedx(part, [], 0))["metadata"]["component"]["licenses"]
+        self.assertEqual(row["license"], {"name": "Beer", "text": {"content": said.text}})
         self.assertEqual(debian.licence(long, "some"), ("LicenseRef-Debian-some", documents.Words("LicenseRef-Debian-some", long.strip())))
 
     def test_a_person_is_told_apart_from_a_team_and_brackets_are_an_address_s_alone(self):
