@@ -32,7 +32,7 @@ install(FILES ${CMAKE_BINARY_DIR}/cmake/talkrobotsConfig.cmake ${CMAKE_BINARY_DI
 
 install(DIRECTORY config DESTINATION ${CMAKE_INSTALL_DATADIR}/talkrobots COMPONENT node)
 install(FILES README.md LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT node)
-# Who is called to a hall without network has the book with him.
+# For whoever works in a hall without network.
 install(DIRECTORY deploy/handbook DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT node)
 # The node as a service of systemd, its user, and who may own its names on D-Bus.
 install(FILES deploy/systemd/talkrobots.service deploy/systemd/talkrobots-sensor-bus.service COMPONENT node
