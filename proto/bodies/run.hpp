@@ -43,7 +43,7 @@ struct Task {
   std::string data;                  ///< the skill's parameters, a JSON object as text, or empty
   std::vector<std::uint16_t> after;  ///< indexes of the predecessors in Scenario::tasks
   double timeout_s = 0;              ///< 0: the skill's default
-  bool pinned = false;               ///< no decision moves it to another robot, but the one that first gives it a robot
+  bool pinned = false;               ///< no decision moves it, except the one that first gives it a robot
   std::vector<Condition> when;       ///< none or one; more are reserved for a later version
   std::uint32_t retries = 0;         ///< how often the same robot tries again after it reported `failed`
   double retry_after_s = 1;          ///< before the first retry; doubled each time, 60 s at most
