@@ -1,6 +1,8 @@
 // A mobile robot with MiR's interface: the test reads the requests and answers as the robot would.
 #pragma once
 
+#include <cmath>
+
 #include "services/mode-adapter/test/fixture.hpp"
 
 namespace trb::adapter {
@@ -74,7 +76,7 @@ struct MirFixture : Fixture {
     return others;
   }
   void live(double time_s) {
-    for (double t = 0; t < time_s - 1e-9; t += 0.1) {
+    for (long left = std::lround(std::ceil(time_s / 0.1 - 1e-6)); left > 0; --left) {
       wait(0.1);
       serve();
     }

@@ -1,6 +1,7 @@
 // A conveyor behind Modbus for the tests: one call at a time, which the test answers like a device.
 #pragma once
 
+#include <cmath>
 #include <map>
 
 #include "common/drivers/modbus/call.hpp"
@@ -77,7 +78,7 @@ struct PlcFixture : Fixture {
   }
   /// Advances time, while the device answers.
   void live(double time_s) {
-    for (double t = 0; t < time_s - 1e-9; t += 0.05) {
+    for (long left = std::lround(std::ceil(time_s / 0.05 - 1e-6)); left > 0; --left) {
       wait(0.05);
       serve();
     }
