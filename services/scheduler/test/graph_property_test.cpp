@@ -17,9 +17,9 @@ class Played {
  public:
   explicit Played(std::uint64_t seed) : world(random_world(seed)), fleet(seed) {
     if (world.has_cloud) fleet.add("cloud", Role::cloud);
-    hands = world.robots;
-    if (world.decides) hands.emplace_back("spare");
-    for (const std::string& robot : hands) {
+    hands_ = world.robots;
+    if (world.decides) hands_.emplace_back("spare");
+    for (const std::string& robot : hands_) {
       FakeAdapter& adapter = fleet.add(robot, Role::robot).adapter;
       adapter.skill_time = world.skill_times.at(robot);
       adapter.skills = {{"do", "hands", world.repeatable}};
@@ -36,7 +36,7 @@ class Played {
     observer = world.has_cloud ? "cloud" : world.submitter;
     fleet.ask(world.submitter, MessageType::command, RunSubmit{start()});
     pass_until_quiet();
-    for (const std::string& robot : hands) {
+    for (const std::string& robot : hands_) {
       for (const auto& [key, data] : fleet[robot].adapter.given) given[key.task][key.attempt] = {robot, data};
       for (const auto& [key, times] : fleet[robot].adapter.begun) begun_once = begun_once && times == 1;
     }
@@ -129,7 +129,7 @@ class Played {
     return count_rulings([](const TaskRuling& ruling) { return ruling.robot == "spare"; }) > 0;
   }
 
-  std::vector<std::string> hands;
+  std::vector<std::string> hands_;
 };
 
 /// Where the run and the interpreter do not agree.

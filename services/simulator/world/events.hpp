@@ -22,7 +22,7 @@ class What {
   What() = default;
   template <class Is>
   requires(!std::is_same_v<std::decay_t<Is>, What>)
-      What(Is&& is) {  // NOLINT(google-explicit-constructor): as std::function
+      What(Is&& is) {  // NOLINT(google-explicit-constructor, bugprone-forwarding-reference-overload): as std::function
     using Kept = std::decay_t<Is>;
     if constexpr (kFits<Kept>) {
       ::new (static_cast<void*>(place_)) Kept(std::forward<Is>(is));

@@ -81,7 +81,8 @@ TEST_CASE("packets with cut or lying contents are skipped, the next one is read"
        {with_length("\x14"), with_length("\x14" + std::string(9, '\1')), ur_message(7, "\1\2\3"),
         ur_message(7, std::string(8, '\0') + "\xffshort"), ur_message(10, "\1"), ur_message(6, "\1\2"),
         with_length("\x10"), with_length("\x10" + std::string("\0\0\0\1\0", 5)),
-        with_length("\x10" + std::string("\x7f\xff\xff\xff\0", 5)), with_length("\x10" + with_length("\0"))}) {
+        with_length("\x10" + std::string("\x7f\xff\xff\xff\0", 5)),
+        with_length("\x10" + with_length(std::string(1, '\0')))}) {
     const auto events = events_of(broken + kStarted);
     REQUIRE(events.size() == 1);
     CHECK(std::holds_alternative<UrProgramStarted>(events[0]));
