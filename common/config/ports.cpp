@@ -2,36 +2,24 @@
 
 #include <netdb.h>
 #include <sys/socket.h>
-#include <unistd.h>
 
 #include <cerrno>
 #include <cstring>
 #include <memory>
 
+#include "common/base/descriptor.hpp"
 #include "common/config/interfaces.hpp"
 
 namespace trb {
 namespace {
 
-class Socket {
- public:
-  explicit Socket(int family) : fd_(::socket(family, SOCK_STREAM | SOCK_CLOEXEC, 0)) {}
-  Socket(const Socket&) = delete;
-  Socket& operator=(const Socket&) = delete;
-  ~Socket() {
-    if (fd_ >= 0) ::close(fd_);
-  }
-
-  /// 0 or errno.
-  [[nodiscard]] int bind(const addrinfo& address) const {
-    const int on = 1;
-    if (fd_ < 0 || ::setsockopt(fd_, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on) != 0) return errno;
-    return ::bind(fd_, address.ai_addr, address.ai_addrlen) == 0 ? 0 : errno;
-  }
-
- private:
-  int fd_;
-};
+/// 0 or errno.
+int try_to_bind(const addrinfo& address) {
+  const Descriptor socket(::socket(address.ai_family, SOCK_STREAM | SOCK_CLOEXEC, 0));
+  const int on = 1;
+  if (!socket || ::setsockopt(socket.get(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof on) != 0) return errno;
+  return ::bind(socket.get(), address.ai_addr, address.ai_addrlen) == 0 ? 0 : errno;
+}
 
 }  // namespace
 
@@ -45,7 +33,7 @@ Status check_tcp_port(const std::string& address, std::uint16_t port) {
     return fail(Errc::bad_value, name + " is no address", "use an IPv4 or IPv6 address");
   }
   const std::unique_ptr<addrinfo, decltype(&freeaddrinfo)> where(found, freeaddrinfo);
-  const int problem = Socket(where->ai_family).bind(*where);
+  const int problem = try_to_bind(*where);
   if (problem == 0) return Done{};
   if (problem == EADDRINUSE) {
     return fail(Errc::conflict, name + " is in use by another program",

@@ -27,18 +27,17 @@ void block_signals() {
 
 Signals::Signals(Loop& loop, std::function<void(int)> on_signal) : loop_(loop) {
   const sigset_t set = signal_set(false);
-  fd_ = ::signalfd(-1, &set, SFD_NONBLOCK | SFD_CLOEXEC);
-  if (fd_ < 0) throw std::runtime_error("signalfd failed");
-  loop_.add_fd(fd_, POLLIN, [this, handler = std::move(on_signal)](short) {
+  fd_ = Descriptor(::signalfd(-1, &set, SFD_NONBLOCK | SFD_CLOEXEC));
+  if (!fd_) throw std::runtime_error("signalfd failed");
+  loop_.add_fd(fd_.get(), POLLIN, [this, handler = std::move(on_signal)](short) {
     signalfd_siginfo info{};
-    while (::read(fd_, &info, sizeof info) == static_cast<ssize_t>(sizeof info))
+    while (::read(fd_.get(), &info, sizeof info) == static_cast<ssize_t>(sizeof info))
       handler(static_cast<int>(info.ssi_signo));
   });
 }
 
 Signals::~Signals() {
-  loop_.remove_fd(fd_);
-  ::close(fd_);
+  loop_.remove_fd(fd_.get());
 }
 
 }  // namespace trb

@@ -3,6 +3,7 @@
 
 #include <functional>
 
+#include "common/base/descriptor.hpp"
 #include "common/transport/loop.hpp"
 
 namespace trb {
@@ -21,7 +22,7 @@ class Signals {
 
  private:
   Loop& loop_;
-  int fd_;
+  Descriptor fd_;
 };
 
 }  // namespace trb

@@ -3,7 +3,6 @@
 #include <netinet/in.h>
 #include <poll.h>
 #include <sys/socket.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -127,10 +126,6 @@ class Datagrams final : public Attempt {
 };
 
 }  // namespace
-
-Attempt::~Attempt() {
-  if (fd_ >= 0) ::close(fd_);
-}
 
 std::unique_ptr<Attempt> try_connection(const std::string& address, MonotonicTime now) {
   return std::make_unique<Connection>(address, now);

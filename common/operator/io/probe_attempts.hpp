@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include "common/base/descriptor.hpp"
 #include "common/base/time.hpp"
 #include "common/operator/doctor/diagnosis.hpp"
 
@@ -11,12 +12,12 @@ namespace trb::op {
 
 class Attempt {
  public:
-  virtual ~Attempt();
+  virtual ~Attempt() = default;
   Attempt(const Attempt&) = delete;
   Attempt& operator=(const Attempt&) = delete;
 
   /// The descriptor it waits for, and until when; meaningless once it is done.
-  [[nodiscard]] int fd() const { return fd_; }
+  [[nodiscard]] int fd() const { return fd_.get(); }
   [[nodiscard]] short events() const { return events_; }
   [[nodiscard]] MonotonicTime deadline() const { return deadline_; }
   [[nodiscard]] bool done() const { return done_; }
@@ -28,7 +29,7 @@ class Attempt {
 
  protected:
   Attempt() = default;
-  void open(int fd) { fd_ = fd; }
+  void open(int fd) { fd_ = Descriptor(fd); }
   void wait_for(short events, MonotonicTime deadline) {
     events_ = events;
     deadline_ = deadline;
@@ -36,7 +37,7 @@ class Attempt {
   void end() { done_ = true; }
 
  private:
-  int fd_ = -1;
+  Descriptor fd_;
   short events_ = 0;
   MonotonicTime deadline_;
   bool done_ = false;

@@ -61,7 +61,8 @@ class RunWatcher {
   std::deque<std::pair<std::string, RunState>> ended_;  ///< the oldest first
   bool has_table_ = false;
   bool is_watched_ = false;  ///< the scheduler has taken the watch, and is told again before that ends
-  ResendTimer watch_ = resend_timer();
+  /// For as long as it is not taken, a run that needs a decision waits: so at most a second.
+  ResendTimer watch_{std::chrono::milliseconds(200), std::chrono::seconds(1)};
   MonotonicTime renew_at_;
   std::optional<MonotonicTime> warned_at_;
 };

@@ -65,25 +65,25 @@ void WorkerProcess::start(Now now) {
   pid_ = ::fork();
   if (pid_ == 0) become(command_, pair[1]);
   ::close(pair[1]);
-  fd_ = pair[0];
+  fd_ = Descriptor(pair[0]);
   if (pid_ < 0) {
     pid_ = 0;
     end();
     return ended("no process for a worker", kPause);
   }
-  ::fcntl(fd_, F_SETFL, O_NONBLOCK);
+  ::fcntl(fd_.get(), F_SETFL, O_NONBLOCK);
   watch();
   service_.step([this, now](Now, Outbox& out) { core_.on_worker_started(now, out); });
 }
 
 void WorkerProcess::watch() {
   const auto events = static_cast<short>(unsent_.empty() ? POLLIN : POLLIN | POLLOUT);
-  service_.watch(fd_, events, [this](short heard) { on_ready(heard); });
+  service_.watch(fd_.get(), events, [this](short heard) { on_ready(heard); });
 }
 
 void WorkerProcess::carry_out(const WorkerOutput& output) {
   unsent_ += output.bytes;
-  if (fd_ < 0) {
+  if (!fd_) {
     unsent_.clear();
     return;
   }
@@ -100,7 +100,7 @@ void WorkerProcess::carry_out(const WorkerOutput& output) {
 void WorkerProcess::flush() {
   const bool waited = !unsent_.empty();
   while (!unsent_.empty()) {
-    const ssize_t sent = ::send(fd_, unsent_.data(), unsent_.size(), MSG_NOSIGNAL);
+    const ssize_t sent = ::send(fd_.get(), unsent_.data(), unsent_.size(), MSG_NOSIGNAL);
     if (sent <= 0) break;
     unsent_.erase(0, static_cast<std::size_t>(sent));
   }
@@ -111,7 +111,7 @@ void WorkerProcess::on_ready(short events) {
   if ((events & POLLOUT) != 0) flush();
   if ((events & (POLLIN | POLLHUP | POLLERR)) == 0) return;
   Bytes bytes(65536, '\0');
-  const ssize_t size = ::recv(fd_, bytes.data(), bytes.size(), 0);
+  const ssize_t size = ::recv(fd_.get(), bytes.data(), bytes.size(), 0);
   if (size > 0) {
     bytes.resize(static_cast<std::size_t>(size));
     service_.step([this, &bytes](Now now, Outbox& out) { core_.on_worker_bytes(bytes, now, out); });
@@ -124,10 +124,9 @@ void WorkerProcess::on_ready(short events) {
 }
 
 std::optional<int> WorkerProcess::end() {
-  if (fd_ >= 0) {
-    service_.unwatch(fd_);
-    ::close(fd_);
-    fd_ = -1;
+  if (fd_) {
+    service_.unwatch(fd_.get());
+    fd_.reset();
   }
   unsent_.clear();
   if (pid_ == 0) return std::nullopt;

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "common/base/descriptor.hpp"
 #include "common/service/service.hpp"
 #include "services/ros-bridge/core/bridge_core.hpp"
 
@@ -34,7 +35,7 @@ class WorkerProcess {
   BridgeCore& core_;
   std::vector<std::string> command_;
   pid_t pid_ = 0;
-  int fd_ = -1;
+  Descriptor fd_;
   Bytes unsent_;
   MonotonicTime start_at_;
 };

@@ -4,36 +4,33 @@
 #include <linux/rtnetlink.h>
 #include <poll.h>
 #include <sys/socket.h>
-#include <unistd.h>
 
 #include <array>
 #include <cerrno>
 #include <cstring>
+#include <utility>
 
 namespace trb::router {
 
 Result<std::unique_ptr<InterfaceWatch>> InterfaceWatch::open(Loop& loop, std::function<void()> on_change) {
-  const int fd = ::socket(AF_NETLINK, SOCK_RAW | SOCK_NONBLOCK | SOCK_CLOEXEC, NETLINK_ROUTE);
+  Descriptor fd(::socket(AF_NETLINK, SOCK_RAW | SOCK_NONBLOCK | SOCK_CLOEXEC, NETLINK_ROUTE));
   sockaddr_nl address{};
   address.nl_family = AF_NETLINK;
   address.nl_groups = RTMGRP_LINK | RTMGRP_IPV4_IFADDR | RTMGRP_IPV6_IFADDR;
-  if (fd < 0 || ::bind(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
-    const Error problem = fail(Errc::io_error, std::string("netlink: ") + std::strerror(errno),
-                               "a container may forbid it; restart the node when its address changes");
-    if (fd >= 0) ::close(fd);
-    return problem;
+  if (!fd || ::bind(fd.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
+    return fail(Errc::io_error, std::string("netlink: ") + std::strerror(errno),
+                "a container may forbid it; restart the node when its address changes");
   }
-  return std::unique_ptr<InterfaceWatch>(new InterfaceWatch(loop, fd, std::move(on_change)));
+  return std::unique_ptr<InterfaceWatch>(new InterfaceWatch(loop, std::move(fd), std::move(on_change)));
 }
 
-InterfaceWatch::InterfaceWatch(Loop& loop, int fd, std::function<void()> on_change)
-    : loop_(loop), fd_(fd), on_change_(std::move(on_change)) {
-  loop_.add_fd(fd_, POLLIN, [this](short) { drain(); });
+InterfaceWatch::InterfaceWatch(Loop& loop, Descriptor fd, std::function<void()> on_change)
+    : loop_(loop), fd_(std::move(fd)), on_change_(std::move(on_change)) {
+  loop_.add_fd(fd_.get(), POLLIN, [this](short) { drain(); });
 }
 
 InterfaceWatch::~InterfaceWatch() {
-  loop_.remove_fd(fd_);
-  ::close(fd_);
+  loop_.remove_fd(fd_.get());
 }
 
 void InterfaceWatch::drain() {
@@ -41,7 +38,7 @@ void InterfaceWatch::drain() {
   constexpr int kBatch = 256;
   std::array<char, 8192> buffer{};
   for (int i = 0; i < kBatch; ++i) {
-    if (::recv(fd_, buffer.data(), buffer.size(), 0) < 0 && errno != ENOBUFS) break;
+    if (::recv(fd_.get(), buffer.data(), buffer.size(), 0) < 0 && errno != ENOBUFS) break;
   }
   on_change_();
 }

@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 
+#include "common/base/descriptor.hpp"
 #include "common/base/result.hpp"
 #include "common/transport/loop.hpp"
 
@@ -18,10 +19,10 @@ class InterfaceWatch {
   InterfaceWatch& operator=(const InterfaceWatch&) = delete;
 
  private:
-  InterfaceWatch(Loop& loop, int fd, std::function<void()> on_change);
+  InterfaceWatch(Loop& loop, Descriptor fd, std::function<void()> on_change);
   void drain();
   Loop& loop_;
-  int fd_;
+  Descriptor fd_;
   std::function<void()> on_change_;
 };
 

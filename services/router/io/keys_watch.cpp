@@ -8,9 +8,9 @@ namespace trb::router {
 
 KeysWatch::KeysWatch(Loop& loop, const std::string& folder, std::function<void()> on_change)
     : loop_(loop), fd_(::inotify_init1(IN_NONBLOCK | IN_CLOEXEC)) {
-  if (fd_ < 0) return;
-  ::inotify_add_watch(fd_, folder.c_str(), IN_CLOSE_WRITE | IN_MOVED_TO);
-  loop_.add_fd(fd_, POLLIN, [fd = fd_, changed = std::move(on_change)](short) {
+  if (!fd_) return;
+  ::inotify_add_watch(fd_.get(), folder.c_str(), IN_CLOSE_WRITE | IN_MOVED_TO);
+  loop_.add_fd(fd_.get(), POLLIN, [fd = fd_.get(), changed = std::move(on_change)](short) {
     char events[4096];
     while (::read(fd, events, sizeof events) > 0) {
     }
@@ -19,9 +19,7 @@ KeysWatch::KeysWatch(Loop& loop, const std::string& folder, std::function<void()
 }
 
 KeysWatch::~KeysWatch() {
-  if (fd_ < 0) return;
-  loop_.remove_fd(fd_);
-  ::close(fd_);
+  if (fd_) loop_.remove_fd(fd_.get());
 }
 
 }  // namespace trb::router

@@ -4,6 +4,7 @@
 #include <functional>
 #include <string>
 
+#include "common/base/descriptor.hpp"
 #include "common/transport/loop.hpp"
 
 namespace trb::router {
@@ -18,7 +19,7 @@ class KeysWatch {
 
  private:
   Loop& loop_;
-  int fd_;
+  Descriptor fd_;
 };
 
 }  // namespace trb::router

@@ -2,7 +2,6 @@
 
 #include <sys/eventfd.h>
 #include <sys/resource.h>
-#include <unistd.h>
 
 #include <stdexcept>
 #include <utility>
@@ -20,7 +19,7 @@ constexpr int kNice = 5;
 }  // namespace
 
 SealChecker::SealChecker() : fd_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
-  if (fd_ < 0) throw std::runtime_error("eventfd failed");
+  if (!fd_) throw std::runtime_error("eventfd failed");
   thread_ = start_without_signals([this] { run(); });
 }
 
@@ -31,7 +30,6 @@ SealChecker::~SealChecker() {
   }
   wake_.notify_one();
   thread_.join();
-  ::close(fd_);
 }
 
 bool SealChecker::put(CheckSeal&& seal) {
@@ -46,7 +44,7 @@ bool SealChecker::put(CheckSeal&& seal) {
 
 std::vector<SealChecker::Checked> SealChecker::take() {
   eventfd_t count = 0;
-  (void)::eventfd_read(fd_, &count);
+  (void)::eventfd_read(fd_.get(), &count);
   const std::lock_guard lock(mutex_);
   return std::exchange(checked_, {});
 }
@@ -64,7 +62,7 @@ void SealChecker::run() {
     lock.lock();
     checked_.push_back({std::move(seal), good});
     // An earlier result was already signalled.
-    if (checked_.size() == 1) (void)::eventfd_write(fd_, 1);
+    if (checked_.size() == 1) (void)::eventfd_write(fd_.get(), 1);
   }
 }
 

@@ -7,6 +7,7 @@
 #include <thread>
 #include <vector>
 
+#include "common/base/descriptor.hpp"
 #include "services/router/core/effects.hpp"
 
 namespace trb::router {
@@ -26,13 +27,13 @@ class SealChecker {
   /// False: as many wait already as may; the seal is unchanged, and the caller checks it.
   bool put(CheckSeal&& seal);
   /// Readable when a check is done.
-  [[nodiscard]] int fd() const { return fd_; }
+  [[nodiscard]] int fd() const { return fd_.get(); }
   std::vector<Checked> take();
 
  private:
   void run();
 
-  int fd_;
+  Descriptor fd_;
   std::mutex mutex_;
   std::condition_variable wake_;
   std::deque<CheckSeal> queue_;  ///< this and the next two are under the mutex
