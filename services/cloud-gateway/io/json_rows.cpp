@@ -14,6 +14,7 @@ std::string json_node(const NodeRow& node) {
       .text("clock", node.clock)
       .text("via", node.via)
       .text("reason", node.reason)
+      .text("certificate_ends", node.certificate_ends == UtcTime{} ? "" : to_iso8601(node.certificate_ends))
       .done();
 }
 

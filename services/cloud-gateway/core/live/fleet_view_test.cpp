@@ -109,6 +109,28 @@ TEST_CASE("a join of an earlier boot comes late: it is ignored") {
   CHECK(hall.live(RowKind::node, "pioneer1") == Live::not_heard);
 }
 
+TEST_CASE("a node's row says when its certificate ends, also after it was renewed") {
+  Hall hall;
+  const auto with_end = [](std::int64_t end) {
+    Route out = route("pioneer1");
+    Certificate certificate;
+    certificate.not_after = end;
+    out.certificate.payload.bytes = encode(certificate);
+    return out;
+  };
+  const auto end = [&] { return std::get<NodeRow>(hall.row(RowKind::node, "pioneer1")->content).certificate_ends.ns; };
+  hall.table({route("pioneer1")});
+  CHECK(end() == 0);
+  hall.table({with_end(1'800'000'000'000'000'000)});
+  CHECK(end() == 1'800'000'000'000'000'000);
+  const std::uint64_t version = hall.row(RowKind::node, "pioneer1")->version;
+  hall.say("cloud", PeerJoined{"pioneer1", 8});
+  CHECK(end() == 1'800'000'000'000'000'000);
+  hall.table({with_end(1'900'000'000'000'000'000)});
+  CHECK(end() == 1'900'000'000'000'000'000);
+  CHECK(hall.row(RowKind::node, "pioneer1")->version > version);
+}
+
 TEST_CASE("a broken link is late, not gone") {
   Hall hall;
   hall.table({route("pioneer1")});

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "common/base/ids.hpp"
+#include "proto/body.hpp"
 
 namespace trb::gateway {
 namespace {
@@ -14,7 +15,9 @@ Live live_of_state(const std::string& state) {
 }
 
 NodeRow row_of(const Route& route) {
-  return {route.role, route.state, route.address, route.version, route.clock, route.via, {}, route.boot};
+  const auto certificate = decode<Certificate>(route.certificate.payload.bytes);  // the router has checked it
+  const UtcTime ends{certificate ? certificate->not_after : 0};
+  return {route.role, route.state, route.address, route.version, route.clock, route.via, {}, route.boot, ends};
 }
 
 std::set<std::string> ids_of(const RouteTable& table) {

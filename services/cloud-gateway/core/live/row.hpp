@@ -37,7 +37,7 @@ struct RowKey {
   auto operator<=>(const RowKey&) const = default;
 };
 
-/// Route without certificate and profile.
+/// Route without profile; of its certificate the end.
 struct NodeRow {
   Role role{};
   std::string state;  ///< as Route::state
@@ -47,6 +47,7 @@ struct NodeRow {
   std::string via;
   std::string reason;  ///< why it has expired
   std::uint64_t boot = 0;
+  UtcTime certificate_ends{};  ///< 0: not known yet
   bool operator==(const NodeRow&) const = default;
 };
 

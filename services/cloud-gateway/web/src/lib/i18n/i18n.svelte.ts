@@ -55,6 +55,10 @@ export function formatAge(seconds: number): string {
   return `${Math.round(seconds / 3600)} h`;
 }
 
+export function formatDate(ms: number): string {
+  return new Date(ms).toLocaleDateString(speech.language);
+}
+
 /** The hour of the day, 24 h; with the date if it was another day. UTC ns, or ISO 8601. */
 export function formatTime(time: number | string): string {
   const date = new Date(typeof time === 'number' ? time / 1e6 : time);

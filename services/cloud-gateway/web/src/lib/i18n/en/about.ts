@@ -6,6 +6,7 @@ export const about = {
     services: 'Services of the gateway’s node',
     address: 'Address',
     via: 'By way of',
+    certificateEnds: 'Certificate ends',
     licences: 'Licences',
     licencesHow: 'What others wrote of this page. The programs’ parts are in the packages’ bills of materials.',
     licence: 'Licence',

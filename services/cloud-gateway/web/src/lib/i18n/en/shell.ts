@@ -49,6 +49,11 @@ export const shell = {
     openAlarms: '{count} open alarms',
     openAlarm: '1 open alarm',
     firstCause: 'first cause',
+    certificateEnds: 'The certificate of {node} ends on {date}, in {days} days.',
+    certificateEndsIn1: 'The certificate of {node} ends on {date}, in 1 day.',
+    certificateEnded: 'The certificate of {node} ended on {date}: the fleet refuses it.',
+    certificateHow: 'To renew it: trb fleet renew',
+    certificateMore: '({count} more)',
     refused: 'The live stream refused: {detail}',
   },
   stop: {

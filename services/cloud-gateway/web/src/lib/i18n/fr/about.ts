@@ -8,6 +8,7 @@ export const about: Pick<Words, 'about'> = {
     services: 'Services du nœud de la passerelle',
     address: 'Adresse',
     via: 'Par',
+    certificateEnds: 'Fin du certificat',
     licences: 'Licences',
     licencesHow: 'Ce que d’autres ont écrit de cette page. Les composants des programmes sont dans les nomenclatures des paquets.',
     licence: 'Licence',

@@ -51,6 +51,11 @@ export const shell: Pick<Words, 'common' | 'shell' | 'stop' | 'signIn' | 'notice
     openAlarms: '{count} alarmes ouvertes',
     openAlarm: '1 alarme ouverte',
     firstCause: 'première cause',
+    certificateEnds: 'Le certificat de {node} expire le {date}, dans {days} jours.',
+    certificateEndsIn1: 'Le certificat de {node} expire le {date}, dans 1 jour.',
+    certificateEnded: 'Le certificat de {node} a expiré le {date} : la flotte le refuse.',
+    certificateHow: 'Pour le renouveler : trb fleet renew',
+    certificateMore: '({count} de plus)',
     refused: 'Le flux en direct a refusé : {detail}',
   },
   stop: {

@@ -1,1 +1,0 @@
-import{aI as c,aJ as t,aK as f}from"./index-DSBxpPte.js";const i=Symbol("NaN");function y(e,r,n){var o=new f(e),s=!c();t(()=>{var a=r();a!==a&&(a=i),s&&a!==null&&typeof a=="object"&&(a={}),o.ensure(a,n)})}export{y as k};

@@ -1,1 +1,0 @@
-import{x as r,D as a,K as e,w as o,Z as n,g as u}from"./index-DSBxpPte.js";const c=1e3;function m(){let t=r(a(e.utcMs()));const s=setInterval(()=>o(t,e.utcMs(),!0),c);return n(()=>clearInterval(s)),{get ms(){return u(t)}}}export{m as u};
