@@ -72,6 +72,9 @@ class Orders:
         for word in ("stop", "release"):  # which switches its motors on again
             self.fleet.trb(word, robot, node=CLOUD)
 
+    def renew(self, node, days):
+        self.fleet.trb("fleet", "renew", self.fleet.authority_dir(), node, "--days", str(days), "--via", self.fleet.dir(CLOUD))
+
     def scenario(self):
         return SCENARIO.read_text()
 

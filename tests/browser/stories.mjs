@@ -3,6 +3,7 @@ import { mkdirSync } from 'node:fs';
 import { join } from 'node:path';
 import { startBrowser } from './person.mjs';
 import { alarms, changesSettings } from './story_alarm.mjs';
+import { certificateEnds } from './story_certificate.mjs';
 import { signsIn } from './story_sign_in.mjs';
 import { drives, leavesDriven } from './story_control.mjs';
 import { hostileTexts } from './story_hostile.mjs';
@@ -16,6 +17,7 @@ const stories = [
   ['somebody signs in by keyboard alone; a wrong password is told', signsIn],
   ['the paper, section 6.1: a run, a fault, a decision', paper],
   ['an alarm is seen, shelved with a reason, taken back; in a dialog "Stop all" is within reach', alarms],
+  ['a certificate that ends soon is told in every view, until it is renewed', certificateEnds],
   ['an admin changes who decides, and is told what is out of bounds', changesSettings],
   ['an operator plans: two simulations, compared; a third one cancelled', plans],
   ['a scenario from the editor is tried in Plan, changed, compared, run', triesAScenario],
