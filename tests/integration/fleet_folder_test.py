@@ -106,7 +106,7 @@ class Folder(unittest.TestCase):
         before = self.members()
         said = self.trb("fleet", "renew", self.authority, "--all")
         self.assertIn(f"note: the certificate of {NODES[3]} has ended; name it to renew it", said)
-        self.assertIn("note: 1 certificates were signed before this folder kept them; their nodes are left out", said)
+        self.assertIn("note: 1 certificate was signed before this folder kept it; such a node is left out", said)
         self.assertEqual({node for node, serial in self.members().items() if serial > before[node]}, set(NODES[1:3]))
 
     def test_more_than_have_room_in_one_message_are_refused_before_anything_is_signed(self):

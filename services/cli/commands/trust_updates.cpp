@@ -127,7 +127,9 @@ std::size_t count_unknown(const Authority& authority) {
 void note_unknown(const Authority& authority, const std::string& then) {
   const std::size_t unknown = count_unknown(authority);
   if (unknown == 0) return;
-  print_line("note: " + std::to_string(unknown) + " certificates were signed before this folder kept them; " + then);
+  const std::string what = unknown == 1 ? " certificate was signed before this folder kept it; "
+                                        : " certificates were signed before this folder kept them; ";
+  print_line("note: " + std::to_string(unknown) + what + then);
 }
 
 /// Errors: missing (nobody), conflict (both).
@@ -141,7 +143,7 @@ Status check_choice(const Arguments& arguments) {
 /// What is named, or with --all every member's. Errors: missing (no member), those of find_certificates.
 Result<std::vector<Certificate>> chosen_certificates(Authority& authority, const Arguments& arguments, UtcTime now) {
   if (!arguments.has("--all")) return find_certificates(authority, arguments);
-  note_unknown(authority, "their nodes are left out. Name their certificate.json to renew them.");
+  note_unknown(authority, "such a node is left out. Name its certificate.json to renew it.");
   std::vector<Certificate> members = members_of(authority, now);
   if (!members.empty()) return members;
   return fail(Errc::missing, "--all: " + arguments.words[0] + " has no member",
@@ -236,7 +238,7 @@ int run_revoke(const Arguments& arguments) {
              std::to_string(authority->list.beacon_number) + " for the " +
              std::to_string(authority->list.beacon_keys.size()) + " nodes that stay");
   note_unknown(*authority,
-               "their nodes get no new beacon key. Name their certificate.json in trb fleet renew, then revoke again.");
+               "such a node gets no new beacon key. Name its certificate.json in trb fleet renew, then revoke again.");
   if (Status told = publish_trust_updates(*authority, dir, {}, now); !told)
     return print_error(arguments, not_handed_on(told, dir));
   return hand_on(arguments);
