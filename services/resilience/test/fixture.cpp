@@ -129,12 +129,13 @@ void Fixture::handle_own(const Send& send) {
   if (const auto* asked = get_if<RouteListRequest>(&send.body)) {
     if (no_table) return;
     RouteTable table{"cloud", {}, false, asked->after};
+    table.routes.reserve(std::min(page, routes.size()));
     for (auto at = routes.upper_bound(asked->after); at != routes.end(); ++at) {
       table.more = table.routes.size() == page;
       if (table.more) break;
       table.routes.push_back(at->second);
     }
-    return answer("cloud", table);
+    return answer("cloud", std::move(table));
   }
   if (const auto* request = get_if<SignRequest>(&send.body)) {
     return answer("cloud", sign(request->kind, request->payload.bytes));
