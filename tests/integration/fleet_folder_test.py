@@ -109,6 +109,14 @@ class Folder(unittest.TestCase):
         self.assertIn("note: 1 certificate was signed before this folder kept it; such a node is left out", said)
         self.assertEqual({node for node, serial in self.members().items() if serial > before[node]}, set(NODES[1:3]))
 
+    def test_a_right_is_never_changed_for_everybody(self):
+        self.trb("fleet", "sign", self.authority, *map(self.request, NODES[:2]))
+        before = self.content()
+        for right in ("--relay", "--no-relay"):
+            said = self.refused("fleet", "renew", self.authority, "--all", right)
+            self.assertIn(f"{right}: with --all it would change a right of every member", said)
+        self.assertEqual(self.content(), before)
+
     def test_more_than_have_room_in_one_message_are_refused_before_anything_is_signed(self):
         self.trb("fleet", "sign", self.authority, self.request(NODES[0]))
         self.change("issued.json", lambda issued: issued.update(

@@ -132,9 +132,14 @@ void note_unknown(const Authority& authority, const std::string& then) {
   print_line("note: " + std::to_string(unknown) + what + then);
 }
 
-/// Errors: missing (nobody), conflict (both).
+/// Errors: missing (nobody), conflict (both, or a right for everybody).
 Status check_choice(const Arguments& arguments) {
   const bool named = arguments.words.size() > 1;
+  for (const std::string option : {"--relay", "--no-relay"}) {
+    if (!arguments.has("--all") || !arguments.has(option)) continue;
+    return fail(Errc::conflict, option + ": with --all it would change a right of every member",
+                "renew those with " + option + " by name, then all without it");
+  }
   if (named != arguments.has("--all")) return Done{};
   return named ? fail(Errc::conflict, "--all: nodes are named, too", "name nodes, or give --all")
                : fail(Errc::missing, "whose certificate is to be renewed?", "name a node, or give --all");
