@@ -73,6 +73,7 @@ class Orders:
             self.fleet.trb(word, robot, node=CLOUD)
 
     def renew(self, node, days):
+        """Its new certificate is valid for so many days; the cloud hands it to the fleet."""
         self.fleet.trb("fleet", "renew", self.fleet.authority_dir(), node, "--days", str(days), "--via", self.fleet.dir(CLOUD))
 
     def scenario(self):
@@ -93,15 +94,16 @@ class Orders:
         line, _ = console.wait_line("where ", 5, start)
         return time.time(), [float(word) for word in line.split()[1:3]]
 
-    def moves(self, robot):
-        _, before = self.where(robot)
-        time.sleep(0.05)  # so long it is looked at
-        return math.dist(self.where(robot)[1], before) > MOVES_M
-
     def await_moving(self, robot):
         """False: it does not, for its drive has ended meanwhile."""
+        places = [self.where(robot)[1]]
+
+        def moves():
+            """Since the last look: the wait looks every 0.05 s."""
+            places.append(self.where(robot)[1])
+            return math.dist(*places[-2:]) > MOVES_M
         try:
-            return self.fleet.wait(f"{robot} moves", lambda: self.moves(robot), SOON_S) >= 0
+            return self.fleet.wait(f"{robot} moves", moves, SOON_S) >= 0
         except TimeoutError:
             return False
 

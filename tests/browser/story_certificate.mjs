@@ -17,7 +17,7 @@ export async function certificateEnds(browser, settings, people) {
   await line.getByText(/The certificate of drone ends on .*, in 1 day\. .*trb fleet renew.*\(1 more\)/s).waitFor({ timeout: HEARD_MS });
   await look(olga, 'certificate-ends');
   await line.press('Enter');
-  const ends = new Date(Date.now() + 20 * 24 * 3600 * 1000).toISOString().slice(0, 10);
+  const ends = new Date(Date.now() + 20 * 24 * 3600 * 1000).toLocaleDateString('en');
   await page.locator('main tr', { hasText: 'ur3' }).getByText(ends).waitFor();
   await order('renew', 'drone', 365);
   await line.getByText(/The certificate of ur3 ends on .*, in 19 days\./).waitFor({ timeout: HEARD_MS });
