@@ -19,13 +19,12 @@ namespace trb::scheduler {
 class JournalFile final : public Archive {
  public:
   static constexpr int kSchemaVersion = 2;
-  static constexpr std::int64_t kArchiveBytes = std::int64_t{256} << 20U;
 
   /// Opens or creates the file (WAL, synchronous=FULL); an older schema is brought up to date. `archive_bytes`: when
   /// the records of the archive take more, the oldest are removed; that those runs are over stays known as long as
   /// messages for them may come. Errors: io_error, malformed (not a database, or damaged), version_mismatch; each names
   /// the file and a cure.
-  static Result<std::unique_ptr<JournalFile>> open(const std::string& path, std::int64_t archive_bytes = kArchiveBytes);
+  static Result<std::unique_ptr<JournalFile>> open(const std::string& path, std::int64_t archive_bytes);
 
   JournalFile(const JournalFile&) = delete;
   JournalFile& operator=(const JournalFile&) = delete;

@@ -46,8 +46,10 @@ JournalArchive over_of(const std::string& run, RunState state, std::int64_t unti
   return out;
 }
 
+constexpr std::int64_t kPlenty = 1 << 20;  ///< bytes of the archive: none of these records is removed
+
 std::unique_ptr<JournalFile> opened(const Folder& folder) {
-  auto file = JournalFile::open(folder.file());
+  auto file = JournalFile::open(folder.file(), kPlenty);
   REQUIRE_MESSAGE(file.ok(), (file ? "" : file.error().text()));
   return std::move(*file);
 }
@@ -231,13 +233,13 @@ TEST_CASE("a record of an unknown kind, another schema, and a file that is no da
   sql(folder, "UPDATE records SET kind = 'journal_of_tomorrow'");
   CHECK(opened(folder)->load().error().code == Errc::malformed);
   sql(folder, "PRAGMA user_version = 9");
-  const auto later = JournalFile::open(folder.file());
+  const auto later = JournalFile::open(folder.file(), kPlenty);
   REQUIRE_FALSE(later.ok());
   CHECK(later.error().code == Errc::version_mismatch);
   const Folder other;
   std::ofstream(other.file()) << "this has never been a database, whatever its name says, has it not?\n";
-  const auto text = JournalFile::open(other.file());
+  const auto text = JournalFile::open(other.file(), kPlenty);
   REQUIRE_FALSE(text.ok());
   CHECK(text.error().code == Errc::malformed);
-  CHECK(JournalFile::open(folder.path + "/none/journal.db").error().code == Errc::io_error);
+  CHECK(JournalFile::open(folder.path + "/none/journal.db", kPlenty).error().code == Errc::io_error);
 }
