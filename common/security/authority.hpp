@@ -40,7 +40,7 @@ Result<Authority> read_authority(const std::string& dir);
 
 /// Checks a request's proof of possession and signs a certificate; takes and stores the next serial number, and keeps
 /// the certificate in issued.json. Errors: malformed, bad_signature, bad_value, conflict (a current certificate of that
-/// id has other keys), cert_revoked (these keys were revoked), io_error.
+/// id has other keys, or another id's has one of these), cert_revoked (these keys were revoked), io_error.
 Result<CertificateFile> sign_request(Authority& authority, const std::string& dir, const SignedRecord& request,
                                      UtcTime now, Duration validity, RelayRight relay = RelayRight::by_role);
 

@@ -164,6 +164,19 @@ Status refuse_second_computer(const Authority& authority, const std::string& dir
               "trb fleet revoke " + dir + " " + wanted.id + " first: the old one must not go on");
 }
 
+/// A request proves that its sender has the identity key, and nothing of the link key: a connection proves that one.
+/// Keys of a living member under a second name would be revoked with that name, and the member with them.
+Status refuse_keys_of_another(const Authority& authority, const Certificate& wanted, UtcTime now) {
+  for (const Certificate& other : authority.issued) {
+    const bool shared = other.identity_key == wanted.identity_key || other.link_key == wanted.link_key;
+    if (!shared || other.id == wanted.id || find_living(authority, other.id, now) != &other) continue;
+    return fail(Errc::conflict, "a key in the request of '" + wanted.id + "' is that of '" + other.id + "'",
+                "give each node its own keys: remove identity.key and link.key from the keys folder of '" + wanted.id +
+                    "' and run trb fleet request again");
+  }
+  return Done{};
+}
+
 }  // namespace
 
 Result<CertificateFile> sign_request(Authority& authority, const std::string& dir, const SignedRecord& record,
@@ -178,6 +191,7 @@ Result<CertificateFile> sign_request(Authority& authority, const std::string& di
   wanted.relay = relay == RelayRight::yes || (relay == RelayRight::by_role && request->role == Role::cloud);
   if (Status good = refuse_revoked_keys(authority, wanted); !good) return good.error();
   if (Status good = refuse_second_computer(authority, dir, wanted, now); !good) return good.error();
+  if (Status good = refuse_keys_of_another(authority, wanted, now); !good) return good.error();
   auto signed_record = issue(authority, dir, wanted, now, validity);
   if (!signed_record) return signed_record.error();
   CertificateFile file =

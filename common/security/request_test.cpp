@@ -40,6 +40,19 @@ TEST_CASE("one new key of two is another computer: neither goes under the name o
   CHECK(hall.ask("ur3", "ur3").ok());
 }
 
+TEST_CASE("the key of a living member is not signed under a second name: with that name the member would be revoked") {
+  Hall hall;
+  hall.join("cloud", Role::cloud);
+  const SigningKey own = make_signing_key();
+  const auto refused =
+      sign_request(hall.authority, hall.dir, ask_with(own, hall.living("cloud").link_key.bytes, "thief"), kNow, kYear);
+  REQUIRE(code_of(refused) == Errc::conflict);
+  CHECK(refused.error().what.find("'cloud'") != std::string::npos);
+  CHECK(code_of(hall.ask("cloud", "copy")) == Errc::conflict);
+  CHECK(hall.ask("cloud", "cloud").ok());
+  CHECK(hall.authority.issued.size() == 2);
+}
+
 TEST_CASE("one revoked key of two is enough: a thief gets no new name with it") {
   Hall hall;
   hall.join("ur3");

@@ -61,7 +61,10 @@ bool BusLink::consume(const Message& message, Now now) {
     return true;
   }
   if (message.subtype == Nack::kSubtype && !welcome_) {
-    if (auto body = decode<Nack>(message.data)) refusal_ = body->code + ": " + body->what;
+    const auto body = decode<Nack>(message.data);
+    // An answer to an earlier message may still come, if only the router's silence has ended the welcome.
+    if (!body || body->subtype != ServiceHello::kSubtype) return false;
+    refusal_ = body->code + ": " + body->what;
     return true;
   }
   return false;

@@ -410,6 +410,19 @@ TEST_CASE("a link by which something far too large came is made again") {
   REQUIRE(link_until(ends.link, [&] { return ends.link.up() && ends.link.welcome()->slot == 2; }));
 }
 
+TEST_CASE("an answer that comes before the router's welcome goes to the one who waits: it refuses no service") {
+  init_crypto();
+  Ends ends;
+  REQUIRE(hear(ends.link, ends.router, ServiceHello::kSubtype));
+  ends.router.say(Nack{"peer_unreachable", "task_offer", "bee", "no link", ""});
+  std::optional<Message> got;
+  const MonotonicTime end = read_clocks().mono + kPatience;
+  while (!got && read_clocks().mono < end) got = ends.link.receive(read_clocks());
+  REQUIRE(got);
+  CHECK(got->subtype == "nack");
+  CHECK(ends.link.refusal().empty());
+}
+
 TEST_CASE("a refusal is kept for the person, an answer goes to the one who waits") {
   init_crypto();
   Ends ends;

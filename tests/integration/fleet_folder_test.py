@@ -6,6 +6,7 @@ import json
 import os
 import pathlib
 import pty
+import shutil
 import signal
 import subprocess
 import termios
@@ -13,6 +14,7 @@ import unittest
 
 import support
 import trb_fleet
+import wire
 from trb_process import wait_until
 
 PASSPHRASE = "correct horse battery staple"
@@ -56,6 +58,10 @@ class Folder(unittest.TestCase):
     def members(self):
         return {row["id"]: row["serial"] for row in json.loads(self.trb("fleet", "show", self.authority, "--json"))["nodes"]}
 
+    def valid(self, authority):
+        rows = json.loads(self.trb("fleet", "show", authority, "--json"))["nodes"]
+        return sorted(row["id"] for row in rows if row["state"] == "valid")
+
     def change(self, name, change):
         told = json.loads((self.authority / name).read_text())
         change(told)
@@ -97,6 +103,30 @@ class Folder(unittest.TestCase):
                 self.assertEqual(self.content(), before)
                 fcntl.flock(lock, fcntl.LOCK_UN)
                 self.assertEqual(child.wait(WAIT), 0)
+
+    def test_of_two_lists_with_one_number_neither_is_told_until_a_third_has_both(self):
+        """The folder was put back from a copy, and has revoked since; a node knows the other list."""
+        self.trb("fleet", "sign", self.authority, *map(self.request, NODES[:3]))
+        copy = self.folder / "copy"
+        shutil.copytree(self.authority, copy)
+        self.trb("fleet", "revoke", self.authority, NODES[0])
+        self.trb("fleet", "revoke", copy, NODES[1])
+        node = self.folder / NODES[2]
+        (node / "state").mkdir()
+        (node / "state" / "news").write_bytes(self.news(self.authority))
+        problem = self.refused("fleet", "tell", copy, "--via", node)
+        self.assertIn("put back to an older copy", problem)
+        self.assertIn(f"trb fleet revoke {copy} ID --via {node}", problem)
+        self.assertIn("put back to an older copy", self.refused("fleet", "renew", copy, NODES[2], "--via", node))
+        self.refused("fleet", "revoke", copy, NODES[1], "--via", node)  # no router is up there: signed, and not handed on
+        self.assertEqual(self.valid(copy), [NODES[2]])
+
+    def news(self, authority):
+        """What a node that has taken this folder's news has on disk."""
+        news = json.loads((authority / "news.json").read_text())
+        record = news["revocations"]
+        return wire.pack([[record["kind"], record["signer"], bytes.fromhex(record["payload"]),
+                           bytes.fromhex(record["signature"])], []])
 
     def test_all_leaves_out_who_has_ended_or_is_revoked_and_tells_of_whom_the_folder_does_not_know(self):
         self.trb("fleet", "sign", self.authority, *map(self.request, NODES[:4]))

@@ -274,6 +274,18 @@ class Lane(unittest.TestCase):
         self.watch.wait_counted("dropped.lane_full", 40, prefixes=("dropped.",))
         self.assertLess(self.resident_mb() - memory, 30)
 
+    def test_who_subscribes_again_and_again_has_one_share(self):
+        self.linked(self.belt)
+        stuck = self.of_belt(kind=zmq.XSUB)
+        stuck.socket.send(b"\x01belt\0")
+        self.hears_own(stuck)
+        memory = self.resident_mb()
+        for _ in range(60):
+            stuck.socket.send(b"\x01belt\0")
+            self.cloud.stream("belt", data=bytes(1_000_000))
+        self.watch.wait_counted("dropped.lane_full", 40, prefixes=("dropped.",))
+        self.assertLess(self.resident_mb() - memory, 30)
+
     def resident_mb(self):
         statm = pathlib.Path("/proc") / str(self.fleet.pid(TARGET, "router")) / "statm"
         return int(statm.read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE") / 2**20

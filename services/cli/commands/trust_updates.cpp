@@ -168,6 +168,19 @@ Result<bool> learn_from(Authority& authority, const std::string& dir, const std:
   return learned;
 }
 
+/// Two lists have one number, and the fleet has the other one: only a next list, which has both, can be told. Errors:
+/// conflict.
+Status check_one_list(const Authority& authority, const Arguments& arguments) {
+  const auto list = decode<RevocationList>(authority.revocations.payload.bytes);
+  if (authority.revocations.kind.empty() || (list && *list == authority.list)) return Done{};
+  const std::string& dir = arguments.words[0];
+  return fail(Errc::conflict,
+              dir + " was put back to an older copy, and has revoked since: the fleet has another list " +
+                  std::to_string(authority.list.number),
+              "trb fleet revoke " + dir + " ID --via " + arguments.get("--via") +
+                  " with one that is revoked here: the next list has what both have");
+}
+
 /// The list itself is in the folder by now.
 Error not_handed_on(const Status& told, const std::string& dir) {
   return fail(told.error().code, "signed, and in " + dir + ", but the fleet does not know: " + told.error().what,
@@ -207,6 +220,7 @@ int run_renew(const Arguments& arguments) {
   const std::string& dir = arguments.words[0];
   if (auto learned = learn_from(*authority, dir, arguments.get("--via")); !learned)
     return print_error(arguments, learned.error());
+  if (Status one = check_one_list(*authority, arguments); !one) return print_error(arguments, one.error());
   const UtcTime now = read_clocks().utc;
   auto old = chosen_certificates(*authority, arguments, now);
   if (!old) return print_error(arguments, old.error());
@@ -232,6 +246,9 @@ int run_revoke(const Arguments& arguments) {
   if (auto learned = learn_from(*authority, dir, arguments.get("--via")); !learned)
     return print_error(arguments, learned.error());
   auto over = find_certificates(*authority, arguments);
+  // Two lists of one number are made one by a next list, even if it revokes nobody else.
+  const bool merges = !check_one_list(*authority, arguments).ok();
+  if (!over && over.error().code == Errc::cert_revoked && merges) over = std::vector<Certificate>{};
   if (!over) return print_error(arguments, over.error());
   const UtcTime now = read_clocks().utc;
   const Status done = revoke_certificates(*authority, dir, *over, arguments.get("--reason", "revoked"), now);
@@ -257,6 +274,7 @@ int run_tell(const Arguments& arguments) {
   Authority* const authority = &held->authority;
   auto learned = learn_from(*authority, dir, arguments.get("--via"));
   if (!learned) return print_error(arguments, learned.error());
+  if (Status one = check_one_list(*authority, arguments); !one) return print_error(arguments, one.error());
   // It was not written if the disk was full when the list was.
   const auto updates = read_trust_updates(dir + "/news.json");
   if (*learned || !updates || !(updates->revocations == authority->revocations)) {

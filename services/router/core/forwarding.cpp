@@ -187,9 +187,13 @@ void Forwarding::unsealed(LinkId id, const HeaderView& header, FrameOrders& orde
 
 FrameOrders Forwarding::from_stranger(BytesView key, const HeaderView& header, BytesView frame, Now now, Effects& out) {
   FrameOrders orders;
-  const bool fresh = at_.table.link(header.link) == nullptr;
+  if (at_.table.link(header.link) != nullptr) {
+    // Also the peer itself: on another connection nothing would be counted, sealed or kept as proof.
+    LinkInbox::refuse_theft(out);
+    return orders;
+  }
   inbox_.on_message(header.link, key, to_message(header), header.sequence, now, out);
-  if (fresh) receive(header.link, header, frame, now, orders, out);
+  receive(header.link, header, frame, now, orders, out);
   return orders;
 }
 

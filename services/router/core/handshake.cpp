@@ -52,6 +52,8 @@ Result<Hello> Handshake::read(LinkId id, const Message& message) {
 Result<Certificate> Handshake::check(const Link& link, const Message& message, const Hello& hello, Now now,
                                      Effects& out) {
   auto certificate = trust_.open_member(hello.certificate, now, out);
+  if (!certificate && certificate.error().code == Errc::cert_revoked)
+    trust_.remember_presented(hello.certificate, link.key);
   if (!certificate) return certificate;
   if (Status good = check_claims(link, message, hello, *certificate); !good) return good.error();
   if (Status good = check_known(link, hello, *certificate); !good) return good.error();

@@ -159,6 +159,14 @@ TEST_CASE("nobody speaks on another one's link, also on one that this node diall
   ant.core->inbox().on_message(link, fleet.keys("cat").link.public_key, goodbye, 99, fleet.now, effects);
   fleet.carry_out(ant, effects);
   CHECK(ant.count("refused.link_theft") == 1);
+  // Nor does the peer itself by another connection, where nothing it says would be numbered and sealed.
+  const Bytes frame = encode_frame(goodbye);
+  HeaderView header = *decode_frame(frame);
+  header.link = link;
+  Effects again;
+  ant.core->forwarding().from_stranger(fleet.keys("bee").link.public_key, header, frame, fleet.now, again);
+  fleet.carry_out(ant, again);
+  CHECK(ant.count("refused.link_theft") == 2);
   CHECK(ant.link_to("bee") == link);
 }
 

@@ -24,10 +24,7 @@ Nack nack_of(const Message& message, const Error& error) {
 void LinkInbox::on_message(LinkId id, BytesView key, const Message& message, std::uint64_t sequence, Now now,
                            Effects& out) {
   Link* link = at_.table.link(id);
-  if (link != nullptr && !key.empty() && key != link->key) {
-    out.count("refused.link_theft");
-    return out.log(LogLevel::warning, "link_theft", "a connection used another one's link id");
-  }
+  if (link != nullptr && !key.empty() && key != link->key) return refuse_theft(out);
   if (link == nullptr && at_.trust.refuse_revoked_key(key, now, out)) return;
   if (link == nullptr && at_.table.by_key(key) == nullptr && at_.admission.is_denied(key, now.mono))
     return out.count("refused.denied_key");
@@ -38,6 +35,11 @@ void LinkInbox::on_message(LinkId id, BytesView key, const Message& message, std
   }
   if (link == nullptr || !link->up) return on_early_message(id, key, message, now, out);
   on_peer_message(*link, message, now, out);
+}
+
+void LinkInbox::refuse_theft(Effects& out) {
+  out.count("refused.link_theft");
+  out.log(LogLevel::warning, "link_theft", "a connection used another one's link id");
 }
 
 /// Without a copy of the message.
@@ -194,7 +196,7 @@ void LinkInbox::on_profile(Peer& peer, BytesView data, Now now, Effects& out) {
 void LinkInbox::on_relayed(const Link& link, const Message& message, const Relayed& body, Now now, Effects& out) {
   const auto inner = decode<RelayedFrame>(body.record.payload.bytes);
   if (!inner) return refuse_relayed(link, "malformed", inner.error().text(), out);
-  if (inner->target != at_.node.id()) return at_.reachable.pass_on(link, message, body, *inner, out);
+  if (inner->target != at_.node.id()) return at_.reachable.pass_on(link, message, body, *inner, now, out);
   const auto unwrapped = at_.relays.receive(link, body, *inner, now, out);
   if (unwrapped) deliver_relayed(*at_.table.find(unwrapped->source), unwrapped->frame, now, out);
 }

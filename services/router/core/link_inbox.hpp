@@ -53,6 +53,8 @@ class LinkInbox {
   /// Most of what a link brings for its router: seals and keep-alives that can be read, of a link that is up. False:
   /// it is something else, or cannot be decoded.
   bool on_usual(Link& link, const HeaderView& header, Now now, Effects& out);
+  /// A connection has named a link that is another connection's: counted and logged.
+  static void refuse_theft(Effects& out);
   /// The Hello that waited for one more message is accepted.
   void carry(Link& link, const Hello& hello, Now now, Effects& out);
 

@@ -21,7 +21,7 @@ void Membership::put_out(const std::string& id, Now now, Effects& out) {
   admission_.settle(key);
   std::vector<LinkId> links;
   for (const auto& [link, row] : table_.links()) {
-    if (row.key == key || row.peer == id) links.push_back(link);
+    if (row.peer == id || (row.key == key && row.peer.empty())) links.push_back(link);
   }
   if (peer.link != 0) out.count("refused.cert_revoked");
   for (const LinkId link : links) links_.drop(link, "cert_revoked: " + entry.reason, true, now, out);
@@ -29,6 +29,13 @@ void Membership::put_out(const std::string& id, Now now, Effects& out) {
   if (peer.met && !peer.expired) links_.expire(peer, "cert_revoked: " + entry.reason, out);
   errors_.note(id, "", "cert_revoked", "by list " + std::to_string(trust_.list_number()) + ": " + entry.reason, now);
   table_.forget(id);
+}
+
+void Membership::on_relay_right(const std::string& id, Now now, Effects& out) {
+  const std::string why = "the right of '" + id + "' to relay has changed";
+  if (id == node_.id()) return links_.drop_all(why, now, out);
+  const Peer* peer = table_.find(id);
+  if (peer != nullptr && peer->link != 0) links_.drop(peer->link, why, true, now, out);
 }
 
 std::string Membership::why_over(Now now) const {

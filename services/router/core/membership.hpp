@@ -36,6 +36,9 @@ class Membership {
   void check_own(Now now, Effects& out);
   /// This node has a new certificate: its end is warned of anew.
   void on_renewed() { warned_.reset(); }
+  /// This node (then all of its links), or a peer, may relay now, or may no longer: a Hello says which, once for a
+  /// link.
+  void on_relay_right(const std::string& id, Now now, Effects& out);
   /// No other node accepts this one.
   [[nodiscard]] bool is_muted() const { return muted_; }
   /// For people: why this node has no links, or that its certificate ends soon; may be empty.

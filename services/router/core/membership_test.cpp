@@ -120,6 +120,19 @@ TEST_CASE("a revoked node that was never met is known by its key from its first 
   CHECK(one.ant.refused.empty());
 }
 
+TEST_CASE("who presents a revoked certificate with other keys shuts out nobody but himself") {
+  Ant one;
+  const TestKeys dog = one.fleet.keys("dog");
+  TestKeys thief = one.fleet.keys("cat");
+  one.revoke(1, {"dog"});
+  thief.record = dog.record;
+  thief.certificate.id = "dog";
+  one.greet(9, thief);
+  CHECK(one.ant.count("refused.cert_revoked") == 1);
+  one.admit(dog);
+  CHECK(one.ant.count("refused.cert_revoked") == 1);
+}
+
 TEST_CASE("who is on the next list too stays out; who is no longer on it is a stranger that may come back") {
   Ant one;
   const TestKeys cat = one.fleet.keys("cat");

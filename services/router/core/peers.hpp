@@ -80,6 +80,7 @@ struct Peer {
   Budget updates{kUpdatesOfOne};          ///< trust updates that it brings
   Budget update_checks{kUpdatesChecked};  ///< signatures in them
   Budget reach_checks{kReachChecked};     ///< signatures of whom it reaches
+  Budget carried{kCarriedOfOne};          ///< what it has this node pass on as a relay
   Budget relayed_forged{kRelayedForged};  ///< what it brings as a relay and nobody has signed
   Budget invitation_checks{kInvitationsOfOne};
   std::uint64_t beacon_boot = 0;

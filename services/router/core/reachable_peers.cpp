@@ -53,7 +53,7 @@ void ReachablePeers::tick(Now now, Effects& out) {
 
 /// A link may bring only its own peer's frames to be passed on. Their contents are encrypted for the target.
 void ReachablePeers::pass_on(const Link& link, const Message& message, const Relayed& body, const RelayedFrame& inner,
-                             Effects& out) {
+                             Now now, Effects& out) {
   if (!node_.relays())
     return refuse_relayed(link, "no_relay", "for '" + inner.target + "': this node is no relay", out);
   if (body.record.signer != link.peer)
@@ -63,6 +63,10 @@ void ReachablePeers::pass_on(const Link& link, const Message& message, const Rel
     const Errc reason = target == nullptr ? Errc::unknown_target : Errc::peer_unreachable;
     out.count("dropped." + std::string(errc_name(reason)));
     return refuse(link, inner, reason, out);
+  }
+  if (Peer* source = table_.find(link.peer); source != nullptr && !source->carried.take(now.mono)) {
+    out.count("dropped.relayed_too_many");
+    return refuse(link, inner, Errc::queue_full, out);
   }
   out.count("relayed.sent");
   Message passed = message;

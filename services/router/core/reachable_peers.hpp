@@ -18,6 +18,7 @@ namespace trb::router {
 /// `relayed` for a peer that is linked      | passed on; one hop only
 /// `relayed` signed by another (invalid)    | refused: second_hop
 /// `relayed` for a peer that is not linked (invalid)| `relay_refused` to its sender
+/// more than kCarriedOfOne of one sender in a second| `relay_refused`: others' messages go to the same links
 class ReachablePeers {
  public:
   ReachablePeers(const LocalNode& node, PeerTable& table, OwnMessages& messages)
@@ -28,7 +29,8 @@ class ReachablePeers {
   /// Notifies a new link of all peers.
   void notify_all(const Link& to, Effects& out);
   /// Passes on what the peer of this link has wrapped for another one.
-  void pass_on(const Link& link, const Message& message, const Relayed& body, const RelayedFrame& inner, Effects& out);
+  void pass_on(const Link& link, const Message& message, const Relayed& body, const RelayedFrame& inner, Now now,
+               Effects& out);
   /// A frame of this peer could not be passed on: the peer is notified.
   void refuse(const Link& to, const RelayedFrame& inner, Errc reason, Effects& out);
 

@@ -28,7 +28,7 @@ struct Relay : Parts {
     inner.count = 5;
     Relayed body;
     body.record.signer = signer;
-    reachable.pass_on(to_bee, make_message(MessageType::information, "bee", "ant", body), body, inner, out);
+    reachable.pass_on(to_bee, make_message(MessageType::information, "bee", "ant", body), body, inner, now, out);
   }
 };
 
@@ -47,6 +47,20 @@ TEST_CASE("given a peer that is linked, then the others are told of it a tenth o
   CHECK(sent[0].link == 7);
   CHECK(decode<ReachablePeerList>(sent[0].message.data)->reached == std::vector<SignedRecord>{relay.cat.record});
   CHECK_FALSE(relay.reachable.next_deadline());
+}
+
+TEST_CASE("given one member that floods another by the relay, then the target's link keeps room for others' messages") {
+  Relay relay;
+  for (std::uint32_t i = 0; i < kCarriedOfOne + 5; ++i) relay.pass_on("bee", "cat");
+  const auto sent = relay.all<LinkSend>();
+  const auto to_cat = [](const LinkSend& one) { return one.link == 8; };
+  CHECK(std::count_if(sent.begin(), sent.end(), to_cat) == kCarriedOfOne);
+  CHECK(relay.counted("dropped.relayed_too_many") == 5);
+  REQUIRE(sent.back().link == 7);
+  CHECK(decode<RelayRefused>(sent.back().message.data)->reason == "queue_full");
+  relay.pass(std::chrono::seconds(1));
+  relay.pass_on("bee", "cat");
+  CHECK(relay.all<LinkSend>().back().link == 8);
 }
 
 TEST_CASE("given a message of a link's own peer, then it goes on in this node's name; another's goes nowhere") {

@@ -5,9 +5,13 @@
 
 namespace trb::router {
 
+const Unconfirmed* RelayConnection::find(std::uint64_t count) const {
+  const auto at = std::ranges::find(unconfirmed_, count, &Unconfirmed::count);
+  return at == unconfirmed_.end() ? nullptr : &*at;
+}
+
 std::optional<Unconfirmed> RelayConnection::withdraw(std::uint64_t count) {
-  const auto at = std::find_if(unconfirmed_.begin(), unconfirmed_.end(),
-                               [&](const Unconfirmed& question) { return question.count == count; });
+  const auto at = std::ranges::find(unconfirmed_, count, &Unconfirmed::count);
   if (at == unconfirmed_.end()) return std::nullopt;
   Unconfirmed out = std::move(*at);
   unconfirmed_.erase(at);

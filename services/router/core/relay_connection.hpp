@@ -58,6 +58,8 @@ class RelayConnection {
   /// False: the limit of unconfirmed messages is reached; the frame must not go.
   [[nodiscard]] bool has_room() const { return unconfirmed_.size() < kMaxUnconfirmed; }
   void remember(Unconfirmed question) { unconfirmed_.push_back(std::move(question)); }
+  /// nullptr: it is not waited for.
+  [[nodiscard]] const Unconfirmed* find(std::uint64_t count) const;
   /// It did not leave, or a relay reports that it could not pass it on. Nothing if it is not waited for.
   std::optional<Unconfirmed> withdraw(std::uint64_t count);
 

@@ -114,7 +114,7 @@ void RelayRoutes::learn(const Link& relay, const SignedRecord& told, Now now, Ef
   Peer& peer = table_.learn(*certificate, told);
   RelayRoute& route = row(peer);
   const bool fresh = route.relays.insert(relay.peer).second;
-  if (peer.link == 0 && fresh && !route.connection.proven()) route.connection.begin(now.mono + kLinksFirst);
+  if (peer.link == 0 && fresh && !route.open) route.connection.begin(now.mono + kLinksFirst);
 }
 
 /// That relay does not reach the peer any more, or is not reached itself.
@@ -221,13 +221,11 @@ void RelayRoutes::on_refused(const Link& relay, const RelayRefused& told, Effect
   const Peer* peer = table_.find(told.target);
   if (peer == nullptr || !relay.relay) return out.count("refused.not_permitted");
   RelayRoute& route = row(*peer);
-  const auto question = route.connection.withdraw(told.count);
-  if (!question) return;
+  const Unconfirmed* asked = route.connection.find(told.count);
+  if (asked == nullptr) return;
   // Only the relay that carries the message may report it.
-  if (question->relay != relay.peer) {
-    route.connection.remember(*question);
-    return out.count("refused.not_permitted");
-  }
+  if (asked->relay != relay.peer) return out.count("refused.not_permitted");
+  const auto question = route.connection.withdraw(told.count);
   const bool full = told.reason == errc_name(Errc::queue_full);
   if (!full) change_carrier(route);
   notify_lost(*question, full ? Errc::queue_full : Errc::peer_unreachable, out);

@@ -127,6 +127,53 @@ TEST_CASE("a node that came up without knowing the time talks by the relay all t
   CHECK(fleet.at("ant").told("numbered") == 1);
 }
 
+TEST_CASE("a relay that is away for less than a lease carries messages again once it is back") {
+  Triangle three;
+  three.fleet.stop("cloud");
+  three.fleet.run(Seconds(6));
+  TestNode& cloud = three.fleet.start("cloud", {.boot = 2, .beacon = false, .relay = true});
+  three.fleet.run(Seconds(4));
+  REQUIRE(cloud.link_to("bee") != 0);
+  Triangle::say(three.fleet, *three.ant, 1);
+  three.fleet.run(milliseconds(100));
+  CHECK(three.bee->told("numbered") == 1);
+}
+
+TEST_CASE("a right to relay that a renewal withdraws or grants is in force at once: links are made anew with it") {
+  Triangle three;
+  const auto renew = [&](TestNode& told, std::uint64_t serial, bool relay) {
+    Certificate certificate = three.fleet.keys("cloud").certificate;
+    certificate.serial = serial;
+    certificate.relay = relay;
+    const TestAuthority& authority = three.fleet.authority;
+    Effects effects;
+    const TrustUpdate update{{},
+                             {sign(kSignedCertificate, "", authority.fleet.id(), encode(certificate), authority.key)}};
+    REQUIRE(told.core->updates().on_update(update, 0, three.fleet.now, effects).ok());
+    three.fleet.carry_out(told, effects);
+    three.fleet.run(Seconds(4));
+    CHECK(three.cloud.core->config().own.relay == relay);
+    CHECK(three.ant->link_to("cloud") != 0);
+    CHECK(three.bee->link_to("cloud") != 0);
+  };
+  renew(*three.ant, 5, false);
+  Triangle::say(three.fleet, *three.ant, 1);
+  three.fleet.run(milliseconds(100));
+  CHECK(three.bee->told("numbered") == 0);
+  CHECK(three.ant->count("refused.not_permitted") == 0);
+
+  const LinkId before = three.ant->link_to("cloud");
+  renew(three.cloud, 6, true);
+  CHECK(three.ant->link_to("cloud") != before);
+  CHECK(three.ant->count("refused.not_permitted") == 0);
+  Triangle::say(three.fleet, *three.ant, 2);
+  three.fleet.run(milliseconds(100));
+  CHECK(three.bee->told("numbered") == 1);
+  const LinkId now = three.ant->link_to("cloud");
+  renew(three.cloud, 7, true);
+  CHECK(three.ant->link_to("cloud") == now);
+}
+
 TEST_CASE("a relay that says it reaches a node makes it known, and nothing else") {
   TestFleet fleet;
   TestNode& cloud = fleet.start("cloud", {.beacon = false, .relay = true});

@@ -35,7 +35,7 @@ void TrustStore::take_certificates(const TrustUpdate& update, Budget* checks, No
       taken.refusal = fail(Errc::queue_full, "over " + std::to_string(kUpdatesChecked) + " signatures in a second");
       return;
     }
-    const Status good = take_certificate(record, now, out);
+    const Status good = take_certificate(record, now, taken, out);
     if (good) taken.fresh.certificates.push_back(record);
     taken.own_renewed = taken.own_renewed || (good && record == node_.config().certificate);
     if (!good && !taken.refusal) taken.refusal = good.error();
@@ -66,7 +66,8 @@ Status TrustStore::take_list(const SignedRecord& record, Now now, Effects& out) 
   }
   if (list->number == list_.number) {
     return fail(Errc::conflict, "another revocation list with number " + std::to_string(list->number),
-                "the authority's folder was put back to an older copy: revoke once more, so that the number rises");
+                "the authority's folder was put back to an older copy: trb fleet revoke once more, with --via NODE_DIR "
+                "of a node that is up, so that the next list has what both have");
   }
   // A list is accepted whatever the clock says: a list can only take rights away.
   if (node_.checked_utc(now.utc) != now.utc) node_.raise_utc_bound({list->issued}, out);
@@ -79,14 +80,15 @@ Status TrustStore::take_list(const SignedRecord& record, Now now, Effects& out) 
   return Done{};
 }
 
-Status TrustStore::take_certificate(const SignedRecord& record, Now now, Effects& out) {
+Status TrustStore::take_certificate(const SignedRecord& record, Now now, TakenUpdate& taken, Effects& out) {
   auto certificate = open_member(record, now, out);
   if (!certificate) return certificate.error();
   const bool own = certificate->id == node_.id();
   if (Status newest = check_newest(*certificate); !newest) return newest.error();
   if (Status good = own ? check_own(*certificate) : Status(Done{}); !good) return good;
   out.count("news.certificates");
-  if (!own) return keep(record, *certificate);
+  if (!own) return keep(record, *certificate, taken);
+  if (certificate->relay != node_.config().own.relay) taken.relay_changed.push_back(certificate->id);
   node_.renew(record, *certificate);
   out.log(LogLevel::info, "certificate_renewed",
           "serial " + std::to_string(certificate->serial) + ", to " + to_iso8601({certificate->not_after}));
@@ -109,7 +111,7 @@ Status TrustStore::check_own(const Certificate& certificate) const {
               "set role in node.json, put that certificate.json into keys/ and run trb reload");
 }
 
-Status TrustStore::keep(const SignedRecord& record, const Certificate& certificate) {
+Status TrustStore::keep(const SignedRecord& record, const Certificate& certificate, TakenUpdate& taken) {
   if (renewed_.size() >= kMaxPeers && renewed_.count(certificate.id) == 0)
     return fail(Errc::queue_full, "no room for another node's renewed certificate", std::string(kFullCure));
   renewed_[certificate.id] = record;
@@ -118,6 +120,7 @@ Status TrustStore::keep(const SignedRecord& record, const Certificate& certifica
   const bool same = peer != nullptr && peer->certificate.identity_key == certificate.identity_key &&
                     peer->certificate.link_key == certificate.link_key;
   if (same) {
+    if (peer->certificate.relay != certificate.relay) taken.relay_changed.push_back(certificate.id);
     peer->certificate = certificate;
     peer->certificate_record = record;
   }
@@ -140,7 +143,6 @@ Result<Certificate> TrustStore::open_member(const SignedRecord& record, Now now,
   auto certificate = open_known(record, holder);
   if (!certificate) return certificate;
   if (const Revocation* entry = find_revoked(*certificate)) {
-    remember_revoked(*certificate);
     return fail(Errc::cert_revoked,
                 "certificate of '" + certificate->id + "' (serial " + std::to_string(certificate->serial) +
                     ") is revoked by list " + std::to_string(list_.number) + ": " + entry->reason,
@@ -168,7 +170,14 @@ Status TrustStore::check_newest(const Certificate& certificate) const {
 }
 
 void TrustStore::remember_revoked(const Certificate& certificate) {
+  const Peer* holder = table_.by_key(certificate.link_key.bytes);
+  if (holder != nullptr && holder->id != certificate.id && find_revoked(holder->certificate) == nullptr) return;
   if (revoked_keys_.size() < kMaxPeers) revoked_keys_[certificate.link_key.bytes] = certificate;
+}
+
+void TrustStore::remember_presented(const SignedRecord& revoked, BytesView key) {
+  const auto certificate = decode<Certificate>(revoked.payload.bytes);
+  if (certificate && certificate->link_key.bytes == key) remember_revoked(*certificate);
 }
 
 bool TrustStore::refuse_revoked_key(BytesView key, Now now, Effects& out) {

@@ -4,6 +4,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "common/security/keys.hpp"
 #include "common/security/revocations.hpp"
@@ -16,10 +17,11 @@ namespace trb::router {
 /// What was new in a trust update, and why part of it was refused.
 struct TakenUpdate {
   TrustUpdate fresh;
-  bool known = false;            ///< part of it was known already
-  bool own_renewed = false;      ///< this node has another certificate now
-  bool list_refused = false;     ///< reported even if other parts were known or new
-  std::optional<Error> refusal;  ///< the first
+  bool known = false;                        ///< part of it was known already
+  bool own_renewed = false;                  ///< this node has another certificate now
+  std::vector<std::string> relay_changed{};  ///< who may relay now and might not before, or the reverse; also this node
+  bool list_refused = false;                 ///< reported even if other parts were known or new
+  std::optional<Error> refusal;              ///< the first
   [[nodiscard]] bool is_empty() const { return fresh.revocations.kind.empty() && fresh.certificates.empty(); }
 };
 
@@ -29,6 +31,7 @@ struct TakenUpdate {
 /// kept          | its owner's Hello has it, or a newer one         | -
 /// kept          | it ends, by a steady clock (expired)             | -
 /// kept          | a list revokes it                                | -; its key is remembered
+/// any           | a newer one with another right to relay          | kept; its owner's links end, and are made anew
 /// any           | an older one of the same node (invalid)          | downgraded
 /// any           | a forged one, of another fleet (invalid)         | bad_signature, foreign_fleet
 ///
@@ -56,8 +59,11 @@ class TrustStore {
   [[nodiscard]] const Revocation* own_revocation() const { return find_revoked(node_.config().own); }
   [[nodiscard]] std::uint64_t list_number() const { return list_.number; }
 
-  /// Keeps the key of a certificate that is revoked, as far as this node has met it.
+  /// Keeps the key of a certificate that is revoked, as far as this node has met it: unless a member has that key.
   void remember_revoked(const Certificate& certificate);
+  /// A connection with this key has presented a revoked certificate. The key is kept if the certificate names it:
+  /// anybody can present another's.
+  void remember_presented(const SignedRecord& revoked, BytesView key);
   [[nodiscard]] bool is_revoked_key(BytesView key) const { return revoked_keys_.count(key) != 0; }
   /// A connection has this key. True: it is revoked; counted and logged.
   bool refuse_revoked_key(BytesView key, Now now, Effects& out);
@@ -79,9 +85,9 @@ class TrustStore {
   [[nodiscard]] Result<Certificate> open_known(const SignedRecord& record, std::string_view holder) const;
   void take_certificates(const TrustUpdate& update, Budget* checks, Now now, TakenUpdate& taken, Effects& out);
   Status take_list(const SignedRecord& record, Now now, Effects& out);
-  Status take_certificate(const SignedRecord& record, Now now, Effects& out);
+  Status take_certificate(const SignedRecord& record, Now now, TakenUpdate& taken, Effects& out);
   [[nodiscard]] Status check_own(const Certificate& certificate) const;
-  Status keep(const SignedRecord& record, const Certificate& certificate);
+  Status keep(const SignedRecord& record, const Certificate& certificate, TakenUpdate& taken);
   [[nodiscard]] bool has_ended(const SignedRecord& renewal, Now now) const;
 
   LocalNode& node_;

@@ -60,6 +60,8 @@ TEST_CASE("given a list that revokes a member, then it is none, its key is refus
   const auto member = store.trust.open_member(store.bee.record, store.now, store.out);
   REQUIRE_FALSE(member);
   CHECK(member.error().code == Errc::cert_revoked);
+  CHECK_FALSE(store.trust.is_revoked_key(store.bee.link.public_key));
+  store.trust.remember_presented(store.bee.record, store.bee.link.public_key);
   CHECK(store.trust.refuse_revoked_key(store.bee.link.public_key, store.now, store.out));
   const TakenUpdate old = store.trust.take({store.list(1, {}), {}}, nullptr, store.now, store.out);
   CHECK(old.list_refused);
@@ -67,6 +69,26 @@ TEST_CASE("given a list that revokes a member, then it is none, its key is refus
   store.trust.take({store.list(3, {}), {}}, nullptr, store.now, store.out);
   store.trust.drop_revoked();
   CHECK_FALSE(store.trust.is_revoked_key(store.bee.link.public_key));
+}
+
+TEST_CASE(
+    "given a revoked certificate, then its key is refused only if a connection has it, and no other member does") {
+  Store store;
+  store.link_with(store.bee);
+  // Somebody had the authority sign bee's link key under the name of "thief", as earlier versions did.
+  Certificate stolen = store.bee.certificate;
+  stolen.id = "thief";
+  const SignedRecord thief =
+      sign(kSignedCertificate, "", store.authority.fleet.id(), encode(stolen), store.authority.key);
+  const TestKeys dog = store.authority.sign_node("dog");
+  store.trust.take({store.list(2, {"thief", "dog"}), {}}, nullptr, store.now, store.out);
+  store.trust.remember_presented(thief, dog.link.public_key);
+  store.trust.remember_presented(thief, store.bee.link.public_key);
+  store.trust.remember_presented(dog.record, store.bee.link.public_key);
+  CHECK_FALSE(store.trust.is_revoked_key(store.bee.link.public_key));
+  CHECK_FALSE(store.trust.is_revoked_key(dog.link.public_key));
+  store.trust.remember_presented(dog.record, dog.link.public_key);
+  CHECK(store.trust.is_revoked_key(dog.link.public_key));
 }
 
 TEST_CASE("given no signatures left to be checked, then nothing of an update is taken") {

@@ -22,6 +22,7 @@ Result<std::string> TrustUpdates::on_update(const TrustUpdate& update, LinkId fr
   const bool list = !taken.fresh.revocations.kind.empty();
   if (list) membership_.apply_revocations(now, out);
   membership_.check_own(now, out);
+  for (const std::string& id : taken.relay_changed) membership_.on_relay_right(id, now, out);
   if (taken.list_refused) return *taken.refusal;
   return (list ? "list " + std::to_string(trust_.list_number()) + ", " : std::string()) +
          std::to_string(taken.fresh.certificates.size()) + " renewed certificates, told to " + std::to_string(others) +

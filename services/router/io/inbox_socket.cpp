@@ -169,8 +169,7 @@ void InboxSocket::on_unproven(BytesView routing_id, const HeaderView& header, co
   origin_ = {Bytes(routing_id), Bytes(user_id(frame)), pending_of(frame)};
   Effects effects;
   if (of_another) {
-    effects.count("refused.link_theft");
-    effects.log(LogLevel::warning, "link_theft", "a connection used another one's link id");
+    LinkInbox::refuse_theft(effects);
   } else if (is_undecided(frame)) {
     forwarder_.from_stranger(*key, header, frame, effects);
   } else {

@@ -154,10 +154,13 @@ void LaneServer::on_request(const Frame& frame) {
 void LaneServer::listen(LinkId link, PendingConnectionId pending, BytesView topic) {
   socket_->let_listen(topic);
   inbox_guard_.linked(pending);
-  Listener now{pending, std::make_shared<ByteBudget>(kBytes, whole_)};
-  const PendingConnectionId old = std::exchange(listeners_[link], std::move(now)).pending;
+  Listener& listener = listeners_[link];
+  // Who subscribes again on the same connection has used what it has used.
+  if (listener.pending == pending) return;
+  const PendingConnectionId old = std::exchange(listener.pending, pending);
   // A dialler makes a second connection when its first is dead; frames waiting for that one must not be in its way.
-  if (old != 0 && old != pending) inbox_guard_.leave(old);
+  listener.budget = std::make_shared<ByteBudget>(kBytes, whole_);
+  if (old != 0) inbox_guard_.leave(old);
 }
 
 void LaneServer::count(const std::string& name, const char* event, const std::string& text) {
