@@ -57,9 +57,10 @@ struct CancelExecution {
   static constexpr Travel kTravel = on_bus(CostPhase::fail, {"scheduler"});
   AttemptKey key;
   std::string reason;
+  std::string begun{};  ///< the skill that an earlier process of the mode-adapter may have begun; empty: none
   template <class T = CancelExecution>
   static FieldTable fields() {
-    return FieldTable{field("key", &T::key), field("reason", &T::reason, 255)};
+    return FieldTable{field("key", &T::key), field("reason", &T::reason, 255), field("begun", &T::begun, 64)};
   }
 };
 

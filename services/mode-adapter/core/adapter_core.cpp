@@ -22,7 +22,7 @@ void ModeAdapterCore::on(const Inbound& message, Now now, Outbox& out) {
   const bool taken = Taken::dispatch(
       message.body, Overloaded{
                         [&](const Execute& order) { execute(message, order, now, out); },
-                        [&](const CancelExecution& order) { desk_.cancel(message, order, now, out); },
+                        [&](const CancelExecution& order) { desk_.cancel(message, order, stops_.fenced(), now, out); },
                         [&](const ExecutionQuery& query) { desk_.query(message, query, out); },
                         [&](const OutcomeJournaled& outcome) { desk_.journaled(outcome); },
                         [&](const AdapterStateRequest&) { out.reply(message, status_.state(condition())); },

@@ -138,7 +138,14 @@ Status SkillDesk::hand_over(const Execute& order, const Skill& skill, Now now, O
   return Done{};
 }
 
-void SkillDesk::cancel(const Inbound& message, const CancelExecution& order, Now now, Outbox& out) {
+void SkillDesk::owe_halt(std::string_view skill, bool fenced, Now now, Outbox& out) {
+  const Skill* known = robot_.settings.description.find_skill(skill);
+  Driver& mode = known == nullptr ? robot_.primary() : robot_.mode_for(MessageType::command, known->subtype);
+  owed_ = Owed{&mode, robot_.next_token()};
+  if (mode.online()) on_link_up(mode, fenced, now, out);
+}
+
+void SkillDesk::cancel(const Inbound& message, const CancelExecution& order, bool fenced, Now now, Outbox& out) {
   if (message.source != robot_.settings.id) {
     return out.nack(message, fail(Errc::not_permitted, "only the node's own scheduler cancels skills", "use trb stop"));
   }
@@ -150,6 +157,7 @@ void SkillDesk::cancel(const Inbound& message, const CancelExecution& order, Now
       return out.nack(message, fail(Errc::busy, "too many outcomes wait to be journaled", "look at the scheduler"));
     }
     keep({order.key, robot_.settings.instance, TaskOutcome::failed, reason, "", 0}, now, out);
+    if (!order.begun.empty() && !running_) owe_halt(order.begun, fenced, now, out);
   }
   answer_known(message, order.key, out);
 }

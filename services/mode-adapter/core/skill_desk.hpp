@@ -12,6 +12,7 @@ namespace trb::adapter {
 /// -----------------|-------------------------------------|--------------------|------------|------------
 /// Execute          | begins; Nack; or failed at once     | "running"          | "running"  | its Outcome
 /// CancelExecution  | failed, so that it never begins     | halting, "running" | "running"  | its Outcome
+///  with `begun`    | the same, and a halt is owed        | -                  | -          | -
 /// ExecutionQuery   | "unknown"                           | "running"          | "running"  | its Outcome
 ///
 /// event                                   | running                      | halting
@@ -29,15 +30,15 @@ namespace trb::adapter {
 /// time-out: the task of a robot that answers at once may be over before a change is seen.
 ///
 /// A halt that is owed is given again at the mode's LinkUp, unless the robot is fenced. Until it is confirmed or
-/// refused, or as long as above, nothing begins. Refused, it is still owed. A confirmed stop pays it, too. The process
-/// does not outlive its debt: to the scheduler the attempt is interrupted either way.
+/// refused, or as long as above, nothing begins. Refused, it is still owed. A confirmed stop pays it, too. What a
+/// process owed as it ended, and what it had the robot do, the scheduler tells the next one by `begun`.
 class SkillDesk {
  public:
   explicit SkillDesk(RobotSide& robot) : robot_(robot) {}
 
   /// `barred`: why nothing may begin, if so. True: the skill has begun.
   bool execute(const Inbound& message, const Execute& order, const std::optional<Error>& barred, Now now, Outbox& out);
-  void cancel(const Inbound& message, const CancelExecution& order, Now now, Outbox& out);
+  void cancel(const Inbound& message, const CancelExecution& order, bool fenced, Now now, Outbox& out);
   void query(const Inbound& message, const ExecutionQuery& query, Outbox& out);
   void journaled(const OutcomeJournaled& outcome) { outcomes_.acknowledge(outcome.key); }
 
@@ -107,6 +108,8 @@ class SkillDesk {
   [[nodiscard]] std::optional<MonotonicTime> timed_end() const;
   [[nodiscard]] std::optional<MonotonicTime> limit() const;
   void halt(const std::string& reason, Now now, Outbox& out);
+  /// What an earlier process gave the robot is halted, at once if the robot is there.
+  void owe_halt(std::string_view skill, bool fenced, Now now, Outbox& out);
   void on_limit(Now now, Outbox& out);
   void end(TaskOutcome outcome, const std::string& reason, std::string data, Now now, Outbox& out);
   void keep(Outcome outcome, Now now, Outbox& out);

@@ -184,6 +184,37 @@ TEST_CASE("a robot that does not acknowledge the halt: its connection is closed,
   CHECK(fixture.answer(fixture.execute(2)) == "running");
 }
 
+TEST_CASE("what an earlier process had begun is halted before anything else begins") {
+  FieldsFixture fixture;
+  const CancelExecution order{attempt(), "begun by an earlier process of the mode-adapter", "home"};
+  fixture.deliver(MessageType::command, order, "pioneer");
+  CHECK(fixture.one<Outcome>().outcome == TaskOutcome::failed);
+  CHECK(fixture.written() == "!stop\n!release\n");
+  CHECK(fixture.answer(fixture.execute(2)) == "nack busy");
+  fixture.deliver(MessageType::command, order, "pioneer");
+  CHECK(fixture.written().empty());
+  fixture.say("!stopped\n");
+  CHECK(fixture.answer(fixture.execute(2)) == "running");
+}
+
+TEST_CASE("what an earlier process had begun is halted once the robot is there, and by no halt while it is fenced") {
+  ArmFixture fixture;
+  SUBCASE("it comes later") {
+    fixture.down(Channel::command, "connection timed out");
+    fixture.deliver(MessageType::command, CancelExecution{attempt(), "before", "reach"}, "ur3");
+    CHECK(fixture.sent().empty());
+    fixture.link_returns({.running = true});
+    CHECK(fixture.sent() == "stop program\n");
+    CHECK(fixture.answer(fixture.execute(2)) == "nack busy");
+  }
+  SUBCASE("it is fenced") {
+    fixture.deliver(MessageType::command, Stop{}, "cloud");
+    fixture.sent();
+    fixture.deliver(MessageType::command, CancelExecution{attempt(), "before", "reach"}, "ur3");
+    CHECK(fixture.sent().empty());
+  }
+}
+
 TEST_CASE("what the robot may have whole, and has not acknowledged, is halted like what it carries out") {
   FieldsFixture fixture;
   fixture.deliver(MessageType::command, order("home", ""), "pioneer");

@@ -111,6 +111,11 @@ void Executor::query_state(Now now, Outbox& out) {
 
 void Executor::interrupt_if_other(std::uint64_t instance, Now now, Outbox& out) {
   if (!attempt_ || attempt_->phase == Phase::signing || instance == attempt_->execute.instance) return;
+  // The robot may still carry out what the earlier process gave it: nothing else may begin before it is halted.
+  if (attempt_->phase != Phase::refused) {
+    const std::string why = "begun by an earlier process of the mode-adapter";
+    out.command(node_, CancelExecution{attempt_->execute.key, why, attempt_->execute.skill});
+  }
   end(TaskOutcome::interrupted, "the mode-adapter was started anew, nobody knows whether the task was done", now, out);
 }
 

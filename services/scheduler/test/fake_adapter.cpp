@@ -20,7 +20,10 @@ void FakeAdapter::hear(const Inbound& message, MonotonicTime now) {
   if (const auto* is = get_if<OutcomeJournaled>(&message.body)) {
     if (const auto kept = outcomes_.find(is->key); kept != outcomes_.end()) kept->second.journaled = true;
   }
-  if (const auto* is = get_if<CancelExecution>(&message.body)) cancel(message, is->key, now);
+  if (const auto* is = get_if<CancelExecution>(&message.body)) {
+    if (!is->begun.empty()) halted.push_back(is->begun);
+    cancel(message, is->key, now);
+  }
   if (const auto* is = get_if<TakeOutOfUse>(&message.body)) {
     out_of_use.push_back(is->what);
     if (message.wants_answer()) said_.push_back({message.id, Ack{"out_of_use", ""}});

@@ -48,6 +48,7 @@ class FakeAdapter {
   std::map<std::string, TaskOutcome> endings;  ///< of some tasks, by id
   /// In place of both: how an attempt ends, and the result that the robot tells.
   std::function<std::pair<TaskOutcome, std::string>(const Execute&)> world;
+  std::vector<std::string> halted;          ///< skills that an earlier process may have begun
   std::map<AttemptKey, std::string> given;  ///< the data of every attempt that was begun
   /// How often each attempt was begun, by instance; and how often it was commanded.
   std::map<std::pair<std::uint64_t, AttemptKey>, int> begun;

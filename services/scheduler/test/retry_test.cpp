@@ -53,6 +53,7 @@ TEST_CASE("a mode-adapter that was started anew and does not say so is found out
   adapter.take();
   REQUIRE(story.until(RunState::paused, seconds(20)));
   CHECK(story.fleet.view("cloud", kStoryRun).tasks[1].outcome == TaskOutcome::interrupted);
+  CHECK(adapter.halted.size() == 1);  // the robot still did what the earlier process had given it
 }
 
 TEST_CASE("a robot that has told an outcome is free for its next task, without being asked") {
