@@ -97,7 +97,7 @@ class NodeLife(unittest.TestCase):
                     return done.returncode == 0
                 fleet.wait("it is up", is_taken, 60)
                 self.assertIn("each service takes the new files", said[0])
-                self.assertEqual("but not scheduler, which somebody else starts" in said[0], bool(option), said[0])
+                self.assertEqual("scheduler is for whoever starts it to ask" in said[0], bool(option), said[0])
                 up.stop()
 
     def test_a_folder_far_down_and_with_a_space_in_its_path(self):

@@ -154,8 +154,8 @@ int run_reload(const Arguments& arguments) {
     return print_error(arguments, fail(Errc::io_error, "cannot signal pid " + std::to_string(*pid)));
   print_line(check.config.id + ": each service takes the new files once it is idle");
   if (const std::string other = left_out_by(*pid); check.config.has_service(other)) {
-    print_line(check.config.id + ": but not " + other +
-               ", which somebody else starts (with Debian's package: systemctl reload talkrobots)");
+    print_line(check.config.id + ": " + other +
+               " is for whoever starts it to ask (with Debian's package: systemctl reload talkrobots)");
   }
   return kGood;
 }
