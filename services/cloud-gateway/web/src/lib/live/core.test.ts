@@ -75,6 +75,46 @@ describe('rows', () => {
   });
 });
 
+describe('who tells nothing', () => {
+  const silent = (text: string, ...sources: string[]) => text.replace('"time":""', `"time":"","silent":${JSON.stringify(sources)}`);
+  const alerts = { ...snapshot(), topic: 'alerts' };
+
+  it('makes no empty list a known one: before the first table nobody knows whether there was an alert', () => {
+    const core = new LiveCore();
+    core.use('alerts');
+    core.start(0);
+    core.opened(0);
+    core.heard(silent(frame(5, alerts), 'scheduler', 'resilience'), 10);
+    expect(core.isKnown('alerts')).toBe(false);
+    expect(core.isSilent('resilience')).toBe(true);
+    core.heard(silent(frame(5), 'scheduler'), 1010);
+    expect(core.isKnown('alerts')).toBe(true);
+    expect(core.isSilent('resilience')).toBe(false);
+    core.heard(silent(frame(5), 'resilience'), 2010);
+    expect(core.isKnown('alerts')).toBe(false);
+  });
+
+  it('is told for the rows of each service: runs are in the topic of the fleet, too', () => {
+    const core = openPage();
+    core.use('run/1');
+    core.heard(silent(frame(5, snapshot(robot('ur3', 4)), { ...snapshot(), topic: 'run/1' }), 'scheduler'), 10);
+    expect(core.isKnown('fleet')).toBe(true);
+    expect(core.isKnown('run/1')).toBe(false);
+    expect(core.isSilent('scheduler')).toBe(true);
+  });
+
+  it('is nobody with a gateway that does not say it, and after a sign-out', () => {
+    const core = openPage();
+    core.heard(silent(frame(5, snapshot(robot('ur3', 4))), 'router'), 10);
+    expect(core.isKnown('fleet')).toBe(false);
+    core.heard(frame(6), 20);
+    expect(core.isKnown('fleet')).toBe(true);
+    core.heard(silent(frame(6), 'router'), 30);
+    core.closed(SIGNED_OUT, 40);
+    expect(core.isSilent('router')).toBe(false);
+  });
+});
+
 describe('topics', () => {
   it('are subscribed by their first user and ended by their last one', () => {
     const core = openPage();

@@ -12,12 +12,16 @@
  * | waiting    | the wait is over             | connect                                           | connecting |
  * | any        | closed with 4401, stop       | forget everything                                 | off        |
  */
-import type { DriveAnswer, RemovedRow, Row } from '../api/types';
+import type { DriveAnswer, RemovedRow, Row, RowSource } from '../api/types';
 
 export const SIGNED_OUT = 4401;
 const QUIET_MS = 3000; // the gateway sends a frame each second, even if nothing has changed
 const FIRST_WAIT_MS = 250;
 const MOST_WAIT_MS = 1000;
+/** By the first word of a topic: whose table its rows are. Those of runs in `fleet` are the scheduler's. */
+const SOURCES: Record<string, RowSource> = {
+  fleet: 'router', robot: 'router', sensor: 'router', run: 'scheduler', alerts: 'resilience',
+};
 
 export type Phase = 'off' | 'connecting' | 'open' | 'waiting';
 export type Notice = 'dropped' | 'too_old' | 'restarted';
@@ -35,6 +39,7 @@ export interface Frame {
   count: number;
   head: number;
   time: string;
+  silent?: RowSource[];
   notices: { topic: string; kind: Notice }[];
   left_out: number;
   messages: unknown[];
@@ -90,6 +95,8 @@ export class LiveCore {
   /** When the last frame came, by the clock of now(); nothing: none yet. */
   heardAt: number | null = null;
   leftOut = 0;
+  /** Of whom nothing is heard, as the last frame says. */
+  silent: RowSource[] = [];
   onRows: (topic: string) => void = () => {};
   onMessages: (messages: unknown[], leftOut: number) => void = () => {};
   onError: (detail: string) => void = () => {};
@@ -160,8 +167,15 @@ export class LiveCore {
     return this.topics.get(topic)?.rows ?? new Map();
   }
 
+  /** All its rows are here: what has no row is not there. */
   isKnown(topic: string): boolean {
-    return this.topics.get(topic)?.isKnown ?? false;
+    const source = SOURCES[topic.split('/')[0] ?? ''];
+    return (this.topics.get(topic)?.isKnown ?? false) && (source === undefined || !this.isSilent(source));
+  }
+
+  /** Its first table has not come, or no further one: rows of it may be old or missing. */
+  isSilent(source: RowSource): boolean {
+    return this.silent.includes(source);
   }
 
   /** The gateway's UTC, ms: rows have its times, and the browser's own clock may be off. Nothing: not told yet. */
@@ -178,6 +192,7 @@ export class LiveCore {
     if (!Number.isNaN(utc)) this.utcLess = utc - now;
     this.wait = FIRST_WAIT_MS;
     this.instance = instanceIn(text);
+    this.silent = word.silent ?? [];
     for (const notice of word.notices) this.topics.get(notice.topic)?.restart();
     for (const block of word.blocks) this.take(block);
     if (word.messages.length > 0 || word.left_out > 0) this.onMessages(word.messages, word.left_out);
@@ -213,6 +228,7 @@ export class LiveCore {
   private forget(): void {
     this.phase = 'off';
     this.instance = '';
+    this.silent = [];
     this.heardAt = null;
     this.wait = FIRST_WAIT_MS;
     for (const table of this.topics.values()) {

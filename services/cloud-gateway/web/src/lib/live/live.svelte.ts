@@ -2,7 +2,7 @@
 import { onDestroy } from 'svelte';
 import { SvelteMap } from 'svelte/reactivity';
 import { api } from '../api/client';
-import type { DriveAnswer, Row } from '../api/types';
+import type { DriveAnswer, Row, RowSource } from '../api/types';
 import { LiveCore, SIGNED_OUT, type Act, type Phase, type Rows } from './core';
 
 const TICK_MS = 100;
@@ -18,6 +18,9 @@ class LiveStream {
   ageS = $state<number | null>(null);
   /** What the stream refused last: a fault of the page, shown as such. */
   refused = $state('');
+
+  /** Of whom nothing is heard; one frame after the other says the same. */
+  private silent = $state('');
 
   private readonly core = new LiveCore();
   private readonly versions = new SvelteMap<string, number>();
@@ -61,7 +64,14 @@ class LiveStream {
 
   isKnown(topic: string): boolean {
     this.versions.get(topic);
+    void this.silent;
     return this.core.isKnown(topic);
+  }
+
+  /** Rows of this service may be old or missing. */
+  isSilent(source: RowSource): boolean {
+    void this.silent;
+    return this.core.isSilent(source);
   }
 
   /** The same rows for who draws by himself at each picture, such as a canvas. */
@@ -101,6 +111,7 @@ class LiveStream {
   private show(): void {
     this.phase = this.core.phase;
     this.isLost = this.core.isLost;
+    this.silent = this.core.silent.join();
     const at = this.core.heardAt;
     this.ageS = at === null ? null : Math.max(0, Math.floor((performance.now() - at) / 1000));
   }
