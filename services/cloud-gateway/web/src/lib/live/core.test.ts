@@ -231,12 +231,56 @@ describe('a sign-out', () => {
 });
 
 describe('a refused word', () => {
+  const refusal = '{"error":{"detail":"topic: 256 sensors are watched"}}';
+
   it('is told, and changes no row', () => {
     const core = openPage();
-    const told: string[] = [];
-    core.onError = (detail) => told.push(detail);
-    core.heard('{"error":{"detail":"topic: \'secrets\' is none"}}', 10);
-    expect(told).toEqual(["topic: 'secrets' is none"]);
+    core.heard(refusal, 10);
+    expect(core.refused).toBe('topic: 256 sensors are watched');
+    expect(core.heardAt).toBeNull();
+  });
+
+  it('stays shown while a topic waits that it may be of, and goes with its block', () => {
+    const core = openPage();
+    core.use('sensor/ur3/dht22');
+    core.use('messages'); // has no block
+    core.heard(refusal, 10);
+    core.heard(frame(5, snapshot(robot('ur3', 4))), 20);
+    core.heard(frame(6, delta(robot('ur3', 5))), 30);
+    expect(core.refused).not.toBe('');
+    core.heard(frame(6, { ...snapshot(), topic: 'sensor/ur3/dht22' }), 40);
+    expect(core.refused).toBe('');
+  });
+
+  it('goes with the view that has asked for it', () => {
+    const core = openPage();
+    core.heard(frame(5, snapshot(robot('ur3', 4))), 10);
+    core.use('sensor/ur3/dht22');
+    core.heard(refusal, 20);
+    core.leave('sensor/ur3/dht22');
+    expect(core.refused).toBe('');
+  });
+
+  it('of a drive goes with the next answer to one', () => {
+    const core = openPage();
+    core.heard(frame(5, snapshot(robot('ur3', 4))), 10);
+    core.heard(refusal, 20);
+    core.heard(frame(6, delta(robot('ur3', 6))), 30);
+    expect(core.refused).not.toBe('');
+    core.heard('{"drive":{"robot":"ur3","sequence":4,"state":"driving","round_trip_s":0.01}}', 40);
+    expect(core.refused).toBe('');
+  });
+
+  it('goes with the connection, and with a sign-out', () => {
+    const core = openPage();
+    core.heard(refusal, 10);
+    core.closed(1006, 20);
+    core.tick(300);
+    core.opened(310);
+    expect(core.refused).toBe('');
+    core.heard(refusal, 320);
+    core.closed(SIGNED_OUT, 330);
+    expect(core.refused).toBe('');
   });
 });
 

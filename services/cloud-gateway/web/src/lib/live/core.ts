@@ -95,16 +95,19 @@ export class LiveCore {
   /** When the last frame came, by the clock of now(); nothing: none yet. */
   heardAt: number | null = null;
   leftOut = 0;
+  /** What the gateway refused last; it does not say which topic it was. Empty: nothing, or it is of no matter any more. */
+  refused = '';
   /** Of whom nothing is heard, as the last frame says. */
   silent: RowSource[] = [];
   onRows: (topic: string) => void = () => {};
   onMessages: (messages: unknown[], leftOut: number) => void = () => {};
-  onError: (detail: string) => void = () => {};
   onDrive: (answer: DriveAnswer) => void = () => {};
 
   /** The gateway's UTC in ms, less the clock of now(); nothing: not told yet. */
   private utcLess: number | null = null;
   private readonly topics = new Map<string, TopicTable>();
+  /** Which topics the refusal may be of: those that had no rows yet. Without one it was a drive. */
+  private readonly mayBeRefused = new Set<string>();
   private instance = '';
   private resumeFrom = 0;
   private wait = FIRST_WAIT_MS;
@@ -128,6 +131,7 @@ export class LiveCore {
   opened(now: number): Act {
     this.phase = 'open';
     this.since = now;
+    this.refuse('');
     return { send: [...this.topics].map(([topic, table]) => this.subscription(topic, table)) };
   }
 
@@ -160,6 +164,7 @@ export class LiveCore {
     const table = this.topics.get(topic);
     if (table === undefined || --table.users > 0) return { send: [] };
     this.topics.delete(topic);
+    this.settle(topic);
     return { send: this.phase === 'open' ? [JSON.stringify({ unsubscribe: topic })] : [] };
   }
 
@@ -185,8 +190,11 @@ export class LiveCore {
 
   heard(text: string, now: number): void {
     const word = JSON.parse(text) as Frame & { error?: { detail?: string }; drive?: DriveAnswer };
-    if (word.error !== undefined) return this.onError(word.error.detail ?? '');
-    if (word.drive !== undefined) return this.onDrive(word.drive);
+    if (word.error !== undefined) return this.refuse(word.error.detail ?? '');
+    if (word.drive !== undefined) {
+      this.settle('');
+      return this.onDrive(word.drive);
+    }
     this.heardAt = now;
     const utc = Date.parse(word.time);
     if (!Number.isNaN(utc)) this.utcLess = utc - now;
@@ -203,7 +211,22 @@ export class LiveCore {
     const table = this.topics.get(block.topic);
     if (table === undefined) return; // left a moment ago
     table.take(block);
+    if (this.mayBeRefused.has(block.topic)) this.settle(block.topic);
     this.onRows(block.topic);
+  }
+
+  private refuse(detail: string): void {
+    this.refused = detail;
+    this.mayBeRefused.clear();
+    for (const [topic, table] of this.topics) {
+      if (!table.isKnown && topic !== 'messages') this.mayBeRefused.add(topic); // that one never has rows
+    }
+  }
+
+  /** The topic has its rows, or nobody wants it any more. */
+  private settle(topic: string): void {
+    this.mayBeRefused.delete(topic);
+    if (this.mayBeRefused.size === 0) this.refused = '';
   }
 
   private subscription(topic: string, table: TopicTable): string {
@@ -228,6 +251,7 @@ export class LiveCore {
   private forget(): void {
     this.phase = 'off';
     this.instance = '';
+    this.refuse('');
     this.silent = [];
     this.heardAt = null;
     this.wait = FIRST_WAIT_MS;

@@ -16,7 +16,7 @@ class LiveStream {
   isLost = $state(true);
   /** Age of what is shown, whole seconds; nothing: nothing was received yet. */
   ageS = $state<number | null>(null);
-  /** What the stream refused last: a fault of the page, shown as such. */
+  /** What the stream has refused: a fault of the page, shown as such. */
   refused = $state('');
 
   /** Of whom nothing is heard; one frame after the other says the same. */
@@ -33,7 +33,6 @@ class LiveStream {
     this.core.onRows = (topic) => this.versions.set(topic, (this.versions.get(topic) ?? 0) + 1);
     this.core.onMessages = (messages, leftOut) => this.listeners.forEach((each) => each(messages, leftOut));
     this.core.onDrive = (answer) => this.drivers.forEach((each) => each(answer));
-    this.core.onError = (detail) => (this.refused = detail);
   }
 
   start(): void {
@@ -112,6 +111,7 @@ class LiveStream {
     this.phase = this.core.phase;
     this.isLost = this.core.isLost;
     this.silent = this.core.silent.join();
+    this.refused = this.core.refused;
     const at = this.core.heardAt;
     this.ageS = at === null ? null : Math.max(0, Math.floor((performance.now() - at) / 1000));
   }
