@@ -34,7 +34,7 @@ std::vector<Topic> ClientFeed::topics() const {
   return out;
 }
 
-bool ClientFeed::pump(BlockMaker& blocks, const MessageLane& lane, Now now) {
+bool ClientFeed::pump(BlockMaker& blocks, const MessageLane& lane, const RowSources& silent, Now now) {
   if (waiting_) drop_if_full(blocks, now);
   behind_ = false;
   skipped_ = waiting_.has_value();
@@ -42,6 +42,7 @@ bool ClientFeed::pump(BlockMaker& blocks, const MessageLane& lane, Now now) {
   Frame frame;
   frame.head = blocks.book().head();
   frame.time = now.utc;
+  frame.silent = silent;
   fill_blocks(frame, blocks);
   whole_ = is_whole(frame);
   // The client resumes every topic at this number, also the one that is not in the frame.

@@ -28,6 +28,7 @@ struct Frame {
   /// in the last frame that had them all.
   std::uint64_t head = 0;
   UtcTime time;
+  RowSources silent;  ///< when it was made; without a row of theirs nobody knows whether there is nothing
   std::vector<Notice> notices;
   std::vector<SharedBlock> blocks;
   std::vector<SharedBytes> messages;
@@ -55,7 +56,7 @@ class ClientFeed {
   Status subscribe(const Topic& topic, std::uint64_t from, std::optional<NoticeKind> notice);
   void unsubscribe(const Topic& topic);
   /// Makes a frame if there is news and the last frame was taken. True: there is a new frame to take.
-  bool pump(BlockMaker& blocks, const MessageLane& lane, Now now);
+  bool pump(BlockMaker& blocks, const MessageLane& lane, const RowSources& silent, Now now);
   std::optional<Frame> take();
   /// More can be sent at once.
   [[nodiscard]] bool is_behind() const { return behind_; }

@@ -93,12 +93,12 @@ bool Subscriptions::watches_robots(Now now) const {
 }
 
 /// Pumps all clients together: those that keep up are at the same position and share blocks.
-std::vector<ClientId> Subscriptions::pump(Now now) {
+std::vector<ClientId> Subscriptions::pump(Now now, const RowSources& silent) {
   std::vector<ClientId> out;
   if (const auto due = next_deadline(); !due || now.mono < *due) return out;
   pumped_at_ = now.mono;
   for (auto& [id, client] : clients_) {
-    if (client.pump(blocks_, lane_, now)) out.push_back(id);
+    if (client.pump(blocks_, lane_, silent, now)) out.push_back(id);
   }
   pumped_head_ = blocks_.book().head();
   pumped_messages_ = lane_.head();

@@ -46,8 +46,8 @@ class Subscriptions {
   bool take_topics_changed() { return std::exchange(topics_changed_, false); }
   [[nodiscard]] bool topics_changed() const { return topics_changed_; }
 
-  /// The clients with a new frame to take. Does nothing before the deadline.
-  std::vector<ClientId> pump(Now now);
+  /// The clients with a new frame to take. Does nothing before the deadline. `silent`: what each frame tells.
+  std::vector<ClientId> pump(Now now, const RowSources& silent = {});
   std::optional<Frame> take(ClientId client);
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const;
   [[nodiscard]] std::uint64_t instance() const { return instance_; }

@@ -374,6 +374,34 @@ TEST_CASE("messages that pass: from now on, the newest ones, and how many were l
   CHECK(large->left_out == 2);
 }
 
+TEST_CASE("a frame says who tells nothing: an empty snapshot of alerts is not yet that there is none") {
+  Hall hall;
+  hall.table({});
+  hall.say("cloud", RunTable{});
+  const ClientId client = hall.client("alerts");
+  const auto first = hall.frame(client);
+  REQUIRE(first->blocks.size() == 1);
+  CHECK(first->blocks[0]->rows.empty());
+  CHECK(first->silent == RowSources{RowSource::resilience});
+  hall.say("cloud", AlertTable{});
+  for (int i = 0; i < 9; ++i) CHECK_FALSE(hall.frame(client));
+  CHECK(hall.frame(client)->silent.empty());
+}
+
+TEST_CASE("what a frame says of the silent was so when its rows were looked at") {
+  Hall hall;
+  hall.table({});
+  hall.say("cloud", RunTable{});
+  const ClientId client = hall.client("alerts");
+  hall.wait(std::chrono::milliseconds(100));
+  hall.clients.pump(hall.now, hall.view.silent());
+  hall.say("cloud", AlertTable{{alert("a1", "pioneer1")}});
+  CHECK(hall.clients.take(client)->silent == RowSources{RowSource::resilience});
+  const auto next = hall.frame(client);
+  CHECK(next->silent.empty());
+  CHECK(rows_of(*next).size() == 1);
+}
+
 TEST_CASE("a stalled client's messages are counted, whatever becomes of its queue") {
   Hall hall;
   hall.encoder.pad = 1000;
