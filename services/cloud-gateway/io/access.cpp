@@ -57,10 +57,7 @@ Result<std::unique_ptr<Access>> Access::open(GatewayDb& db, std::vector<std::str
   if (!stored && !db.is_shared()) return stored.error();
   out->is_stale_ = !stored.ok();
   if (!stored) return out;
-  if (stored->steady) {
-    out->requests.restore({}, *stored->steady);
-    out->time.restore(*stored->steady);
-  }
+  if (stored->steady) out->time_.restore(*stored->steady);
   out->take_over(*stored);
   return out;
 }
@@ -164,7 +161,8 @@ StoreBatch Access::take_batch() {
   for (AuditRecord& record : std::exchange(noted_, {})) batch.audit.push_back({std::move(record), {}});
   batch.requests = std::exchange(kept_, {});
   batch.dropped_requests = std::exchange(dropped_, {});
-  batch.steady = std::exchange(steady_, {});
+  // With all that has a time: what is on disk must not be newer than the clock that goes on after a restart.
+  if (std::exchange(is_time_due_, false) || !batch.empty()) batch.steady = steady_;
   return batch;
 }
 
@@ -260,6 +258,17 @@ void Access::drop_ended(StoreBatch& batch) {
   });
 }
 
+Access::Steady Access::steady(Now now) {
+  steady_ = time_.at(now);
+  const auto step = time_.take_step();
+  if (!step) return {*steady_, false};
+  sessions.move(*step);
+  tokens.move(*step);
+  alarms.move(*step);
+  for (StoredRequest& request : requests.move(*step)) keep(std::move(request));
+  return {*steady_, true};
+}
+
 void Access::tick(Now now, UtcTime steady) {
   sessions.tick(users, steady);
   alarms.tick(steady);
@@ -271,10 +280,10 @@ void Access::tick(Now now, UtcTime steady) {
           .about = one.source,
           .outcome = "its time is over"});
   for (AuditRecord& record : refusals.take_ended(now)) note(std::move(record));
-  for (RequestKey& key : requests.take_expired(now)) drop(std::move(key));
+  for (RequestKey& key : requests.take_expired(steady)) drop(std::move(key));
   if (timed_ && now.mono - *timed_ < kTimeStep) return;
   timed_ = now.mono;
-  steady_ = steady;
+  is_time_due_ = true;
 }
 
 }  // namespace trb::gateway

@@ -65,6 +65,13 @@ class Access {
   Status commit();
   /// Before each decision: takes over what others have written. The kinds that have changed.
   Result<StoreKinds> refresh();
+  /// UTC that does not jump: for all that has a time to live. When it takes over a step of the machine's clock, what
+  /// was kept by it moves along: commit() before the next refresh().
+  struct Steady {
+    UtcTime time;
+    bool has_stepped = false;
+  };
+  Steady steady(Now now);
   /// Ends what has expired: sessions and shelves by steady time, idempotency keys. Notes how many refusals there were.
   void tick(Now now, UtcTime steady);
 
@@ -97,18 +104,19 @@ class Access {
   Idempotency requests;
   ScenarioShelf scenarios;
   AlarmDesk alarms;
-  SteadyTime time;  ///< UTC that does not jump: for sessions and tokens
 
  private:
+  SteadyTime time_;
   std::vector<AuditRecord> noted_;
   std::vector<AuditRecord> owed_;
   std::uint64_t owed_after_ = 0;  ///< the last record that was known when the first of them was owed
   std::vector<SignedHead> signed_;
   std::vector<StoredRequest> kept_;
   std::vector<RequestKey> dropped_;
-  std::optional<MonotonicTime> timed_;  ///< when the steady time was stored last
-  std::optional<UtcTime> steady_;
-  bool is_stale_ = false;  ///< memory shows what is not on disk, or nothing yet
+  std::optional<MonotonicTime> timed_;  ///< when the steady time was stored last by itself
+  bool is_time_due_ = false;
+  std::optional<UtcTime> steady_;  ///< the last one
+  bool is_stale_ = false;          ///< memory shows what is not on disk, or nothing yet
 };
 
 }  // namespace trb::gateway
