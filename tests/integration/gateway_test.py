@@ -73,6 +73,39 @@ class Gateway(GatewayCase):
         self.assertEqual(two.sign_in("pia", GOOD).status, 401)
         self.assertEqual(two.sign_in("pia", GOOD + "!").status, 201)
 
+    def keep_hashing(self):
+        """The gateway's two threads have to hash these passwords before anything that is sent from now on."""
+        for _ in range(16):
+            connection, _ = self.admin.begin("PUT", "/api/v1/users/vic/password", {"password": GOOD})
+            self.addCleanup(connection.close)
+
+    def test_who_has_taken_over_a_session_does_not_undo_the_admins_reset(self):
+        new = GOOD + " by the admin"
+        self.admin.ask("POST", "/api/v1/users", {"name": "eva", "role": "operator", "password": GOOD})
+        self.addCleanup(self.admin.ask, "DELETE", "/api/v1/users/eva")
+        thief = self.client()
+        thief.sign_in("eva", GOOD)
+        self.addCleanup(lambda: self.viewer.sign_in("vic", GOOD))
+        self.keep_hashing()
+        connection, _ = thief.begin("PUT", "/api/v1/me/password", {"old": GOOD, "new": GOOD + " by the thief"})
+        self.addCleanup(connection.close)
+        self.assertEqual(self.admin.ask("PUT", "/api/v1/users/eva/password", {"password": new}).status, 204)
+        self.assertEqual(connection.getresponse().status, 401)
+        self.assertEqual(self.client().sign_in("eva", new).status, 201)
+
+    def test_an_admin_who_is_disabled_adds_nobody_with_what_he_has_sent_before(self):
+        self.admin.ask("POST", "/api/v1/users", {"name": "eva", "role": "admin", "password": GOOD})
+        self.addCleanup(self.admin.ask, "DELETE", "/api/v1/users/eva")
+        eva = self.client()
+        eva.sign_in("eva", GOOD)
+        self.addCleanup(lambda: self.viewer.sign_in("vic", GOOD))
+        self.keep_hashing()
+        connection, _ = eva.begin("POST", "/api/v1/users", {"name": "door", "role": "admin", "password": GOOD})
+        self.addCleanup(connection.close)
+        self.assertEqual(self.admin.ask("PATCH", "/api/v1/users/eva", {"disabled": True}).status, 200)
+        self.assertEqual(connection.getresponse().status, 401)
+        self.assert_problem(self.admin.ask("GET", "/api/v1/users/door"), 404)
+
     def test_a_session_that_was_taken_over_does_not_tell_the_password(self):
         self.admin.ask("POST", "/api/v1/users", {"name": "max", "role": "viewer", "password": GOOD})
         client = self.client()
