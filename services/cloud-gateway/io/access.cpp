@@ -1,6 +1,7 @@
 #include "services/cloud-gateway/io/access.hpp"
 
 #include <algorithm>
+#include <array>
 #include <type_traits>
 #include <utility>
 
@@ -30,6 +31,14 @@ constexpr int kTries = 5;
 AuditChain chain_of(const AuditOrigin& origin, const StoredState& stored) {
   const Bytes start = audit_start(origin.fleet, stored.chain_node.empty() ? origin.node : stored.chain_node);
   return stored.last_audit ? AuditChain(start, *stored.last_audit) : AuditChain(start);
+}
+
+/// What is decided on the state that is known, and refused if that has changed; the rest is added.
+constexpr std::array kDecided{StoreKind::users, StoreKind::tokens, StoreKind::scenarios};
+
+bool has_decided(const StoreBatch& batch) {
+  const StoreKinds kinds = batch.kinds();
+  return std::ranges::any_of(kDecided, [&](StoreKind kind) { return kinds.contains(kind); });
 }
 
 /// Not the first row of a session, which a sign-in has made.
@@ -176,7 +185,18 @@ Status Access::commit() {
   // Of records that are stored all the same: nobody would ask for them again.
   signed_ = std::move(batch.heads);
   if (has_heads_alone && db_.is_shared()) return Done{};
+  if (saved.error().code == Errc::conflict) free_undone(batch);
   return saved;
+}
+
+/// What a request decided was refused, so it was not done: a repeat with its key is tried anew.
+void Access::free_undone(const StoreBatch& batch) {
+  if (!has_decided(batch)) return;
+  StoreBatch freed;
+  for (const StoredRequest& one : batch.requests) {
+    if (one.answer && requests.release(one.key)) freed.dropped_requests.push_back(one.key);
+  }
+  if (!freed.empty()) static_cast<void>(save_or_merge(freed));
 }
 
 Status Access::save_or_merge(StoreBatch& batch) {
@@ -216,7 +236,7 @@ Status Access::merge(StoreBatch& batch) {
 }
 
 Status Access::check_decided(const StoreBatch& batch, const StoreKinds& moved) const {
-  for (const StoreKind kind : {StoreKind::users, StoreKind::tokens, StoreKind::scenarios}) {
+  for (const StoreKind kind : kDecided) {
     if (moved.contains(kind) && batch.kinds().contains(kind)) return changed_meanwhile(kind);
   }
   for (const StoredRequest& one : batch.requests) {

@@ -28,11 +28,12 @@ struct AuditOrigin {
 /// current  | refresh(): others have changed some kinds    | current, with theirs
 /// current  | commit(), and nobody changed what it changes | current
 /// current  | commit(): the audit log, sessions, alarms or answers of requests have gone on | current: added to theirs
-/// current  | commit(): users, tokens or scenarios were changed, or a key was used | current, with theirs; conflict
-/// any      | commit() of signed heads alone, and the server does not answer | stale; they wait, and it is no error
-/// any      | the server does not answer                   | stale: what it wanted to write is lost, and it says so
-/// stale    | refresh(), and the server answers            | current: all is read anew
-/// stale    | owe(): a stop was ordered, somebody drives   | stale; the record waits for pay_owed()
+/// current  | commit(): users, tokens or scenarios were changed, or a key was used | current, with theirs; conflict;
+/// the | | key of a request that was refused so is free again any      | commit() of signed heads alone, and the server
+/// does not answer | stale; they wait, and it is no error any      | the server does not answer                   |
+/// stale: what it wanted to write is lost, and it says so stale    | refresh(), and the server answers            |
+/// current: all is read anew stale    | owe(): a stop was ordered, somebody drives   | stale; the record waits for
+/// pay_owed()
 class Access {
  public:
   /// `origins`: see RequestCheck. Errors: those of GatewayDb::load; a shared store that cannot be read yet is none.
@@ -79,6 +80,7 @@ class Access {
   Access(GatewayDb& db, std::vector<std::string> origins, AuditOrigin origin);
   void take_over(const StoredState& stored);
   StoreBatch take_batch();
+  void free_undone(const StoreBatch& batch);
   Status save(StoreBatch& batch);
   Status save_or_merge(StoreBatch& batch);
   Status drop_paid();

@@ -160,6 +160,30 @@ TEST_CASE("of two changes of one scenario the second is refused, and other peopl
   });
 }
 
+TEST_CASE("a new scenario that is refused because another gateway was quicker was not made: its key is free again") {
+  on_postgres([] {
+    const TwoGateways both;
+    const RequestKey key{"ann", "key-1"};
+    Access& mine = *both.a.access;
+    const auto begin = [&] { return mine.requests.begin(key, "digest", "a scenario", kNow); };
+    mine.keep(std::get<Idempotency::Act>(*begin()).store);
+    REQUIRE(mine.commit());
+    both.b.refresh();
+    REQUIRE(both.b.access->scenarios.add({"{}", "theirs", 0}, "bob", kNow).ok());
+    REQUIRE(both.b.access->commit());
+    REQUIRE(mine.scenarios.add({"{}", "mine", 0}, "ann", kNow).ok());
+    mine.keep(*mine.requests.finish(key, {201, "{}"}));
+    CHECK(mine.commit().error().code == Errc::conflict);
+    CHECK(mine.scenarios.all().size() == 1);
+    CHECK(loaded(*both.a.db).requests.empty());
+    both.b.refresh();
+    CHECK(both.b.access->requests.find(key) == nullptr);
+    const auto again = begin();
+    REQUIRE(again.ok());
+    CHECK(std::holds_alternative<Idempotency::Act>(*again));
+  });
+}
+
 TEST_CASE(
     "the server is gone: what was not written is not shown once it is back, and nothing has to be started again") {
   on_postgres([] {
