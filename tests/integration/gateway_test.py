@@ -317,6 +317,22 @@ class Gateway(GatewayCase):
             self.assertEqual(stopped.status, 200, stopped.bytes)
             self.assertEqual([one["state"] for one in stopped.json["robots"]], ["confirmed"])
 
+    def test_a_stop_of_one_robot_waits_for_no_list_of_the_fleet(self):
+        stop, pid = f"/api/v1/robots/{ROBOT}/stop", self.fleet.pid(CLOUD, "cloud-gateway")
+        self.addCleanup(self.operator.ask, "POST", f"/api/v1/robots/{ROBOT}/release")
+
+        def first_answer():
+            with contextlib.suppress(OSError, http.client.HTTPException):
+                return self.operator.ask("POST", stop)
+        os.kill(pid, signal.SIGKILL)
+        answers = []
+        self.fleet.wait("the next gateway's first answer", lambda: answers.append(first_answer()) or answers[-1], WAIT_S)
+        self.assertEqual(answers[-1].status, 200, answers[-1].bytes)
+        self.assertEqual(answers[-1].json["robots"][0]["robot"], ROBOT)
+        self.fleet.wait("it is ready", self.is_ready, WAIT_S)
+        self.fleet.wait("the robot is shown online", self.is_online, WAIT_S)
+        self.assert_problem(self.operator.ask("POST", "/api/v1/robots/nobody/stop"), 404, "missing")
+
     def test_a_stop_with_the_key_of_an_earlier_one_is_ordered_again(self):
         stop, release = (f"/api/v1/robots/{ROBOT}/{word}" for word in ("stop", "release"))
         self.addCleanup(self.operator.ask, "POST", release)
