@@ -363,21 +363,25 @@ class Gateway(GatewayCase):
     # ---- a gateway that ends while a robot has not answered yet
 
     def under_way(self, word, **more):
-        """An order that its robot hears and cannot answer, once it is on record; what lets the robot answer, and a function
-        that waits for the order's answer: None if the connection was cut."""
-        adapter = self.fleet.pid(ROBOT, "mode-adapter")
+        """An order that its robot hears and cannot answer; see held()."""
+        return self.held(ROBOT, "mode-adapter", f"/api/v1/robots/{ROBOT}/{word}", **more)
+
+    def held(self, node, service, path, body=None, **more):
+        """An order that a service cannot answer, once it is on record; what lets the service answer, and a function that
+        waits for the order's answer: None if the connection was cut."""
+        pid = self.fleet.pid(node, service)
         before = self.newest()
-        os.kill(adapter, signal.SIGSTOP)
-        self.addCleanup(os.kill, adapter, signal.SIGCONT)
+        os.kill(pid, signal.SIGSTOP)
+        self.addCleanup(os.kill, pid, signal.SIGCONT)
 
         def ask():
             with contextlib.suppress(OSError, http.client.HTTPException):
-                return self.operator.ask("POST", f"/api/v1/robots/{ROBOT}/{word}", **more)
+                return self.operator.ask("POST", path, body, **more)
         pool = concurrent.futures.ThreadPoolExecutor(1)
         self.addCleanup(pool.shutdown)
         answer = pool.submit(ask)
         self.fleet.wait("that it begins is on record", lambda: self.newest() > before, 2)
-        return (lambda: os.kill(adapter, signal.SIGCONT)), lambda: answer.result(WAIT_S)
+        return (lambda: os.kill(pid, signal.SIGCONT)), lambda: answer.result(WAIT_S)
 
     def newest(self):
         """The number of olga's last record. All of them take longer to be looked at than the gateway waits for a robot."""
@@ -417,6 +421,23 @@ class Gateway(GatewayCase):
             repeated = self.operator.ask("POST", f"/api/v1/robots/{ROBOT}/{word}", **more)
             self.assertEqual(repeated.status, again, "of a stop alone nothing has to be known")
         self.assertEqual(self.operator.ask("POST", f"/api/v1/robots/{ROBOT}/release").status, 200)
+
+    def test_who_looks_whether_it_was_done_is_told_what_to_look_for(self):
+        for service, path, body, effect in (
+                ("scheduler", "/api/v1/runs", {"scenario": SCENARIO}, "start of a run of scenario 'short'"),
+                ("resilience", "/api/v1/alerts/0123456789abcdef/decision", {"verdict": "skip"},
+                 "decision on alert 0123456789abcdef: skip")):
+            more = {"Idempotency_Key": f"look-{service}"}
+            go_on, answer = self.held(CLOUD, service, path, body, **more)
+            self.kill_gateway()
+            go_on()
+            self.assertIsNone(answer())
+            last = self.admin.ask("GET", "/api/v1/audit?limit=1&who=olga").json["records"][0]
+            self.assertEqual((last["action"], last["about"], last["outcome"]), ("unanswered", effect, "not confirmed"))
+            repeated = self.operator.ask("POST", path, body, **more)
+            self.assert_problem(repeated, 503, "not_confirmed")
+            self.assertIn(effect, repeated.json["detail"])
+            self.fleet.wait("the robot is shown online", self.is_online, WAIT_S)
 
     # ---- the live stream
 
