@@ -22,6 +22,8 @@ Status ClientFeed::subscribe(const Topic& topic, std::uint64_t from, std::option
 
 void ClientFeed::unsubscribe(const Topic& topic) {
   topics_.erase(topic);
+  // Or they would grow without a bound: a client may come and go, and read nothing.
+  std::erase_if(notices_, [&](const Notice& one) { return one.topic == topic; });
 }
 
 bool ClientFeed::has(TopicKind kind) const {

@@ -78,7 +78,7 @@ class ClientFeed {
   void drop_if_full(BlockMaker& blocks, Now now);
 
   std::map<Topic, Seen> topics_;
-  std::vector<Notice> notices_;
+  std::vector<Notice> notices_;  ///< of its topics: one each while no frame was made
   std::optional<Frame> waiting_;
   std::optional<Topic> next_;           ///< the first topic that the last frame had no room for
   std::optional<std::uint64_t> known_;  ///< up to it the client has every topic; none: it has begun with nothing

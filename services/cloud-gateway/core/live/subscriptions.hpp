@@ -40,7 +40,8 @@ class Subscriptions {
   [[nodiscard]] std::set<std::string> watched_runs() const;
   /// True if a client watches the fleet or a robot; one that has stalled watches none.
   [[nodiscard]] bool watches_robots(Now now) const;
-  /// The sensors that a client watches; one that has stalled watches none.
+  /// The sensors that are there and that a client watches; one that has stalled watches none. Ask now and then: one
+  /// that comes is among them from then on.
   [[nodiscard]] std::set<SensorId> watched_sensors(Now now) const;
   /// True if a topic was added or left since the last call.
   bool take_topics_changed() { return std::exchange(topics_changed_, false); }
@@ -57,6 +58,8 @@ class Subscriptions {
   [[nodiscard]] std::optional<NoticeKind> why_not(const Topic& topic, const Resume& resume) const;
   [[nodiscard]] bool has_changes() const;
   [[nodiscard]] Status check_room(const Topic& topic) const;
+  void add_sensors(const ClientFeed& client, std::set<SensorId>& out) const;
+  [[nodiscard]] bool has_sensor(const Topic& topic) const;
 
   BlockMaker blocks_;
   MessageLane lane_;

@@ -330,6 +330,19 @@ TEST_CASE("its number is of another start, is none yet, or is too old: a snapsho
   CHECK(rows_of(frame).size() == 1);
 }
 
+TEST_CASE("who comes back to a topic and leaves it again and again without reading is told of it once") {
+  Hall hall;
+  const ClientId client = hall.client("alerts", Resume{41, 1});
+  hall.wait(std::chrono::milliseconds(100));
+  CHECK(hall.clients.pump(hall.now).size() == 1);
+  for (int i = 0; i < 1000; ++i) {
+    hall.clients.unsubscribe(client, *parse_topic("alerts"));
+    hall.subscribe(client, "alerts", Resume{41, 1});
+  }
+  CHECK(notices_of(*hall.clients.take(client)).size() == 1);
+  CHECK(notices_of(*hall.frame(client)) == std::vector<NoticeKind>{NoticeKind::restarted});
+}
+
 TEST_CASE("a stalled client whose removals are forgotten begins anew, and is told so") {
   Hall hall;
   hall.say("cloud", AlertTable{{alert("a1", "pioneer1")}});
