@@ -156,7 +156,9 @@ void C3Jobs::withdraw(Now now, const DriverOut& out) {
 }
 
 void C3Jobs::clear_offer(Now now, const DriverOut& out) {
-  if (program_.fields) link_.ask({C3Purpose::note, names_.command, "FALSE", 0}, now, out);
+  if (!program_.fields) return;
+  link_.drop_waiting(C3Purpose::note);  // an earlier one; nothing that waits behind it offers a message yet
+  link_.ask({C3Purpose::note, names_.command, "FALSE", 0}, now, out);
 }
 
 void C3Jobs::refuse(const Error& why, Now now, const DriverOut& out) {

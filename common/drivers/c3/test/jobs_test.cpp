@@ -164,6 +164,21 @@ TEST_CASE("a program that does not take a message in time: the message is refuse
   CHECK(fixture.sent() == "TRB_COMMAND=FALSE ");
 }
 
+TEST_CASE("messages that are forgotten at once leave one withdrawal behind, however many they are") {
+  FieldFixture fixture;
+  fixture.link.ask({C3Purpose::note, "BUSY", std::nullopt, 0}, fixture.now, fixture.out);
+  for (Token token = 1; token <= 1000; ++token) {
+    REQUIRE(fixture.jobs.add({token, MessageType::command, "wave", "operator", "", ""}, fixture.now, fixture.out));
+    fixture.jobs.forget(token, fixture.now, fixture.out);
+  }
+  CHECK(fixture.jobs.add({2000, MessageType::command, "wave", "operator", "", ""}, fixture.now, fixture.out));
+  CHECK(fixture.sent() == "BUSY ");
+  fixture.answer("0");
+  CHECK(fixture.sent() == "TRB_COMMAND=FALSE ");
+  fixture.answer("");
+  CHECK(fixture.sent() == "TRB_TYPE[]=\"command\" ");
+}
+
 TEST_CASE("all are dropped: what waits is refused, what was answered is not; what is offered is to be cleared") {
   FieldFixture fixture;
   fixture.offer(1);
