@@ -18,7 +18,15 @@ void ModeAdapterCore::on_welcome(const NodeIdentity&, Now, Outbox& out) {
   status_.welcome(condition(), out);
 }
 
+bool ModeAdapterCore::begins_something(const Inbound& message) {
+  const bool users = message.type == MessageType::command && holds_alternative<Opaque>(message.body);
+  return users || holds_alternative<Execute>(message.body) || holds_alternative<Velocity>(message.body);
+}
+
 void ModeAdapterCore::on(const Inbound& message, Now now, Outbox& out) {
+  if (leaving_ && begins_something(message)) {
+    return out.nack(message, fail(Errc::robot_offline, "the robot's mode-adapter ends", "send it again later"));
+  }
   const bool taken = Taken::dispatch(
       message.body, Overloaded{
                         [&](const Execute& order) { execute(message, order, now, out); },
@@ -99,6 +107,12 @@ void ModeAdapterCore::on_channel_down(Channel channel, const std::string& reason
   robot_.for_each([&](Driver& mode) { mode.on_down(channel, reason, now, robot_.to(mode, out)); });
   const bool own_channel = (channel == Channel::field) != robot_.is_native(robot_.primary());
   if (!was_online && own_channel) status_.on_no_contact(std::string(name_of(channel)) + ": " + reason);
+  settle(now, out);
+}
+
+void ModeAdapterCore::begin_leave(Now now, Outbox& out) {
+  leaving_ = true;
+  hand_.give_way("the robot's node ends", now, out);
   settle(now, out);
 }
 

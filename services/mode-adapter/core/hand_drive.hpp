@@ -52,6 +52,8 @@ class HandDrive {
   void look_at_faults(Now now, Outbox& out);
 
   [[nodiscard]] bool driving() const { return current_.has_value(); }
+  /// The robot was ordered to stand, or has to be, and has not taken that order yet.
+  [[nodiscard]] bool has_to_stand() const { return standing_.has_value(); }
   [[nodiscard]] bool owns(Token token) const;
 
   // events of the modes
