@@ -173,9 +173,13 @@ void ModeAdapterCore::on_event(Driver& mode, const DriverEvent& event, Now now, 
                  [&](const ValuesHeard&) { on_values(mode, now, out); },
                  [&](const Stopped& stopped) {
                    desk_.on_stopped(&mode);
+                   hand_.on_stopped(mode);
                    stops_.on_stopped(&mode, stopped, out);
                  },
-                 [&](const Released& released) { stops_.on_released(&mode, released, out); },
+                 [&](const Released& released) {
+                   hand_.on_stopped(mode);
+                   stops_.on_released(&mode, released, out);
+                 },
                  [&](const LinkUp&) { on_link_up(mode, now, out); },
                  [&](const LinkDown& down) { on_link_down(mode, down.reason, now, out); },
              },

@@ -374,6 +374,39 @@ TEST_CASE("a process that ends waits until the robot has the order to stand: a r
   CHECK(fixture.core.may_leave());
 }
 
+TEST_CASE("a stop that did not reach the robot does not stand for the order to stand") {
+  HandFixture fixture;
+  fixture.drive({0.2});
+  fixture.sent();
+  fixture.down(Channel::command);
+  const auto stop = fixture.deliver(MessageType::command, Stop{"test"}, "ur3");
+  fixture.wait(0.01);
+  CHECK(fixture.answer(stop) == "nack robot_offline");
+  fixture.deliver(MessageType::command, Release{}, "ur3");
+  fixture.up(Channel::command);
+  CHECK(fixture.sent() == "SPEED 0 0\n");
+  fixture.down(Channel::command);
+  fixture.up(Channel::command);
+  CHECK(fixture.sent().empty());
+}
+
+TEST_CASE("a stop that was lost on its way does not stand for the order to stand; one that was confirmed does") {
+  for (const bool confirmed : {false, true}) {
+    PlcFixture fixture(driven_conveyor());
+    fixture.connect();
+    fixture.deliver(MessageType::command, first_speed(), "cloud");
+    fixture.serve();
+    fixture.deliver(MessageType::command, Stop{"test"}, "ur3");
+    CHECK(fixture.asked() == "write coil 0 0");
+    if (confirmed) fixture.answer_call();
+    fixture.down(Channel::command);
+    fixture.deliver(MessageType::command, Release{}, "ur3");
+    fixture.up(Channel::command);
+    const bool stands = fixture.serve().find("holding 0 0") != std::string::npos;
+    CHECK(stands != confirmed);
+  }
+}
+
 TEST_CASE("a process that ends begins nothing more; it stops its robot, if it is told to") {
   HandFixture fixture;
   fixture.core.begin_leave(fixture.now, fixture.out);
