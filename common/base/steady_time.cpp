@@ -16,15 +16,23 @@ UtcTime SteadyTime::at(Now now) {
   if (!offset_) {
     const bool was_short = restored_ && now.utc >= *restored_ - kSlack && now.utc <= *restored_ + kShortStop;
     offset_ = restored_ && !was_short ? restored_->ns - now.mono.ns : offset;
+    if (!was_short) first_ = UtcTime{now.mono.ns + *offset_};
   }
   const bool steps = !is_near(offset, *offset_);
   if (steps && (!step_ || !is_near(offset, step_->offset))) {
     step_ = Step{offset, now.mono};
   } else if (!steps || now.mono - step_->since >= kSteady) {
+    if (steps) take_over(Duration{offset - *offset_});
     offset_ = offset;
     step_.reset();
   }
-  return {now.mono.ns + *offset_};
+  last_ = {now.mono.ns + *offset_};
+  return last_;
+}
+
+void SteadyTime::take_over(Duration by) {
+  taken_ = SteadyStep{first_, last_, by};
+  if (first_) first_ = *first_ + by;
 }
 
 std::optional<MonotonicTime> SteadyTime::next() const {

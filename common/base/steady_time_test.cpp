@@ -90,3 +90,43 @@ TEST_CASE("after a restart within 20 minutes the clock is taken at once; else ti
   machine.pass(SteadyTime::kSteady);
   CHECK(back.at(machine.now()) == machine.truth());
 }
+
+TEST_CASE("a step says which times it moves: those told since the start, and what was kept before a short stop") {
+  Machine machine;
+  const UtcTime kept = machine.truth();
+  machine.pass(std::chrono::hours(8));
+  SteadyTime steady;
+  steady.restore(kept);
+  const UtcTime first = steady.at(machine.now());
+  machine.pass(seconds(60));
+  const UtcTime later = steady.at(machine.now());
+  CHECK_FALSE(steady.take_step());
+  machine.pass(SteadyTime::kSteady);
+  CHECK(steady.at(machine.now()) == machine.truth());
+  const auto step = steady.take_step();
+  REQUIRE(step);
+  CHECK_FALSE(steady.take_step());
+  CHECK(step->by == std::chrono::hours(8));
+  CHECK(step->moved(kept) == kept);
+  CHECK(step->moved(first) == first);
+  CHECK(step->moved(later) == later + std::chrono::hours(8));
+  CHECK(step->moved(machine.truth()) == machine.truth());  // told by another clock
+  machine.ahead = -kHour;
+  steady.at(machine.now());
+  machine.pass(SteadyTime::kSteady);
+  steady.at(machine.now());
+  const auto back = steady.take_step();
+  REQUIRE(back);
+  CHECK(back->moved(step->moved(later)) == later + std::chrono::hours(7));
+  CHECK(back->moved(kept) == kept);
+  SteadyTime soon;
+  soon.restore(machine.now().utc - seconds(5));
+  soon.at(machine.now());
+  machine.ahead = 0;
+  soon.at(machine.now());
+  machine.pass(SteadyTime::kSteady);
+  soon.at(machine.now());
+  const auto whole = soon.take_step();
+  REQUIRE(whole);
+  CHECK(whole->moved(kept) == kept + std::chrono::hours(1));
+}

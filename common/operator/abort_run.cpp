@@ -23,29 +23,32 @@ class Abort : public std::enable_shared_from_this<Abort> {
   void order(const RunView& view) {
     run_ = view.run;
     const AbortOrder order{run_, session_.node(), wish_.reason, session_.now().utc.ns};
-    const auto accepted = [self = shared_from_this(), view](const Message&) {
+    known_ = view;
+    const auto accepted = [self = shared_from_this()](const Message&) {
       self->end_ = self->session_.now().mono + self->wish_.wait;
-      self->look(view);
+      self->look();
     };
     send_signed<RunAbort>(session_, kSignedRunAbort, encode(order), on_success<Message>(done_, accepted));
   }
 
-  void look(const Result<RunView>& last) {
-    const bool over = last && last->state == RunState::aborted;
-    if (over || session_.now().mono >= end_) return done_(last);
+  /// What cannot be read now is no error: the order was accepted.
+  void look() {
+    if (known_.state == RunState::aborted || session_.now().mono >= end_) return done_(known_);
     const auto seen = [self = shared_from_this()](const Result<RunView>& view) { self->again(view); };
     session_.ask_node<RunView>(RunQuery{run_}, Callback<RunView>(seen));
   }
 
   void again(const Result<RunView>& view) {
-    if (view && view->state == RunState::aborted) return done_(view);
-    session_.after(kLookForEnd, [self = shared_from_this(), view] { self->look(view); });
+    if (view) known_ = *view;
+    if (known_.state == RunState::aborted) return done_(known_);
+    session_.after(kLookForEnd, [self = shared_from_this()] { self->look(); });
   }
 
   Session& session_;
   const AbortWish wish_;
   const Callback<RunView> done_;
   std::string run_;
+  RunView known_;  ///< read last
   MonotonicTime end_;
 };
 

@@ -54,6 +54,16 @@ TEST_CASE("a run is aborted, and looked at until every member has confirmed") {
     }
     CHECK(ending.value().state == RunState::aborting);
   }
+  SUBCASE("it cannot be read any more: it was accepted all the same") {
+    node.answer(view_of_run(RunState::aborting));
+    node.pass(std::chrono::milliseconds(100));
+    for (int i = 0; !ending.has_come() && i < 100; ++i) {
+      node.take<RunQuery>();
+      node.refuse(Errc::no_service, "the scheduler has ended");
+      node.pass(std::chrono::milliseconds(100));
+    }
+    CHECK(ending.value().state == RunState::aborting);
+  }
 }
 
 TEST_CASE("an abort ends with the first thing that fails") {
@@ -110,4 +120,22 @@ TEST_CASE("who lets a run go on has seen what was done twice; who holds it need 
   CHECK(node.take<RunQuery>().run == "3f2a0000");
   node.answer(view_of_run(RunState::running));
   CHECK(ending.value().state == RunState::running);
+}
+
+TEST_CASE("an order that was accepted is no error, though the run cannot be read then") {
+  for (const bool holds : {true, false}) {
+    FakeNode node;
+    Ending<RunView> ending;
+    (holds ? pause_run : resume_run)(node.session(), "3f2a", "why", ending);
+    node.take<RunQuery>();
+    node.answer(view_of_run(holds ? RunState::running : RunState::paused));
+    sign<PauseOrder>(node, kSignedRunPause);
+    node.take<RunPause>();
+    node.answer(Ack{"held", ""});
+    node.take<RunQuery>();
+    node.refuse(holds ? Errc::no_service : Errc::queue_full, "not now");
+    CHECK(ending.value().state == (holds ? RunState::paused : RunState::running));
+    CHECK(ending.value().pause_number == 1);
+    CHECK(ending.value().paused_by == (holds ? "ant" : ""));
+  }
 }

@@ -14,12 +14,22 @@ PauseOrder order_of(const RunView& view, bool paused, const std::string& node, c
   return order;
 }
 
+/// The run as the accepted order leaves it: for who cannot read it now, and must not take the order for refused.
+RunView as_ordered(RunView view, const PauseOrder& order) {
+  view.pause_number = order.number;
+  view.paused_by = order.paused ? order.by : "";
+  if (view.state == RunState::running || view.state == RunState::paused)
+    view.state = order.paused ? RunState::paused : RunState::running;
+  return view;
+}
+
 void hold(Session& session, bool paused, const std::string& run, const std::string& reason,
           const Callback<RunView>& done) {
   const auto order = [&session, paused, reason, done](const RunView& view) {
     const PauseOrder pause = order_of(view, paused, session.node(), reason, session.now().utc);
-    const auto look = [&session, id = view.run, done](const Message&) {
-      session.ask_node<RunView>(RunQuery{id}, done);
+    const auto look = [&session, known = as_ordered(view, pause), done](const Message&) {
+      const auto seen = [known, done](const Result<RunView>& read) { done(read ? read : Result<RunView>(known)); };
+      session.ask_node<RunView>(RunQuery{known.run}, Callback<RunView>(seen));
     };
     send_signed<RunPause>(session, kSignedRunPause, encode(pause), on_success<Message>(done, look));
   };

@@ -41,6 +41,9 @@ class ServiceShell final : public Service {
   [[nodiscard]] std::uint64_t instance() const override { return instance_; }
   void on_journal(std::function<Status(const std::vector<Journal>&)> commit) override { commit_ = std::move(commit); }
   void after_sends(std::function<void()> carry_out) override { after_sends_ = std::move(carry_out); }
+  void before_end(Effect begin, std::function<bool()> done, Duration longest) override {
+    last_work_ = LastWork{std::move(begin), std::move(done), longest};
+  }
   void watch(int fd, short events, std::function<void(short)> ready) override {
     loop_.add_fd(fd, events, std::move(ready));
   }
@@ -78,6 +81,7 @@ class ServiceShell final : public Service {
     loop_.add_timer([this] { return refused_.empty() ? std::nullopt : std::optional(MonotonicTime{0}); },
                     [this](Now) { deliver_refused(); });
     loop_.add_timer([this] { return reload_check_; }, [this](Now now) { try_reload(now); });
+    loop_.add_timer([this] { return ends(); }, [this](Now) { loop_.stop(); });
   }
 
   [[nodiscard]] int descriptor() const override { return loop_.descriptor(); }
@@ -97,11 +101,24 @@ class ServiceShell final : public Service {
 
   void on_signal(int signal) {
     if (signal == SIGHUP) {
-      reload_check_ = MonotonicTime{0};
+      if (!ends_by_) reload_check_ = MonotonicTime{0};
       return;
     }
     log_event(Level::info, "stopping", "signal " + std::to_string(signal));
-    loop_.stop();
+    end();
+  }
+
+  /// Told twice is told once: systemd signals the service, and so does its supervisor.
+  void end() {
+    if (ends_by_) return;
+    reload_check_.reset();
+    if (!last_work_) return loop_.stop();
+    ends_by_ = read_clocks().mono + last_work_->longest;
+    step(last_work_->begin);
+  }
+
+  [[nodiscard]] std::optional<MonotonicTime> ends() const {
+    return ends_by_ && last_work_->done() ? std::optional(MonotonicTime{0}) : ends_by_;
   }
 
   void try_reload(Now now) {
@@ -112,7 +129,7 @@ class ServiceShell final : public Service {
     }
     log_event(Level::info, "reloading", "idle: ends, to be started again with the new files");
     exit_ = kAgain;
-    loop_.stop();
+    end();
   }
 
   void tick_link(Now now) {
@@ -121,10 +138,10 @@ class ServiceShell final : public Service {
     if (const std::string problem = link_.take_dial_problem(); !problem.empty()) {
       log_event(Level::warning, "not_dialled", problem + "; tried again in 3 s");
     }
-    if (link_.refusal().empty()) return;
+    if (link_.refusal().empty() || ends_by_) return;
     log_event(Level::error, "refused_by_router", link_.refusal());
     exit_ = kRefused;
-    loop_.stop();
+    end();
   }
 
   void drain() {
@@ -235,6 +252,13 @@ class ServiceShell final : public Service {
   std::function<void()> after_sends_;
   std::function<bool()> idle_;
   std::optional<MonotonicTime> reload_check_;
+  struct LastWork {
+    Effect begin;
+    std::function<bool()> done;
+    Duration longest;
+  };
+  std::optional<LastWork> last_work_;
+  std::optional<MonotonicTime> ends_by_;  ///< set: it was told to end, and does its last work
   CounterTable counters_;
   std::vector<Nack> refused_;  ///< sent by the core, but unreadable for any receiver
   RateLimit limit_{20, std::chrono::seconds(10)};

@@ -44,6 +44,10 @@ class Service {
   /// besides, at its robot or its worker.
   virtual void after_sends(std::function<void()> carry_out) = 0;
 
+  /// Told to end, the loop takes `begin` as a step, and goes on until `done`, for `longest` at most. For what must
+  /// still reach a robot.
+  virtual void before_end(Effect begin, std::function<bool()> done, Duration longest) = 0;
+
   /// Calls `ready` in the loop when the descriptor has any of the poll(2) events. One watch a descriptor; calling again
   /// with other events replaces it.
   virtual void watch(int fd, short events, std::function<void(short revents)> ready) = 0;

@@ -234,6 +234,36 @@ TEST_CASE("a service runs in the event loop of a program that has one of its own
   CHECK(served.service->exit_status() == 0);
 }
 
+TEST_CASE("told to end, a service still does what it has to, until that is done") {
+  Served served;
+  bool is_done = false;
+  int begun = 0;
+  served.service->before_end([&](Now, Outbox&) { ++begun; }, [&] { return is_done; }, std::chrono::minutes(1));
+  served.start();
+  ::kill(::getpid(), SIGTERM);
+  while (begun == 0 && served.in_time()) REQUIRE(served.poll());
+  served.order_wave(77);
+  REQUIRE(served.poll_until(Ack::kSubtype));
+  is_done = true;
+  served.poll_to_end();
+  CHECK(begun == 1);
+  CHECK(served.service->exit_status() == 0);
+}
+
+TEST_CASE("told to end, however often, a service waits no longer than it may") {
+  Served served;
+  int begun = 0;
+  served.service->before_end([&](Now, Outbox&) { ++begun; }, [] { return false; }, std::chrono::milliseconds(100));
+  served.start();
+  const MonotonicTime told = now().mono;
+  ::kill(::getpid(), SIGTERM);
+  while (begun == 0 && served.in_time()) REQUIRE(served.poll());
+  ::kill(::getpid(), SIGTERM);
+  served.poll_to_end();
+  CHECK(now().mono - told >= std::chrono::milliseconds(100));
+  CHECK(begun == 1);
+}
+
 TEST_CASE("every service answers what it has counted, without its core") {
   Served served;
   served.start();

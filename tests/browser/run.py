@@ -156,6 +156,18 @@ class Orders:
         self.fleet.wait("the gateway is ready again", lambda: demo_page.is_ready(self.fleet), ORDER_S)
         return time.time() * 1000
 
+    def hold_tables(self):
+        """Who tells the gateway of alerts and runs is silent; the supervisor is held, so that it kills neither for that."""
+        self.fleet.nodes[CLOUD].child.send_signal(signal.SIGSTOP)
+        self.held = [self.fleet.pid(CLOUD, service) for service in ("resilience", "scheduler")]
+        for program in self.held:
+            os.kill(program, signal.SIGSTOP)
+
+    def let_tables_go(self):
+        for program in self.held:
+            os.kill(program, signal.SIGCONT)
+        self.fleet.nodes[CLOUD].child.send_signal(signal.SIGCONT)
+
 
 class Preview:
     """A built page that no gateway has embedded yet: vite serves it under the gateway's policy, and passes on what it asks."""

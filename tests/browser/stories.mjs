@@ -10,7 +10,7 @@ import { hostileTexts } from './story_hostile.mjs';
 import { paper } from './story_paper.mjs';
 import { plans } from './story_plan.mjs';
 import { triesAScenario } from './story_try.mjs';
-import { connectionLost, everyView, everyViewInFrench, keyboardAlone, stopsAll } from './story_views.mjs';
+import { connectionLost, everyView, everyViewInFrench, keyboardAlone, sourcesSilent, stopsAll } from './story_views.mjs';
 
 const settings = JSON.parse(process.argv[2]);
 const stories = [
@@ -28,6 +28,7 @@ const stories = [
   ['every control of every view is reached by Tab, and shows the focus', keyboardAlone],
   ['Shift+Esc stops all, in every view', stopsAll],
   ['hostile texts of robots, sensors, scenarios, users, messages are shown as text', hostileTexts],
+  ['who tells of alerts and runs is silent: no view says that there is none', sourcesSilent],
   ['the gateway is killed: the page says so within 3 s, and is back by itself within 3 s', connectionLost],
 ].filter(([title]) => title.includes(settings.only));
 

@@ -81,6 +81,27 @@ export async function stopsAll(browser, settings, people) {
   return `asked after ${median} ms (median), at most ${took.at(-1)} ms`;
 }
 
+export async function sourcesSilent(browser, settings, people) {
+  const person = await admin(browser, settings, people);
+  const { page } = person;
+  person.expected.push(/Failed to load resource/); // the archive is the scheduler's, too
+  const said = page.locator('[role=alert]:has-text("a new alarm would not be shown")');
+  await order('hold_tables');
+  await said.waitFor({ timeout: 60000 });
+  await person.go('#/alerts');
+  await page.waitForSelector('.count:has-text("not known which alerts")');
+  if (await page.$('text="There was no alert."')) person.faults.push('it says that there was no alert');
+  await person.go('#/runs');
+  await page.waitForSelector('[role=status]:has-text("not known what is under way")', { timeout: 60000 });
+  if (await page.$('text="No run is under way."')) person.faults.push('it says that no run is under way');
+  await order('let_tables_go');
+  await said.waitFor({ state: 'detached', timeout: 60000 });
+  await page.waitForSelector('[role=status]:has-text("not known what is under way")', { state: 'detached', timeout: 60000 });
+  await person.go('#/alerts');
+  await page.waitForSelector('.count:has-text("Open:")');
+  return '';
+}
+
 export async function connectionLost(browser, settings, people) {
   const person = await admin(browser, settings, people);
   const { page } = person;

@@ -2,6 +2,9 @@
 
 Addresses 127.0.214.x, 127.0.215.x.
 """
+import os
+import signal
+
 import support
 from gateway_case import CLOUD, ROBOT, WAIT_S, GatewayCase
 
@@ -41,6 +44,21 @@ class Alarms(GatewayCase):
 
     def alarm(self, alert):
         return self.viewer.ask("GET", f"/api/v1/alerts/{alert}").json["alarm"]
+
+    def test_without_the_resilience_services_table_nobody_is_told_that_there_is_no_alert(self):
+        program = self.fleet.pid(CLOUD, "resilience")
+        os.kill(program, signal.SIGSTOP)
+        try:
+            self.kill_gateway()
+            live = self.viewer.live()
+            self.addCleanup(live.close)
+            live.say({"subscribe": "alerts"})
+            frame = live.until(lambda heard: heard.get("blocks"))
+            self.assertEqual(frame["blocks"][0]["rows"], [])
+            self.assertIn("resilience", frame["silent"])
+        finally:
+            os.kill(program, signal.SIGCONT)
+        live.until(lambda heard: "count" in heard and "resilience" not in heard.get("silent", []))
 
     def test_who_has_seen_an_alert_is_known_to_all_and_after_a_kill(self):
         alert = self.fault()

@@ -5,6 +5,7 @@ Addresses 127.0.250.x, 127.0.251.x.
 import concurrent.futures
 import json
 import os
+import re
 import signal
 import socket
 import time
@@ -262,6 +263,12 @@ class Stream(GatewayCase):
         lines = csv.bytes.decode().split("\r\n")
         self.assertEqual(lines[0], "time,value,unit,quality")
         self.assertRegex(lines[1], r'^20\d\d-.*Z,[0-9.]+,"percent","good"$')
+        self.assertIsNone(csv.headers["Link"])
+        newest = self.viewer.ask("GET", f"/api/v1/{sensor}/history.csv?limit=1&from={times[-1]}")
+        target = re.fullmatch(r'<(/api/v1/.*&limit=1&from=.*)>; rel="next"', newest.headers["Link"])[1]
+        before = self.viewer.ask("GET", target).bytes.decode().split("\r\n")
+        self.assertEqual(len(before), 3)
+        self.assertLess(before[1].split(",")[0], newest.bytes.decode().split("\r\n")[1].split(",")[0])
 
     def test_wrong_questions_about_the_past(self):
         for path in ("robots/nobody", f"sensors/{ROBOT}/none", "sensors/nobody/none"):

@@ -73,6 +73,39 @@ class Gateway(GatewayCase):
         self.assertEqual(two.sign_in("pia", GOOD).status, 401)
         self.assertEqual(two.sign_in("pia", GOOD + "!").status, 201)
 
+    def keep_hashing(self):
+        """The gateway's two threads have to hash these passwords before anything that is sent from now on."""
+        for _ in range(16):
+            connection, _ = self.admin.begin("PUT", "/api/v1/users/vic/password", {"password": GOOD})
+            self.addCleanup(connection.close)
+
+    def test_who_has_taken_over_a_session_does_not_undo_the_admins_reset(self):
+        new = GOOD + " by the admin"
+        self.admin.ask("POST", "/api/v1/users", {"name": "eva", "role": "operator", "password": GOOD})
+        self.addCleanup(self.admin.ask, "DELETE", "/api/v1/users/eva")
+        thief = self.client()
+        thief.sign_in("eva", GOOD)
+        self.addCleanup(lambda: self.viewer.sign_in("vic", GOOD))
+        self.keep_hashing()
+        connection, _ = thief.begin("PUT", "/api/v1/me/password", {"old": GOOD, "new": GOOD + " by the thief"})
+        self.addCleanup(connection.close)
+        self.assertEqual(self.admin.ask("PUT", "/api/v1/users/eva/password", {"password": new}).status, 204)
+        self.assertEqual(connection.getresponse().status, 401)
+        self.assertEqual(self.client().sign_in("eva", new).status, 201)
+
+    def test_an_admin_who_is_disabled_adds_nobody_with_what_he_has_sent_before(self):
+        self.admin.ask("POST", "/api/v1/users", {"name": "eva", "role": "admin", "password": GOOD})
+        self.addCleanup(self.admin.ask, "DELETE", "/api/v1/users/eva")
+        eva = self.client()
+        eva.sign_in("eva", GOOD)
+        self.addCleanup(lambda: self.viewer.sign_in("vic", GOOD))
+        self.keep_hashing()
+        connection, _ = eva.begin("POST", "/api/v1/users", {"name": "door", "role": "admin", "password": GOOD})
+        self.addCleanup(connection.close)
+        self.assertEqual(self.admin.ask("PATCH", "/api/v1/users/eva", {"disabled": True}).status, 200)
+        self.assertEqual(connection.getresponse().status, 401)
+        self.assert_problem(self.admin.ask("GET", "/api/v1/users/door"), 404)
+
     def test_a_session_that_was_taken_over_does_not_tell_the_password(self):
         self.admin.ask("POST", "/api/v1/users", {"name": "max", "role": "viewer", "password": GOOD})
         client = self.client()
@@ -284,6 +317,22 @@ class Gateway(GatewayCase):
             self.assertEqual(stopped.status, 200, stopped.bytes)
             self.assertEqual([one["state"] for one in stopped.json["robots"]], ["confirmed"])
 
+    def test_a_stop_of_one_robot_waits_for_no_list_of_the_fleet(self):
+        stop, pid = f"/api/v1/robots/{ROBOT}/stop", self.fleet.pid(CLOUD, "cloud-gateway")
+        self.addCleanup(self.operator.ask, "POST", f"/api/v1/robots/{ROBOT}/release")
+
+        def first_answer():
+            with contextlib.suppress(OSError, http.client.HTTPException):
+                return self.operator.ask("POST", stop)
+        os.kill(pid, signal.SIGKILL)
+        answers = []
+        self.fleet.wait("the next gateway's first answer", lambda: answers.append(first_answer()) or answers[-1], WAIT_S)
+        self.assertEqual(answers[-1].status, 200, answers[-1].bytes)
+        self.assertEqual(answers[-1].json["robots"][0]["robot"], ROBOT)
+        self.fleet.wait("it is ready", self.is_ready, WAIT_S)
+        self.fleet.wait("the robot is shown online", self.is_online, WAIT_S)
+        self.assert_problem(self.operator.ask("POST", "/api/v1/robots/nobody/stop"), 404, "missing")
+
     def test_a_stop_with_the_key_of_an_earlier_one_is_ordered_again(self):
         stop, release = (f"/api/v1/robots/{ROBOT}/{word}" for word in ("stop", "release"))
         self.addCleanup(self.operator.ask, "POST", release)
@@ -314,21 +363,25 @@ class Gateway(GatewayCase):
     # ---- a gateway that ends while a robot has not answered yet
 
     def under_way(self, word, **more):
-        """An order that its robot hears and cannot answer, once it is on record; what lets the robot answer, and a function
-        that waits for the order's answer: None if the connection was cut."""
-        adapter = self.fleet.pid(ROBOT, "mode-adapter")
+        """An order that its robot hears and cannot answer; see held()."""
+        return self.held(ROBOT, "mode-adapter", f"/api/v1/robots/{ROBOT}/{word}", **more)
+
+    def held(self, node, service, path, body=None, **more):
+        """An order that a service cannot answer, once it is on record; what lets the service answer, and a function that
+        waits for the order's answer: None if the connection was cut."""
+        pid = self.fleet.pid(node, service)
         before = self.newest()
-        os.kill(adapter, signal.SIGSTOP)
-        self.addCleanup(os.kill, adapter, signal.SIGCONT)
+        os.kill(pid, signal.SIGSTOP)
+        self.addCleanup(os.kill, pid, signal.SIGCONT)
 
         def ask():
             with contextlib.suppress(OSError, http.client.HTTPException):
-                return self.operator.ask("POST", f"/api/v1/robots/{ROBOT}/{word}", **more)
+                return self.operator.ask("POST", path, body, **more)
         pool = concurrent.futures.ThreadPoolExecutor(1)
         self.addCleanup(pool.shutdown)
         answer = pool.submit(ask)
         self.fleet.wait("that it begins is on record", lambda: self.newest() > before, 2)
-        return (lambda: os.kill(adapter, signal.SIGCONT)), lambda: answer.result(WAIT_S)
+        return (lambda: os.kill(pid, signal.SIGCONT)), lambda: answer.result(WAIT_S)
 
     def newest(self):
         """The number of olga's last record. All of them take longer to be looked at than the gateway waits for a robot."""
@@ -368,6 +421,23 @@ class Gateway(GatewayCase):
             repeated = self.operator.ask("POST", f"/api/v1/robots/{ROBOT}/{word}", **more)
             self.assertEqual(repeated.status, again, "of a stop alone nothing has to be known")
         self.assertEqual(self.operator.ask("POST", f"/api/v1/robots/{ROBOT}/release").status, 200)
+
+    def test_who_looks_whether_it_was_done_is_told_what_to_look_for(self):
+        for service, path, body, effect in (
+                ("scheduler", "/api/v1/runs", {"scenario": SCENARIO}, "start of a run of scenario 'short'"),
+                ("resilience", "/api/v1/alerts/0123456789abcdef/decision", {"verdict": "skip"},
+                 "decision on alert 0123456789abcdef: skip")):
+            more = {"Idempotency_Key": f"look-{service}"}
+            go_on, answer = self.held(CLOUD, service, path, body, **more)
+            self.kill_gateway()
+            go_on()
+            self.assertIsNone(answer())
+            last = self.admin.ask("GET", "/api/v1/audit?limit=1&who=olga").json["records"][0]
+            self.assertEqual((last["action"], last["about"], last["outcome"]), ("unanswered", effect, "not confirmed"))
+            repeated = self.operator.ask("POST", path, body, **more)
+            self.assert_problem(repeated, 503, "not_confirmed")
+            self.assertIn(effect, repeated.json["detail"])
+            self.fleet.wait("the robot is shown online", self.is_online, WAIT_S)
 
     # ---- the live stream
 

@@ -83,6 +83,23 @@ class NodeLife(unittest.TestCase):
         fleet.wait("its process has ended", lambda: subprocess.run(
             ["pgrep", "-f", f"trb-resilience {fleet.dir('cloud')}"], capture_output=True).returncode == 1, 60)
 
+    def test_reload_names_the_service_that_it_does_not_reach(self):
+        fleet = self.make()
+        for option in (["--without", "scheduler"], ["--without=scheduler"], []):
+            with self.subTest(option=option):
+                up = trb_fleet.Process([support.PROGRAMS / "trb", "up", fleet.dir("cloud"), *option, "--die-with-parent"], fleet.root / "up.log")
+                self.addCleanup(up.stop)
+                said = []
+
+                def is_taken():
+                    done = fleet.trb("reload", fleet.dir("cloud"), check=False)
+                    said[:] = [done.stdout]
+                    return done.returncode == 0
+                fleet.wait("it is up", is_taken, 60)
+                self.assertIn("each service takes the new files", said[0])
+                self.assertEqual("scheduler is for whoever starts it to ask" in said[0], bool(option), said[0])
+                up.stop()
+
     def test_a_folder_far_down_and_with_a_space_in_its_path(self):
         fleet = self.make(below="a folder of " + "x" * 100 + "/" + "y" * 60)
         done = self.up(fleet)

@@ -1,6 +1,7 @@
-"""The node as systemd's service: its units, judged by systemd-analyze, and what `trb up` says to systemd (sd_notify(3)).
+"""The node as systemd's service: its units, judged by systemd-analyze and run by a systemd of the test's own, and what `trb up` says to
+systemd (sd_notify(3)): there the test is its ear.
 
-Addresses 127.0.126.x. No systemd runs here: the test is its ear.
+Addresses 127.0.126.x.
 """
 import json
 import os
@@ -14,7 +15,8 @@ import time
 import unittest
 
 import support
-import skips  # by the path of support
+import own_systemd  # by the path of support, as the next
+import skips
 import trb_fleet
 
 UNITS = support.REPO / "deploy" / "systemd"
@@ -129,6 +131,102 @@ class Notify(unittest.TestCase):
                 self.ear.recv(4096)
                 heard += 1
         self.assertLessEqual(heard, 1, "one may have been under way")
+
+
+NODE = "/var/lib/talkrobots/node"
+BUS = "talkrobots-sensor-bus"
+# As the package does, with the programs of this build; what a unit says goes to a file, for there is no journal.
+INSTALL = f"""
+printf 'g input -\\ng dialout -\\ng video -\\n' | cat - {UNITS}/talkrobots.sysusers > $root/tmp/sysusers
+systemd-sysusers --root=$root $root/tmp/sysusers
+cp {UNITS}/*.service $root/lib/systemd/system
+for program in trb trb-router trb-scheduler trb-sensor-bus; do
+  touch $root/usr/bin/$program; mount --bind {support.PROGRAMS}/$program $root/usr/bin/$program
+done
+for unit in talkrobots {BUS}; do
+  mkdir -p $root/etc/systemd/system/$unit.service.d
+  printf '[Service]\\nStandardOutput=append:/tmp/said\\nStandardError=append:/tmp/said\\n' > $root/etc/systemd/system/$unit.service.d/said.conf
+done
+mkdir -p $root/etc/systemd/system/talkrobots.service.wants
+ln -s /lib/systemd/system/{BUS}.service $root/etc/systemd/system/talkrobots.service.wants
+rm -rf $root/var/lib/talkrobots; mkdir -p $root/var/lib/talkrobots
+"""
+
+
+class Run(unittest.TestCase):
+    """The units, run by systemd: the programs of a node in their cages."""
+
+    @classmethod
+    def setUpClass(cls):
+        if why := own_systemd.why_not():
+            raise unittest.SkipTest(why)
+        if support.is_sanitized():
+            raise unittest.SkipTest("a sanitizer's program does what the units do not allow")
+
+    def setUp(self):
+        folder = support.temporary_folder(self)
+        fleet = OneNode(folder / "fleet")
+        fleet.make()
+        self.systemd = own_systemd.OwnSystemd(folder, f"{INSTALL}cp -a {fleet.dir('cloud')} $root{NODE}; chroot $root chown -R trbots: /var/lib/talkrobots")
+        self.addCleanup(self.systemd.stop)
+        try:
+            self.systemd.boot()
+        except own_systemd.CannotBoot as why:
+            self.skipTest(f"no systemd of its own: {why}")
+        self.addCleanup(lambda: print(self.systemd.sh("tail -n 40 /tmp/said", check=False).stdout))
+
+    def name(self, *services):
+        """What node.json names."""
+        self.systemd.sh(f"echo '{json.dumps({'id': 'cloud', 'role': 'cloud', 'services': services})}' > {NODE}/node.json")
+
+    def bus(self):
+        return int(self.systemd.show(BUS, "MainPID"))
+
+    def another_than(self, *pids):
+        """The sensor-bus' pid, once it is none of these."""
+        return self.systemd.wait(f"{BUS} runs, not as {pids}", lambda: (now := self.bus()) not in (0, *pids) and now)
+
+    def wait_up(self, pid):
+        def is_up():
+            said = self.systemd.sh(f"runuser -u trbots -- trb service list --json --node {NODE}", check=False).stdout
+            rows = json.loads(said or "{}").get("services", [])
+            return any(row["service"] == "sensor-bus" and row["state"] == "up" and row["pid"] == pid for row in rows)
+        self.systemd.wait("the router has heard of it", is_up)
+
+    def test_a_node_with_sensors_is_ready_and_ends(self):
+        self.name("router", "scheduler", "sensor-bus")
+        self.systemd.sh("systemctl start talkrobots")  # returns once all are up
+        self.assertEqual(self.systemd.show("talkrobots", "SubState"), "running")
+        self.wait_up(self.bus())
+        self.systemd.sh("systemctl stop talkrobots")
+        self.assertEqual([self.systemd.show(BUS, "ActiveState"), self.systemd.show(BUS, "Result")], ["inactive", "success"])
+
+    def test_a_reload_reaches_the_sensor_bus_if_the_files_are_good(self):
+        self.systemd.sh("systemctl start talkrobots")
+        self.assertEqual(self.bus(), 0, "node.json does not name it")
+        self.name("router", "scheduler", "sensor-bus")
+        self.systemd.sh("systemctl reload talkrobots")
+        first = self.another_than()
+        self.wait_up(first)
+        self.systemd.sh("systemctl reload talkrobots")
+        second = self.another_than(first)
+        self.wait_up(second)
+        self.systemd.sh(f"echo '{{' >> {NODE}/node.json")
+        self.assertNotEqual(self.systemd.sh("systemctl reload talkrobots", check=False).returncode, 0)
+        self.assertEqual(self.systemd.sh(f"systemctl list-jobs --no-legend {BUS}.service").stdout, "", "nothing is to be done with it")
+        self.assertEqual(self.bus(), second)
+        self.name("router", "scheduler")
+        self.systemd.sh("systemctl reload talkrobots")
+        self.systemd.wait("it ends", lambda: self.systemd.show(BUS, "ActiveState") == "inactive")
+
+    def test_the_sensor_bus_is_started_again_however_often_it_ends(self):
+        self.name("router", "scheduler", "sensor-bus")
+        self.systemd.sh("systemctl start talkrobots")
+        pid = self.bus()
+        for _ in range(6):  # systemd gives up after five in ten seconds, unless it is told not to
+            self.systemd.sh(f"kill -9 {pid}")
+            pid = self.another_than(pid)
+        self.wait_up(pid)
 
 
 if __name__ == "__main__":

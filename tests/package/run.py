@@ -50,6 +50,24 @@ runuser -u trbots -- trb service list --node node
 runuser -u trbots -- trb down node
 wait $node
 """
+# What a purge does to a node's folder that is no plain one; as the package's own script, so that it stays installed.
+PURGE = f"""
+fill() {{ mkdir -p "$1/node/keys"; touch "$1/node/keys/key" "$1/.hidden"; }}
+purge() {{ /var/lib/dpkg/info/talkrobots.postrm purge; }}
+emptied() {{ test -z "$(ls -A "$1")"; }}
+mkdir -p /tmp/disk /{STATE}
+mv /{STATE} /tmp/kept; mkdir /{STATE}
+"""
+ON_A_DISK = f"""{PURGE}
+mount -t tmpfs disk /{STATE}; fill /{STATE}; purge; mountpoint -q /{STATE}; emptied /{STATE}; umount /{STATE}
+mkdir /{STATE}/node; mount -t tmpfs disk /{STATE}/node; fill /{STATE}; purge; emptied /{STATE}/node; umount /{STATE}/node
+rm -r /{STATE}; mv /tmp/kept /{STATE}
+"""
+BEHIND_A_LINK = f"""{PURGE}
+rmdir /{STATE}; ln -s /tmp/disk /{STATE}; fill /tmp/disk; purge; emptied /tmp/disk; test ! -L /{STATE}
+ln -s /tmp/nowhere /{STATE}; purge; test ! -L /{STATE}
+mv /tmp/kept /{STATE}
+"""
 step = Steps()
 
 
@@ -231,6 +249,15 @@ def removed(story):
 
 
 @step
+def purged_off_a_disk_of_its_own(story):
+    """the folder is a disk of its own, or a link: what is in it goes, too, and the purge comes to its end"""
+    for script in (ON_A_DISK, BEHIND_A_LINK):
+        said = story.root.run(script).said
+        check(f"removing /{STATE} for good" in said, said)
+    check(story.state() == story.kept, "the keys and journals of this story are where they were")
+
+
+@step
 def purged(story):
     """`apt purge`: these go too, and it says so before; what is left is what the dependencies leave, and the user"""
     said = story.root.run("apt-get purge -y -qq 'talkrobots*' 2>&1").said
@@ -243,6 +270,17 @@ def purged(story):
     ours = [path for path in differs if path not in MAY_STAY and (path in now) and not (path in story.without and not re.search("talkrobots|trb", path))]
     check(not ours, f"left behind: {ours}")
     check(set(story.root.run("getent passwd trbots || true").said.split(":")[:1]) == {"trbots"}, "the user stays")
+
+
+@step
+def installed_again_behind_a_removal(story):
+    """without a node `apt remove` takes the empty folder along; installed again it is there, its user's"""
+    for _ in range(2):
+        story.install(story.user)
+        check(story.root.run(f"stat -c '%U %G %a' /{STATE}").said.split() == ["trbots", "trbots", "700"], "the node's folder is its user's")
+        story.root.run("apt-get remove -y -qq 'talkrobots*'")
+        check(not (story.root.path / STATE).exists(), "an empty folder goes")
+    story.root.run("apt-get purge -y -qq 'talkrobots*'")
 
 
 @step

@@ -204,6 +204,35 @@ def killed(story):
 
 
 @step
+def reloaded(story):
+    """`systemctl reload talkrobots` starts a sensor-bus that node.json names anew, lets it take new files, and leaves it as it is if they
+    have faults; five quick ends do not end it"""
+    file, unit = f"{NODE}/node.json", "talkrobots-sensor-bus"
+
+    def bus():
+        return int(story.sh(f"systemctl show -P MainPID {unit}"))
+
+    def another_than(*pids):
+        return story.wait(f"{unit} runs, not as {pids}", lambda: (now := bus()) not in (0, *pids) and now)
+    check(bus() == 0, "node.json does not name it")
+    story.sh(f"cp -p {file} /root/node.json; sed -i 's/\"scheduler\"]/\"scheduler\", \"sensor-bus\"]/' {file}; systemctl reload talkrobots")
+    first = another_than()
+    story.wait("it is up", lambda: {row["service"]: row["state"] for row in story.asked("service list")["services"]}.get("sensor-bus") == "up")
+    story.sh("systemctl reload talkrobots")
+    pid = another_than(first)
+    story.sh(f"cp -p {file} /root/good.json; echo '{{' >> {file}")
+    check(story.machine.sh("systemctl reload talkrobots")[1] != 0, "files with faults are refused")
+    check(bus() == pid, "it goes on with the files that it has")
+    story.sh(f"cp -p /root/good.json {file}")
+    for _ in range(6):
+        story.sh(f"kill -9 {pid}")
+        pid = another_than(pid)
+    story.sh(f"cp -p /root/node.json {file}; systemctl reload talkrobots")
+    story.wait("it has ended", lambda: story.sh(f"systemctl show -P ActiveState {unit}") == "inactive")
+    story.wait_well()
+
+
+@step
 def cut_from_power(story):
     """the power goes in the middle of a run; after the next boot the run goes on, to its end"""
     accepted, run = story.submit("long")

@@ -25,6 +25,7 @@ struct C3Job {
   MessageType type{};
   std::string subtype;
   std::string source;
+  std::size_t bytes = 0;   ///< of its data
   bool tracked = false;    ///< a service waits for its end
   bool forgotten = false;  ///< no service waits for its answer any more
   bool halted = false;     ///< it is to end; what the program says of its end may have come before
@@ -36,6 +37,7 @@ struct C3Job {
   Phase phase = Phase::writing;
   bool told_started = false;
   std::optional<MonotonicTime> waits_since;  ///< since when it waits for the program to take it, or a chunk of it
+  std::optional<MonotonicTime> until;        ///< of information, which no sender waits for: later it is dropped
 };
 
 /// The vendor's assignments for a subtype.

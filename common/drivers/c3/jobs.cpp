@@ -8,13 +8,21 @@
 namespace trb::drivers {
 namespace {
 
+// Of each kind of message: what anybody may send takes no place of a command.
 constexpr std::size_t kMaxJobs = 64;
+constexpr std::size_t kMaxBytes = 1U << 20U;
+constexpr Duration kInformationTime = std::chrono::seconds(10);
 constexpr std::size_t kPresetChunk = 80;
 constexpr std::int64_t kNumbers = 1'000'000;
 
 /// A restarted node must not mistake the end of an old message for that of a new one.
 std::int64_t first_number(std::uint64_t instance) {
   return static_cast<std::int64_t>(instance % 2000) * kNumbers;
+}
+
+Error busy() {
+  return fail(Errc::busy, "a skill runs, and the robot's program does one thing at a time",
+              "wait for its end, or stop it");
 }
 
 /// Reports its end, whether it was answered before or not.
@@ -38,32 +46,49 @@ C3Jobs::C3Jobs(const Parts& parts, const Program& program, Commands commands)
   if (program_.chunk_bytes == 0) program_.chunk_bytes = kPresetChunk;
 }
 
-Status C3Jobs::may_take() const {
+Status C3Jobs::may_take(const Handover& message) const {
   const bool skill_waits = std::ranges::any_of(waiting_, &C3Job::tracked);
-  if (skill_waits || (current_ && current_->tracked && !current_->halted)) {
-    return fail(Errc::busy, "a skill runs, and the robot's program does one thing at a time",
-                "wait for its end, or stop it");
+  if (skill_waits || (current_ && current_->tracked && !current_->halted)) return busy();
+  std::size_t number = 0;
+  std::size_t bytes = message.data.size();
+  for (const C3Job& job : waiting_) {
+    if (job.type != message.type) continue;
+    ++number;
+    bytes += job.bytes;
   }
-  if (waiting_.size() < kMaxJobs) return Done{};
-  return fail(Errc::queue_full, "64 messages wait for the robot's program already", "send slower");
+  if (number < kMaxJobs && bytes <= kMaxBytes) return Done{};
+  return fail(Errc::queue_full, std::to_string(number) + " messages wait for the robot's program already",
+              "send slower");
 }
 
 Status C3Jobs::add(const Handover& message, Now now, const DriverOut& out) {
-  if (const Status taken = may_take(); !taken) return taken.error();
-  auto job = make_job(message);
+  if (const Status taken = may_take(message); !taken) return taken.error();
+  auto job = make_job(message, now);
   if (!job) return job.error();
   out.out.count("to_robot." + job->subtype);
-  waiting_.push_back(std::move(*job));
+  if (job->tracked) {
+    waiting_.push_front(std::move(*job));
+    make_way(now, out);
+  } else {
+    waiting_.push_back(std::move(*job));
+  }
   begin_next(now, out);
   return Done{};
 }
 
-Result<C3Job> C3Jobs::make_job(const Handover& message) {
+/// A skill's time runs: what anybody may send at any time must not use it up, chunk by chunk.
+void C3Jobs::make_way(Now now, const DriverOut& out) {
+  if (current_ && current_->type != MessageType::command && !may_be_taken()) refuse(busy(), now, out);
+}
+
+Result<C3Job> C3Jobs::make_job(const Handover& message, Now now) {
   C3Job job;
   job.token = message.token;
   job.type = message.type;
   job.subtype = message.subtype;
   job.source = message.source;
+  job.bytes = message.data.size();
+  if (message.type == MessageType::information) job.until = now.mono + kInformationTime;
   job.tracked = !message.skill.empty();
   job.number = ++last_number_;
   job.ends = !names_.done.empty();
@@ -156,7 +181,9 @@ void C3Jobs::withdraw(Now now, const DriverOut& out) {
 }
 
 void C3Jobs::clear_offer(Now now, const DriverOut& out) {
-  if (program_.fields) link_.ask({C3Purpose::note, names_.command, "FALSE", 0}, now, out);
+  if (!program_.fields) return;
+  link_.drop_waiting(C3Purpose::note);  // an earlier one; nothing that waits behind it offers a message yet
+  link_.ask({C3Purpose::note, names_.command, "FALSE", 0}, now, out);
 }
 
 void C3Jobs::refuse(const Error& why, Now now, const DriverOut& out) {
@@ -187,7 +214,16 @@ C3Jobs::Broken C3Jobs::fail_all(const Error& why, const DriverOut& out) {
   return {moved, drop(why, out)};
 }
 
+void C3Jobs::drop_late(Now now, const DriverOut& out) {
+  const auto late = [&](const C3Job& job) { return job.until && now.mono >= *job.until; };
+  for (auto dropped = std::erase_if(waiting_, late); dropped > 0; --dropped) out.out.count("refused.timeout");
+  if (!current_ || current_->phase == C3Job::Phase::running || !late(*current_)) return;
+  out.out.count("refused.timeout");
+  withdraw(now, out);
+}
+
 void C3Jobs::check_patience(Now now, const DriverOut& out) {
+  drop_late(now, out);
   if (!current_ || !current_->waits_since || now.mono - *current_->waits_since < program_.patience) return;
   refuse(fail(Errc::robot_error, "the robot's program did not take the message in time",
               "look whether the program runs on the robot (config/robots/kuka/trb.src)"),

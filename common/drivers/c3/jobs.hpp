@@ -17,6 +17,8 @@ namespace trb::drivers {
 /// writing         | the chunk flag is FALSE  | the next write
 /// offered         | the command flag is FALSE| running; HandedOver and the next if its end is not told
 /// both            | the patience ends        | Refused, the offer withdrawn
+/// both            | of information: 10 s     | dropped, the offer withdrawn; also while it waits
+/// writing         | a skill is added         | Refused, unless it is a command
 /// running         | the done flag is FALSE   | Started, once
 /// running         | the done flag, ours      | Ended, an answer, or Refused; the next message
 /// any             | the done flag, another's | counted as late
@@ -44,7 +46,7 @@ class C3Jobs {
   C3Jobs(const Parts& parts, const Program& program, Commands commands);
 
   [[nodiscard]] bool has_words(std::string_view subtype) const { return commands_.contains(subtype); }
-  /// Errors: busy (a skill runs), queue_full, bad_value, not_escapable.
+  /// A skill is begun before all that waits. Errors: busy (a skill runs), queue_full, bad_value, not_escapable.
   Status add(const Handover& message, Now now, const DriverOut& out);
   [[nodiscard]] bool runs(Token token) const;
   void forget(Token token, Now now, const DriverOut& out);
@@ -89,9 +91,11 @@ class C3Jobs {
   [[nodiscard]] bool waits_in(C3Job::Phase phase) const {
     return current_ && current_->phase == phase && current_->waits_since;
   }
-  [[nodiscard]] Status may_take() const;
+  [[nodiscard]] Status may_take(const Handover& message) const;
   [[nodiscard]] bool may_be_taken() const;
-  Result<C3Job> make_job(const Handover& message);
+  Result<C3Job> make_job(const Handover& message, Now now);
+  void make_way(Now now, const DriverOut& out);
+  void drop_late(Now now, const DriverOut& out);
   Status add_words(const Handover& message, C3Job& job) const;
   void do_step(Now now, const DriverOut& out);
   void withdraw(Now now, const DriverOut& out);

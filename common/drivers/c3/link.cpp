@@ -4,11 +4,14 @@
 
 namespace trb::drivers {
 
-bool C3Link::ask(C3Ask ask, Now now, const DriverOut& out) {
-  if (waiting_.size() >= kMost) return false;
+void C3Link::ask(C3Ask ask, Now now, const DriverOut& out) {
   waiting_.push_back(std::move(ask));
   if (sent_.empty()) send_next(now, out);
-  return true;
+}
+
+void C3Link::request(C3Ask ask, Now now, const DriverOut& out) {
+  requests_.push_back(std::move(ask));
+  if (sent_.empty()) send_next(now, out);
 }
 
 void C3Link::urge(C3Ask ask, Now now, const DriverOut& out) {
@@ -17,6 +20,10 @@ void C3Link::urge(C3Ask ask, Now now, const DriverOut& out) {
 
 void C3Link::drop_waiting(C3Purpose purpose) {
   std::erase_if(waiting_, [&](const C3Ask& ask) { return ask.purpose == purpose; });
+}
+
+void C3Link::drop_request(std::uint64_t about) {
+  std::erase_if(requests_, [&](const C3Ask& ask) { return ask.about == about; });
 }
 
 std::optional<C3Link::Answer> C3Link::take(C3Reply reply, Now now, const DriverOut& out) {
@@ -33,7 +40,13 @@ std::optional<C3Link::Answer> C3Link::take(C3Reply reply, Now now, const DriverO
 
 void C3Link::clear() {
   waiting_.clear();
+  requests_.clear();
   sent_.clear();
+}
+
+bool C3Link::idle() const {
+  return waiting_.empty() &&
+         std::ranges::all_of(sent_, [](const auto& sent) { return sent.second.ask.purpose == C3Purpose::request; });
 }
 
 bool C3Link::hung(Now now) const {
@@ -55,9 +68,10 @@ void C3Link::send(C3Ask ask, Now now, const DriverOut& out) {
 }
 
 void C3Link::send_next(Now now, const DriverOut& out) {
-  if (waiting_.empty()) return;
-  C3Ask next = std::move(waiting_.front());
-  waiting_.pop_front();
+  std::deque<C3Ask>& lane = waiting_.empty() ? requests_ : waiting_;
+  if (lane.empty()) return;
+  C3Ask next = std::move(lane.front());
+  lane.pop_front();
   send(std::move(next), now, out);
 }
 

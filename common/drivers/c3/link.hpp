@@ -22,20 +22,26 @@ struct C3Ask {
 
 /// event          | what follows
 /// ---------------|----------------------------------------------------------------
-/// ask            | waits for the answers of all before it, then is sent
+/// ask            | the driver's own: waits for the answers of all before it, then is sent
+/// request        | a member's: waits until nothing of the driver's own waits
 /// urge           | sent at once, whatever waits or is under way
 /// an answer      | its ask, and the next one is sent; of an unknown tag: counted, ignored
 /// 2 s, no answer | hung(): the connection is of no use any more
+///
+/// So members delay each of the driver's own by one answer at most.
 class C3Link {
  public:
-  static constexpr std::size_t kMost = 256;
   static constexpr Duration kAnswerTime = std::chrono::seconds(2);
 
-  /// False: the queue is full.
-  bool ask(C3Ask ask, Now now, const DriverOut& out);
+  /// Never refused: the driver asks for its values only if idle(), and has one step and one withdrawal at a time.
+  void ask(C3Ask ask, Now now, const DriverOut& out);
+  /// The caller bounds their number.
+  void request(C3Ask ask, Now now, const DriverOut& out);
   void urge(C3Ask ask, Now now, const DriverOut& out);
-  /// Drops the requests of that purpose that have not been sent.
+  /// Drops what the driver asks for that purpose and has not been sent.
   void drop_waiting(C3Purpose purpose);
+  /// Drops the request with that mark, unless it has been sent.
+  void drop_request(std::uint64_t about);
 
   struct Answer {
     C3Ask ask;
@@ -45,7 +51,8 @@ class C3Link {
   std::optional<Answer> take(C3Reply reply, Now now, const DriverOut& out);
 
   void clear();
-  [[nodiscard]] bool idle() const { return sent_.empty() && waiting_.empty(); }
+  /// Nothing of the driver's own waits or is under way.
+  [[nodiscard]] bool idle() const;
   [[nodiscard]] bool hung(Now now) const;
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const;
 
@@ -57,7 +64,8 @@ class C3Link {
   void send(C3Ask ask, Now now, const DriverOut& out);
   void send_next(Now now, const DriverOut& out);
 
-  std::deque<C3Ask> waiting_;
+  std::deque<C3Ask> waiting_;           ///< the driver's own
+  std::deque<C3Ask> requests_;          ///< members'
   std::map<std::uint16_t, Sent> sent_;  ///< by tag
   std::uint16_t last_tag_ = 0;
 };

@@ -16,9 +16,7 @@ Status C3Values::ask(const Handover& request, Now now, const DriverOut& out) {
   const auto question = std::ranges::find(questions_, name, &Question::name);
   if (question == questions_.end()) return fail(Errc::unknown_subtype, "commands.json has no value '" + name + "'");
   if (asked_.size() >= kMaxRequests) return fail(Errc::queue_full, "64 requests wait already", "ask less often");
-  if (!link_.ask({C3Purpose::request, question->words.variable, std::nullopt, request.token}, now, out)) {
-    return fail(Errc::queue_full, "too much waits for the robot", "ask less often");
-  }
+  link_.request({C3Purpose::request, question->words.variable, std::nullopt, request.token}, now, out);
   out.out.count("to_robot." + std::string(request.subtype));
   asked_.emplace(request.token, Asked{std::string(request.subtype), std::string(request.source), question->words});
   return Done{};

@@ -25,7 +25,9 @@ class C3Values {
 
   /// A request that commands.json maps to a value: it is read from the robot. Errors: unknown_subtype, queue_full.
   Status ask(const Handover& request, Now now, const DriverOut& out);
-  void forget(Token token) { asked_.erase(token); }
+  void forget(Token token) {
+    if (asked_.erase(token) > 0) link_.drop_request(token);
+  }
   /// Requests every value.
   void poll(Now now, const DriverOut& out);
 

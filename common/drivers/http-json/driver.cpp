@@ -99,7 +99,9 @@ void HttpJsonDriver::on_bytes(Channel channel, BytesView bytes, Now now, const D
   const auto answers = reader_.add(bytes);
   if (!answers) {
     out.refuse("bad_packet", answers.error().text());
-    return out.robot.close(Channel::command, answers.error().what);
+    out.robot.close(Channel::command, answers.error().what);
+    reader_.clear();  // what has come of it is no answer
+    return on_down(Channel::command, answers.error().what, now, out);
   }
   for (const HttpAnswer& answer : *answers) on_answer(answer, now, out);
   pump(now, out);

@@ -66,8 +66,20 @@ void FieldSender::urgent(Urgent urgent, Token ticket, Now now, const DriverOut& 
     urgents_.back().ticket = ticket;
     return;
   }
+  if (urgents_.size() >= kMaxUrgents) drop_unwritten(urgent);
   urgents_.push_back({urgent, ticket, false, now.mono + seconds(settings_.ack_timeout_s)});
   pump(now, out);
+}
+
+/// The robot is to end as the next order says. Of the stops before a release one stays: it ends what moves.
+void FieldSender::drop_unwritten(Urgent next) {
+  const auto first = std::ranges::find(urgents_, false, &UrgentOrder::written);
+  std::optional<UrgentOrder> stop;
+  for (auto at = first; next == Urgent::release && at != urgents_.end(); ++at) {
+    if (at->urgent == Urgent::stop) stop = *at;
+  }
+  urgents_.erase(first, urgents_.end());
+  if (stop) urgents_.push_back(*stop);
 }
 
 void FieldSender::on_ok(Now now, const DriverOut& out) {

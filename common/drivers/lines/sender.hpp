@@ -57,6 +57,7 @@ class FieldSender {
     MonotonicTime deadline;
   };
 
+  void drop_unwritten(Urgent next);
   [[nodiscard]] bool delayed() const { return settings_.framing == Framing::delay; }
   [[nodiscard]] bool acknowledged() const { return settings_.acknowledge && !delayed(); }
   [[nodiscard]] bool slot_free(Now now) const { return !delayed() || now.mono >= slot_; }

@@ -110,22 +110,30 @@ Result<Progress> RapidDriver::request_value(const Handover& message, const std::
     return fail(Errc::busy, "a move blocks the robot's program, which is asked for '" + name + "'",
                 "ask after its end, or let commands.json ask the service task: \"service " + request.text + "\"");
   }
-  RapidPort& port = request.service ? service_ : program_;
-  const RapidAsk ask{RapidPurpose::request, request.code, request.text, message.token, {}};
-  if (asked_.size() >= kMaxPending || !port.ask(ask, now, out)) {
+  if (asked_.size() >= kMaxPending) {
     return fail(Errc::queue_full, "too many requests wait for the robot", "ask less often");
   }
+  RapidPort& port = request.service ? service_ : program_;
+  port.request({RapidPurpose::request, request.code, request.text, message.token, {}});
   out.out.count("to_robot." + subtype);
   asked_.emplace(message.token, Asked{subtype, std::string(message.source), question->words});
+  go_on(now, out);
   return Progress::queued;
 }
 
 void RapidDriver::begin_next(Now now, const DriverOut& out) {
-  if (current_ || jobs_.empty() || turn_ || !program_.idle()) return;
+  if (current_ || jobs_.empty() || turn_ || !program_.free()) return;
   current_ = std::move(jobs_.front());
   jobs_.pop_front();
   current_->began = now.mono;
   send_step(now, out);
+}
+
+/// A command goes before members' requests; they do not part its steps.
+void RapidDriver::go_on(Now now, const DriverOut& out) {
+  begin_next(now, out);
+  if (!current_) program_.send_request(now, out);
+  service_.send_request(now, out);
 }
 
 void RapidDriver::send_step(Now now, const DriverOut& out) {
@@ -139,7 +147,10 @@ bool RapidDriver::runs(Token token) const {
 }
 
 void RapidDriver::forget(Token token, Now, const DriverOut&) {
-  asked_.erase(token);
+  if (asked_.erase(token) > 0) {
+    program_.drop_request(token);
+    service_.drop_request(token);
+  }
   std::erase_if(jobs_, [&](const Job& job) { return job.token == token; });
   if (current_ && current_->token == token) current_->forgotten = true;
 }
@@ -256,6 +267,7 @@ void RapidDriver::on_bytes(Channel channel, BytesView bytes, Now now, const Driv
   if (channel == Channel::command && program_up_) program_.add(bytes, now);
   if (channel == Channel::monitor && service_up_) service_.add(bytes, now);
   read_all(channel, now, out);
+  go_on(now, out);
 }
 
 void RapidDriver::drop_connection(Channel channel, const std::string& counted, const std::string& reason, Now now,
@@ -307,7 +319,7 @@ void RapidDriver::tick(Now now, const DriverOut& out) {
   read_all(Channel::monitor, now, out);
   check_times(now, out);
   if (service_up_ && now.mono >= next_poll_) poll(now, out);
-  begin_next(now, out);
+  go_on(now, out);
 }
 
 std::optional<MonotonicTime> RapidDriver::next_deadline() const {

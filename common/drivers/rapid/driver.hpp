@@ -89,6 +89,7 @@ class RapidDriver : public CommandsDriver<RapidCommand> {
   [[nodiscard]] Status may_take() const;
   Result<Progress> request_value(const Handover& message, const std::string& name, Now now, const DriverOut& out);
   void begin_next(Now now, const DriverOut& out);
+  void go_on(Now now, const DriverOut& out);
   void send_step(Now now, const DriverOut& out);
   void end_motion(Token token, Now now, const DriverOut& out);
   Token begin_turn(bool stop, bool own, Now now, const DriverOut& out, Token halts = 0);

@@ -1,25 +1,29 @@
 #include "common/drivers/rapid/port.hpp"
 
+#include <algorithm>
+
 namespace trb::drivers {
 
-bool RapidPort::ask(RapidAsk ask, Now now, const DriverOut& out) {
-  if (!sent_.empty()) {
-    if (waiting_.size() >= kMost) return false;
-    waiting_.push_back(std::move(ask));
-    return true;
-  }
-  urge(std::move(ask), now, out);
-  return true;
+void RapidPort::ask(RapidAsk ask, Now now, const DriverOut& out) {
+  if (free()) return urge(std::move(ask), now, out);
+  waiting_.push_back(std::move(ask));
+}
+
+void RapidPort::send_request(Now now, const DriverOut& out) {
+  if (!free() || requests_.empty()) return;
+  RapidAsk oldest = std::move(requests_.front());
+  requests_.pop_front();
+  urge(std::move(oldest), now, out);
+}
+
+void RapidPort::drop_request(std::uint64_t about) {
+  std::erase_if(requests_, [&](const RapidAsk& ask) { return ask.about == about; });
 }
 
 void RapidPort::urge(RapidAsk ask, Now now, const DriverOut& out) {
   ask.sent_at = now.mono;
   out.robot.write(channel_, ask.text);
   sent_.push_back(std::move(ask));
-}
-
-void RapidPort::drop_waiting(RapidPurpose purpose) {
-  std::erase_if(waiting_, [&](const RapidAsk& ask) { return ask.purpose == purpose; });
 }
 
 Result<std::optional<RapidPort::Answer>> RapidPort::next(Now now, const DriverOut& out) {
@@ -50,7 +54,13 @@ Result<std::optional<RapidPort::Answer>> RapidPort::next(Now now, const DriverOu
 void RapidPort::clear() {
   reader_.clear();
   waiting_.clear();
+  requests_.clear();
   sent_.clear();
+}
+
+bool RapidPort::idle() const {
+  return waiting_.empty() &&
+         std::ranges::all_of(sent_, [](const RapidAsk& ask) { return ask.purpose == RapidPurpose::request; });
 }
 
 std::optional<MonotonicTime> RapidPort::unanswered_since() const {

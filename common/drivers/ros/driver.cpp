@@ -100,9 +100,12 @@ Result<Progress> RosDriver::hand_over(const Handover& message, Now, const Driver
   if (!up_) {
     return fail(Errc::robot_offline, "ROS is not there", "look at trb service list and at the robot's ROS master");
   }
-  const auto waits = [](const auto& entry) { return entry.second.purpose != Purpose::watch; };
-  if (std::ranges::count_if(pending_, waits) >= kMaxPending)
+  // Each kind has its own places: a request waits for the topic's next message, a command must not wait for requests.
+  const Purpose purpose = message.type == MessageType::request ? Purpose::request : Purpose::command;
+  const auto waits = [purpose](const auto& entry) { return entry.second.purpose == purpose; };
+  if (std::ranges::count_if(pending_, waits) >= kMaxPending) {
     return fail(Errc::queue_full, "too many messages wait for ROS", "send fewer");
+  }
   const std::string subtype(message.subtype);
   if (message.type == MessageType::request) {
     const auto question = questions_.find(message.subtype);

@@ -133,6 +133,17 @@ int run_up(const Arguments& arguments) {
   return supervise(arguments, dir, id, *services);
 }
 
+/// What `trb up --without` of this process leaves to somebody else; empty: nothing, or it cannot be known.
+std::string left_out_by(pid_t up) {
+  std::ifstream words("/proc/" + std::to_string(up) + "/cmdline");
+  const std::string option = "--without";
+  for (std::string word; std::getline(words, word, '\0');) {
+    if (word.starts_with(option + "=")) return word.substr(option.size() + 1);
+    if (word == option && std::getline(words, word, '\0')) return word;
+  }
+  return "";
+}
+
 int run_reload(const Arguments& arguments) {
   const std::string dir = absolute(arguments.words[0]);
   const NodeCheck check = check_node_dir(dir, true, drivers::robot_transports());
@@ -142,6 +153,10 @@ int run_reload(const Arguments& arguments) {
   if (::kill(*pid, SIGHUP) != 0)
     return print_error(arguments, fail(Errc::io_error, "cannot signal pid " + std::to_string(*pid)));
   print_line(check.config.id + ": each service takes the new files once it is idle");
+  if (const std::string other = left_out_by(*pid); check.config.has_service(other)) {
+    print_line(check.config.id + ": " + other +
+               " is for whoever starts it to ask (with Debian's package: systemctl reload talkrobots)");
+  }
   return kGood;
 }
 
@@ -254,7 +269,8 @@ const std::vector<Command> kNodeCommands = {
      {"reload NODE_DIR",
       "Checks the changed files; if they are good, each service takes them as soon as it is idle. One that was added "
       "to\n"
-      "node.json is started, one that was taken out ends.",
+      "node.json is started, one that was taken out ends. Not the one of trb up --without: it is named, and whoever\n"
+      "started it starts it again.",
       {kJson},
       {"trb reload nodes/ur3"},
       1,

@@ -1,6 +1,7 @@
 #include "services/cloud-gateway/io/access.hpp"
 
 #include <algorithm>
+#include <array>
 #include <type_traits>
 #include <utility>
 
@@ -32,6 +33,14 @@ AuditChain chain_of(const AuditOrigin& origin, const StoredState& stored) {
   return stored.last_audit ? AuditChain(start, *stored.last_audit) : AuditChain(start);
 }
 
+/// What is decided on the state that is known, and refused if that has changed; the rest is added.
+constexpr std::array kDecided{StoreKind::users, StoreKind::tokens, StoreKind::scenarios};
+
+bool has_decided(const StoreBatch& batch) {
+  const StoreKinds kinds = batch.kinds();
+  return std::ranges::any_of(kDecided, [&](StoreKind kind) { return kinds.contains(kind); });
+}
+
 /// Not the first row of a session, which a sign-in has made.
 bool is_use(const Change<Session>& change) {
   return change.row && change.row->used != change.row->made;
@@ -57,10 +66,7 @@ Result<std::unique_ptr<Access>> Access::open(GatewayDb& db, std::vector<std::str
   if (!stored && !db.is_shared()) return stored.error();
   out->is_stale_ = !stored.ok();
   if (!stored) return out;
-  if (stored->steady) {
-    out->requests.restore({}, *stored->steady);
-    out->time.restore(*stored->steady);
-  }
+  if (stored->steady) out->time_.restore(*stored->steady);
   out->take_over(*stored);
   return out;
 }
@@ -164,7 +170,8 @@ StoreBatch Access::take_batch() {
   for (AuditRecord& record : std::exchange(noted_, {})) batch.audit.push_back({std::move(record), {}});
   batch.requests = std::exchange(kept_, {});
   batch.dropped_requests = std::exchange(dropped_, {});
-  batch.steady = std::exchange(steady_, {});
+  // With all that has a time: what is on disk must not be newer than the clock that goes on after a restart.
+  if (std::exchange(is_time_due_, false) || !batch.empty()) batch.steady = steady_;
   return batch;
 }
 
@@ -178,7 +185,18 @@ Status Access::commit() {
   // Of records that are stored all the same: nobody would ask for them again.
   signed_ = std::move(batch.heads);
   if (has_heads_alone && db_.is_shared()) return Done{};
+  if (saved.error().code == Errc::conflict) free_undone(batch);
   return saved;
+}
+
+/// What a request decided was refused, so it was not done: a repeat with its key is tried anew.
+void Access::free_undone(const StoreBatch& batch) {
+  if (!has_decided(batch)) return;
+  StoreBatch freed;
+  for (const StoredRequest& one : batch.requests) {
+    if (one.answer && requests.release(one.key)) freed.dropped_requests.push_back(one.key);
+  }
+  if (!freed.empty()) static_cast<void>(save_or_merge(freed));
 }
 
 Status Access::save_or_merge(StoreBatch& batch) {
@@ -218,7 +236,7 @@ Status Access::merge(StoreBatch& batch) {
 }
 
 Status Access::check_decided(const StoreBatch& batch, const StoreKinds& moved) const {
-  for (const StoreKind kind : {StoreKind::users, StoreKind::tokens, StoreKind::scenarios}) {
+  for (const StoreKind kind : kDecided) {
     if (moved.contains(kind) && batch.kinds().contains(kind)) return changed_meanwhile(kind);
   }
   for (const StoredRequest& one : batch.requests) {
@@ -260,6 +278,17 @@ void Access::drop_ended(StoreBatch& batch) {
   });
 }
 
+Access::Steady Access::steady(Now now) {
+  steady_ = time_.at(now);
+  const auto step = time_.take_step();
+  if (!step) return {*steady_, false};
+  sessions.move(*step);
+  tokens.move(*step);
+  alarms.move(*step);
+  for (StoredRequest& request : requests.move(*step)) keep(std::move(request));
+  return {*steady_, true};
+}
+
 void Access::tick(Now now, UtcTime steady) {
   sessions.tick(users, steady);
   alarms.tick(steady);
@@ -271,10 +300,10 @@ void Access::tick(Now now, UtcTime steady) {
           .about = one.source,
           .outcome = "its time is over"});
   for (AuditRecord& record : refusals.take_ended(now)) note(std::move(record));
-  for (RequestKey& key : requests.take_expired(now)) drop(std::move(key));
+  for (RequestKey& key : requests.take_expired(steady)) drop(std::move(key));
   if (timed_ && now.mono - *timed_ < kTimeStep) return;
   timed_ = now.mono;
-  steady_ = steady;
+  is_time_due_ = true;
 }
 
 }  // namespace trb::gateway

@@ -28,11 +28,12 @@ struct AuditOrigin {
 /// current  | refresh(): others have changed some kinds    | current, with theirs
 /// current  | commit(), and nobody changed what it changes | current
 /// current  | commit(): the audit log, sessions, alarms or answers of requests have gone on | current: added to theirs
-/// current  | commit(): users, tokens or scenarios were changed, or a key was used | current, with theirs; conflict
-/// any      | commit() of signed heads alone, and the server does not answer | stale; they wait, and it is no error
-/// any      | the server does not answer                   | stale: what it wanted to write is lost, and it says so
-/// stale    | refresh(), and the server answers            | current: all is read anew
-/// stale    | owe(): a stop was ordered, somebody drives   | stale; the record waits for pay_owed()
+/// current  | commit(): users, tokens or scenarios were changed, or a key was used | current, with theirs; conflict;
+/// the | | key of a request that was refused so is free again any      | commit() of signed heads alone, and the server
+/// does not answer | stale; they wait, and it is no error any      | the server does not answer                   |
+/// stale: what it wanted to write is lost, and it says so stale    | refresh(), and the server answers            |
+/// current: all is read anew stale    | owe(): a stop was ordered, somebody drives   | stale; the record waits for
+/// pay_owed()
 class Access {
  public:
   /// `origins`: see RequestCheck. Errors: those of GatewayDb::load; a shared store that cannot be read yet is none.
@@ -65,6 +66,13 @@ class Access {
   Status commit();
   /// Before each decision: takes over what others have written. The kinds that have changed.
   Result<StoreKinds> refresh();
+  /// UTC that does not jump: for all that has a time to live. When it takes over a step of the machine's clock, what
+  /// was kept by it moves along: commit() before the next refresh().
+  struct Steady {
+    UtcTime time;
+    bool has_stepped = false;
+  };
+  Steady steady(Now now);
   /// Ends what has expired: sessions and shelves by steady time, idempotency keys. Notes how many refusals there were.
   void tick(Now now, UtcTime steady);
 
@@ -72,6 +80,7 @@ class Access {
   Access(GatewayDb& db, std::vector<std::string> origins, AuditOrigin origin);
   void take_over(const StoredState& stored);
   StoreBatch take_batch();
+  void free_undone(const StoreBatch& batch);
   Status save(StoreBatch& batch);
   Status save_or_merge(StoreBatch& batch);
   Status drop_paid();
@@ -97,18 +106,19 @@ class Access {
   Idempotency requests;
   ScenarioShelf scenarios;
   AlarmDesk alarms;
-  SteadyTime time;  ///< UTC that does not jump: for sessions and tokens
 
  private:
+  SteadyTime time_;
   std::vector<AuditRecord> noted_;
   std::vector<AuditRecord> owed_;
   std::uint64_t owed_after_ = 0;  ///< the last record that was known when the first of them was owed
   std::vector<SignedHead> signed_;
   std::vector<StoredRequest> kept_;
   std::vector<RequestKey> dropped_;
-  std::optional<MonotonicTime> timed_;  ///< when the steady time was stored last
-  std::optional<UtcTime> steady_;
-  bool is_stale_ = false;  ///< memory shows what is not on disk, or nothing yet
+  std::optional<MonotonicTime> timed_;  ///< when the steady time was stored last by itself
+  bool is_time_due_ = false;
+  std::optional<UtcTime> steady_;  ///< the last one
+  bool is_stale_ = false;          ///< memory shows what is not on disk, or nothing yet
 };
 
 }  // namespace trb::gateway

@@ -89,7 +89,7 @@ TEST_CASE("one key at both at the same time is begun once, and the other gateway
   on_postgres([] {
     const TwoGateways both;
     const RequestKey key{"ann", "key-1"};
-    const Now now{{1}, kNow};
+    const UtcTime now = kNow;
     const auto begin = [&](const OneGateway& gateway) {
       auto begun = gateway.access->requests.begin(key, "digest", "run-1", now);
       REQUIRE(begun.ok());
@@ -121,7 +121,7 @@ TEST_CASE("a request whose gateway has died is settled by both others at once, a
     const RequestKey key{"ann", "key-1"};
     {
       const OneGateway dies{both.folder, "cloud3"};
-      auto begun = dies.access->requests.begin(key, "digest", "release of pioneer1", Now{{1}, kNow});
+      auto begun = dies.access->requests.begin(key, "digest", "release of pioneer1", kNow);
       REQUIRE(begun.ok());
       dies.access->keep(std::get<Idempotency::Act>(*begun).store);
       REQUIRE(dies.access->commit());
@@ -157,6 +157,30 @@ TEST_CASE("of two changes of one scenario the second is refused, and other peopl
     CHECK(both.b.access->commit().error().code == Errc::conflict);
     CHECK(both.b.access->scenarios.find(id)->scenario.name == "left");
     CHECK(both.b.access->scenarios.find(id)->version == 2);
+  });
+}
+
+TEST_CASE("a new scenario that is refused because another gateway was quicker was not made: its key is free again") {
+  on_postgres([] {
+    const TwoGateways both;
+    const RequestKey key{"ann", "key-1"};
+    Access& mine = *both.a.access;
+    const auto begin = [&] { return mine.requests.begin(key, "digest", "a scenario", kNow); };
+    mine.keep(std::get<Idempotency::Act>(*begin()).store);
+    REQUIRE(mine.commit());
+    both.b.refresh();
+    REQUIRE(both.b.access->scenarios.add({"{}", "theirs", 0}, "bob", kNow).ok());
+    REQUIRE(both.b.access->commit());
+    REQUIRE(mine.scenarios.add({"{}", "mine", 0}, "ann", kNow).ok());
+    mine.keep(*mine.requests.finish(key, {201, "{}"}));
+    CHECK(mine.commit().error().code == Errc::conflict);
+    CHECK(mine.scenarios.all().size() == 1);
+    CHECK(loaded(*both.a.db).requests.empty());
+    both.b.refresh();
+    CHECK(both.b.access->requests.find(key) == nullptr);
+    const auto again = begin();
+    REQUIRE(again.ok());
+    CHECK(std::holds_alternative<Idempotency::Act>(*again));
   });
 }
 
@@ -241,7 +265,7 @@ TEST_CASE(
   on_postgres([] {
     const TwoGateways both;
     const RequestKey key{"ann", "key-1"};
-    const Now now{{1}, kNow};
+    const UtcTime now = kNow;
     auto begun = both.a.access->requests.begin(key, "digest", "run-1", now);
     REQUIRE(begun.ok());
     both.a.access->keep(std::get<Idempotency::Act>(*begun).store);
@@ -255,4 +279,47 @@ TEST_CASE(
     CHECK(both.b.access->requests.find(key) == nullptr);
     CHECK(loaded(*both.a.db).requests.empty());
   });
+}
+
+BOTH_STORES("a machine that was off for the night: when its clock is taken over, who has signed in since stays so") {
+  init_crypto();
+  const StoreFolder folder;
+  Now now{{1}, kNow};
+  const auto pass = [&](Duration by) {
+    now.mono = now.mono + by;
+    now.utc = now.utc + by;
+  };
+  std::string evening;
+  {
+    const OneGateway gateway{folder, "cloud"};
+    const UtcTime steady = gateway.access->steady(now).time;
+    REQUIRE(gateway.access->users.add("ann", UserRole::admin, "hash", steady));
+    evening = gateway.access->sessions.open(*gateway.access->users.find("ann"), steady).id;
+    REQUIRE(gateway.access->commit());
+  }
+  pass(std::chrono::hours(14));
+  std::string morning;
+  {
+    const OneGateway gateway{folder, "cloud"};
+    Access& access = *gateway.access;
+    CHECK(access.steady(now).time == kNow);
+    pass(std::chrono::minutes(1));
+    const UtcTime steady = access.steady(now).time;
+    morning = access.sessions.open(*access.users.find("ann"), steady).id;
+    REQUIRE(access.tokens.make({"crane", UserRole::viewer, true, std::chrono::hours(24), "ann"}, steady).ok());
+    REQUIRE(access.commit());
+    pass(SteadyTime::kSteady);
+    const Access::Steady stepped = access.steady(now);
+    CHECK(stepped.has_stepped);
+    CHECK(stepped.time == now.utc);
+    access.tick(now, stepped.time);
+    REQUIRE(access.commit());
+    CHECK(access.sessions.find(morning, access.users, stepped.time) != nullptr);
+    CHECK(access.sessions.find(evening, access.users, stepped.time) == nullptr);
+    CHECK(access.tokens.all().at("crane").ends == now.utc - SteadyTime::kSteady + std::chrono::hours(24));
+  }
+  const OneGateway again{folder, "cloud"};
+  const UtcTime steady = again.access->steady(now).time;
+  CHECK(steady == now.utc);
+  CHECK(again.access->sessions.find(morning, again.access->users, steady) != nullptr);
 }

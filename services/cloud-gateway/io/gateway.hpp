@@ -64,8 +64,12 @@ struct Gateway {
     return written;
   }
   [[nodiscard]] Now now() const { return session.now(); }
-  /// UTC that does not jump: for sessions and tokens.
-  UtcTime steady() { return access.time.at(now()); }
+  /// Access::steady().
+  UtcTime steady() {
+    const Access::Steady told = access.steady(now());
+    if (told.has_stepped) static_cast<void>(commit());
+    return told.time;
+  }
 };
 
 }  // namespace trb::gateway

@@ -60,14 +60,15 @@ void HistoryDesk::add(std::vector<HistoryEntry> entries, UtcTime now, Added done
       });
 }
 
-void HistoryDesk::find(HistoryQuery query, Found done) {
+void HistoryDesk::find(HistoryQuery query, Found found) {
   if (work_->reads == kMostWaiting)
-    return done(fail(Errc::queue_full, "too many histories are being read", "try again in a second"));
+    return found(fail(Errc::queue_full, "too many histories are being read", "try again in a second"))();
   ++work_->reads;
-  work_->post([work = work_.get(), query = std::move(query), done = std::move(done)](HistoryStore& store) mutable {
-    return [work, done = std::move(done), page = store.find(query)] {
+  work_->post([work = work_.get(), query = std::move(query), found = std::move(found)](HistoryStore& store) mutable {
+    std::function<void()> then = found(store.find(query));
+    return [work, found = std::move(found), then = std::move(then)] {
       --work->reads;
-      done(page);
+      then();
     };
   });
 }

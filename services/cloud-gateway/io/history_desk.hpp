@@ -16,9 +16,11 @@ namespace trb::gateway {
 class HistoryDesk {
  public:
   using Added = std::function<void(const Status&)>;
-  using Found = std::function<void(const Result<HistoryPage>&)>;
+  /// Called on the history's thread: what is made of a page, which takes long for a large one. It returns what is to be
+  /// done with that on the loop.
+  using Found = std::function<std::function<void()>(const Result<HistoryPage>&)>;
 
-  /// Results come on the loop's thread. `loop` must outlive this.
+  /// What Added does, and what Found returns, is done on the loop's thread. `loop` must outlive this.
   HistoryDesk(boost::asio::io_context& loop, std::unique_ptr<HistoryStore> store);
   HistoryDesk(const HistoryDesk&) = delete;
   HistoryDesk& operator=(const HistoryDesk&) = delete;
@@ -29,7 +31,7 @@ class HistoryDesk {
   void add(std::vector<HistoryEntry> entries, UtcTime now, Added done);
   [[nodiscard]] bool is_writing() const;
   /// At most 32 wait: a further one is refused at once. Errors: those of HistoryStore::find, queue_full.
-  void find(HistoryQuery query, Found done);
+  void find(HistoryQuery query, Found found);
 
  private:
   struct Work;

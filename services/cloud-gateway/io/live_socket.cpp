@@ -42,11 +42,18 @@ std::string json_notices(const std::vector<Notice>& notices) {
   return out.done();
 }
 
+std::string json_silent(const RowSources& silent) {
+  JsonList out;
+  for (const RowSource one : silent) out.add(json_quoted(name_of(one)));
+  return out.done();
+}
+
 /// {"count": ..., "blocks": [ and what follows it; the blocks themselves are shared with other clients.
 std::vector<SharedPart> parts_of(const Frame& frame, const Gateway& gateway) {
   JsonObject head;
   head.number("count", frame.count).number("head", frame.head).number("instance", gateway.clients.instance());
   head.time("time", frame.time);
+  if (!frame.silent.empty()) head.raw("silent", json_silent(frame.silent));
   if (!frame.messages.empty()) head.raw("phases", json_phases(gateway.messages.counts()));
   head.raw("notices", json_notices(frame.notices)).number("left_out", frame.left_out);
   JsonList messages;

@@ -17,7 +17,8 @@ namespace trb::gateway {
 /// and to drive the words of drive_words.hpp. It receives {"error": PROBLEM} for a word that is wrong, {"drive": ...}
 /// for what becomes of its drive, and frames:
 /// {"count", "head", "instance", "time", "notices": [{"topic", "kind"}], "blocks": [{"topic", "begins", "more", "to",
-/// "rows": [ROW]}], "messages": [MESSAGE], "left_out"}; with messages also "phases", how many of each have passed.
+/// "rows": [ROW]}], "messages": [MESSAGE], "left_out"}; with messages also "phases", how many of each have passed,
+/// and with a service of this node that tells nothing "silent": [SERVICE].
 ///
 /// -      | the socket is open   | idle
 /// idle   | a frame is due       | sending

@@ -176,7 +176,7 @@ void Process::answer_last(op::BusSession& person, const Api& api) {
 
 void Process::pump(Gateway& gateway) {
   follow_topics(gateway.now());
-  for (const ClientId client : clients_.pump(gateway.now())) {
+  for (const ClientId client : clients_.pump(gateway.now(), view_.silent())) {
     if (const auto at = gateway.sockets.find(client); at != gateway.sockets.end()) at->second->pump();
   }
 }

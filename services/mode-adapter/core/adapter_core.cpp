@@ -18,7 +18,15 @@ void ModeAdapterCore::on_welcome(const NodeIdentity&, Now, Outbox& out) {
   status_.welcome(condition(), out);
 }
 
+bool ModeAdapterCore::begins_something(const Inbound& message) {
+  const bool users = message.type == MessageType::command && holds_alternative<Opaque>(message.body);
+  return users || holds_alternative<Execute>(message.body) || holds_alternative<Velocity>(message.body);
+}
+
 void ModeAdapterCore::on(const Inbound& message, Now now, Outbox& out) {
+  if (leaving_ && begins_something(message)) {
+    return out.nack(message, fail(Errc::robot_offline, "the robot's mode-adapter ends", "send it again later"));
+  }
   const bool taken = Taken::dispatch(
       message.body, Overloaded{
                         [&](const Execute& order) { execute(message, order, now, out); },
@@ -102,6 +110,12 @@ void ModeAdapterCore::on_channel_down(Channel channel, const std::string& reason
   settle(now, out);
 }
 
+void ModeAdapterCore::begin_leave(Now now, Outbox& out) {
+  leaving_ = true;
+  hand_.give_way("the robot's node ends", now, out);
+  settle(now, out);
+}
+
 void ModeAdapterCore::leave(Now now, Outbox& out) {
   hand_.give_way("the robot's node ends", now, out);
   robot_.for_each([&](Driver& mode) { mode.leave(now, robot_.to(mode, out)); });
@@ -159,9 +173,13 @@ void ModeAdapterCore::on_event(Driver& mode, const DriverEvent& event, Now now, 
                  [&](const ValuesHeard&) { on_values(mode, now, out); },
                  [&](const Stopped& stopped) {
                    desk_.on_stopped(&mode);
+                   hand_.on_stopped(mode);
                    stops_.on_stopped(&mode, stopped, out);
                  },
-                 [&](const Released& released) { stops_.on_released(&mode, released, out); },
+                 [&](const Released& released) {
+                   hand_.on_stopped(mode);
+                   stops_.on_released(&mode, released, out);
+                 },
                  [&](const LinkUp&) { on_link_up(mode, now, out); },
                  [&](const LinkDown& down) { on_link_down(mode, down.reason, now, out); },
              },

@@ -34,13 +34,18 @@ class ModeAdapterCore : public Core {
   void on_bytes(Channel channel, BytesView bytes, Now now, Outbox& out);
   /// What the robot gets of the steps since the last call: to be carried out once their messages are sent.
   [[nodiscard]] RobotOutbox take_robot_output() { return robot_.take_output(); }
-  /// The process is about to end.
+  /// The process is told to end: who drives is over, its robot is ordered to stand, and nothing more begins.
+  void begin_leave(Now now, Outbox& out);
+  /// False while the robot has not taken that order.
+  [[nodiscard]] bool may_leave() const { return !hand_.has_to_stand(); }
+  /// The process ends: the drivers' last messages.
   void leave(Now now, Outbox& out);
 
   /// True while no skill runs and nobody drives: the process may be replaced then.
   [[nodiscard]] bool idle() const { return !desk_.busy() && !hand_.driving(); }
 
  private:
+  [[nodiscard]] static bool begins_something(const Inbound& message);
   void on_other(const Inbound& message, Now now, Outbox& out);
   void execute(const Inbound& message, const Execute& order, Now now, Outbox& out);
   template <class Heard>
@@ -66,6 +71,7 @@ class ModeAdapterCore : public Core {
   RobotControl control_;
   HandDrive hand_;
   UserMessages messages_;
+  bool leaving_ = false;
 };
 
 }  // namespace trb::adapter

@@ -250,8 +250,15 @@ std::optional<Error> HandDrive::on_command(const Inbound& message, Now now, Outb
 }
 
 void HandDrive::on_stop(const std::string& reason, Outbox& out) {
-  standing_.reset();
-  if (current_) end(reason, out);
+  // The stop takes the place of the order to stand, but it may be lost with the link.
+  if (standing_) standing_->token = 0;
+  if (!current_) return;
+  standing_ = Standing{current_->drive, current_->mode, 0};
+  end(reason, out);
+}
+
+void HandDrive::on_stopped(const Driver& mode) {
+  if (standing_ && standing_->mode == &mode && standing_->token == 0) standing_.reset();
 }
 
 void HandDrive::give_way(const std::string& reason, Now now, Outbox& out) {

@@ -24,7 +24,8 @@ namespace trb::adapter {
 /// the robot takes no speeds    | -                         | stands, over (500 ms after they were handed over)
 /// a take-over; a fault of the  | -                         | stands, over
 ///   capability; the process ends
-/// a stop                       | -                         | over: the stop itself has the robot stand
+/// a stop                       | -                         | over: the stop has the robot stand, once it is confirmed;
+///                              |                           | if the link is lost before, as there
 /// the robot's link is lost     | -                         | over; it stands once the link is back
 /// the robot refuses            | its words, and no drive   | stands, over
 ///
@@ -52,11 +53,15 @@ class HandDrive {
   void look_at_faults(Now now, Outbox& out);
 
   [[nodiscard]] bool driving() const { return current_.has_value(); }
+  /// The robot was ordered to stand, or has to be, and has not taken that order yet.
+  [[nodiscard]] bool has_to_stand() const { return standing_.has_value(); }
   [[nodiscard]] bool owns(Token token) const;
 
   // events of the modes
   void on_under_way(Token token, Now now, Outbox& out);
   void on_refused(const Refused& refused, Now now, Outbox& out);
+  /// The robot has confirmed a stop, or a release, before which it had the stop.
+  void on_stopped(const Driver& mode);
   void on_link_up(Driver& mode, Now now, Outbox& out);
   void on_link_down(const Driver& mode, const std::string& reason, Outbox& out);
 

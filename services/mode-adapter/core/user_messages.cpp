@@ -43,9 +43,13 @@ void UserMessages::on_information(const Inbound& message, const Opaque& body, No
 /// A robot's program may carry out what it knows, whatever the type says: past lease, fence and out-of-use.
 bool UserMessages::means_command(std::string_view subtype) const {
   const auto is_it = [&](const std::string& word) { return same_word(word, subtype); };
+  const auto drives_by_it = [&](const Drive& drive) {
+    return is_it(drive.command.subtype) || (drive.stand && is_it(drive.stand->subtype));
+  };
   return std::ranges::any_of(robot_.settings.commands.commands, is_it,
                              [](const auto& command) -> const std::string& { return command.first; }) ||
-         std::ranges::any_of(robot_.settings.description.skills, is_it, &Skill::subtype);
+         std::ranges::any_of(robot_.settings.description.skills, is_it, &Skill::subtype) ||
+         std::ranges::any_of(robot_.settings.description.drives, drives_by_it);
 }
 
 void UserMessages::on_command(const Inbound& message, const Opaque& body, Now now, Outbox& out) {

@@ -14,6 +14,8 @@ namespace trb::adapter {
 namespace {
 
 constexpr std::uint16_t kModbusPort = 502;
+/// For so long a process that ends waits until its robot has taken the order to stand; `trb up` kills it after 3 s.
+constexpr Duration kLastOrder = std::chrono::seconds(1);
 
 std::vector<std::string> subtypes() {
   // Subtypes without a body reach the mode-adapter anyway: it gets what no other service claims.
@@ -78,6 +80,8 @@ Result<int> start(NodeConfig config) {
     (*io)->carry_out(output);
     if (*modbus) (*modbus)->carry_out(output);
   });
+  (*service)->before_end([&core](Now at, Outbox& out) { core.begin_leave(at, out); },
+                         [&core] { return core.may_leave(); }, kLastOrder);
   const int ended = (*service)->run(core, [&core] { return core.idle(); });
   (*service)->step([&core](Now at, Outbox& out) { core.leave(at, out); });
   return ended;

@@ -129,3 +129,18 @@ TEST_CASE("a Nack of the user's own word goes back to the robot, one of the midd
                            fixture.out);
   CHECK(fixture.out.counts.back() == "refused.nack_outcome");
 }
+
+TEST_CASE("information named as a word that drives the robot is not given to it") {
+  Settings settings = pioneer();
+  Drive drive;
+  drive.command = make_skill("roll", "{x}", {make_parameter("x", ParameterType::number)});
+  drive.stand = make_skill("freeze", "");
+  settings.description.drives = {drive};
+  Fixture fixture(std::move(settings));
+  fixture.up(Channel::field);
+  for (const char* word : {"roll", "Freeze", "home"}) fixture.send(MessageType::information, word, "1", "ur3");
+  CHECK(fixture.written().empty());
+  CHECK(fixture.counted("refused.not_as_command") == 3);
+  fixture.send(MessageType::information, "greeting", "hello", "ur3");
+  CHECK_FALSE(fixture.written().empty());
+}

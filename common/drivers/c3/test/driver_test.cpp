@@ -278,6 +278,35 @@ TEST_CASE("a request that commands.json maps is answered with the variable; anot
   CHECK(fixture.answer(unknown) == "nack robot_error");
 }
 
+TEST_CASE("a member that asks without end keeps the driver neither from its flags nor from a stop's confirmation") {
+  C3Fixture fixture;
+  // Never idle: the robot answers one of the requests each time, and another is there already.
+  const auto live = [&](double time_s) {
+    for (auto steps = std::lround(time_s / 0.01); steps > 0; --steps) {
+      for (int i = 0; i < 2; ++i) fixture.send(MessageType::request, "position", "", "nosy");
+      fixture.wait(0.01);
+      for (int i = 0; i < 2; ++i) fixture.serve_one();
+    }
+  };
+  for (int i = 0; i < 8; ++i) fixture.send(MessageType::request, "position", "", "nosy");
+  fixture.deliver(MessageType::request, order("home", ""), "kuka");
+  live(0.2);
+  CHECK(fixture.robot["TRB_COMMAND"] == "TRUE");
+  fixture.robot["TRB_COMMAND"] = "FALSE";
+  fixture.number = fixture.robot["TRB_NUMBER"];
+  live(2.5);
+  CHECK(fixture.told<Outcome>().empty());
+  fixture.robot["TRB_DONE_NUMBER"] = fixture.number;
+  fixture.robot["TRB_DONE"] = "TRUE";
+  live(0.3);
+  CHECK(fixture.one<Outcome>().outcome == TaskOutcome::finished);
+  const auto stop = fixture.deliver(MessageType::command, Stop{"test"});
+  fixture.robot["TRB_STOPPED"] = "TRUE";
+  live(0.3);
+  CHECK(fixture.answer(stop) == "ack stopped");
+  CHECK(fixture.counted("from_robot.position") > 100);
+}
+
 TEST_CASE("the robot's own messages: chunk by chunk, and never in the middleware's words") {
   C3Fixture fixture;
   const auto say = [&](const std::string& subtype, const std::string& data, int size) {

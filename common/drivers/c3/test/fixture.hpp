@@ -50,6 +50,30 @@ class C3Fixture : public Fixture {
     while (serve_one()) {
     }
   }
+  /// The robot answers the oldest request. False: there is none.
+  bool serve_one() {
+    asked_ += written(Channel::command);
+    if (asked_.size() < 4) return false;
+    const auto u16 = [&](std::size_t at) {
+      return static_cast<std::size_t>(static_cast<unsigned char>(asked_[at])) * 256 +
+             static_cast<unsigned char>(asked_[at + 1]);
+    };
+    const std::string tag = asked_.substr(0, 2);
+    const std::size_t length = u16(2);
+    const bool write = asked_[4] == 1;
+    const std::string name = asked_.substr(7, u16(5));
+    const auto found = robot.find(name);
+    if (write && found != robot.end()) {
+      found->second = asked_.substr(7 + name.size() + 2, u16(7 + name.size()));
+      writes_ += name + "=" + found->second + "\n";
+    }
+    asked_.erase(0, 4 + length);
+    const std::string value = found == robot.end() ? "" : found->second;
+    const std::string footer = found == robot.end() ? std::string(3, '\0') : std::string("\0\1\1", 3);
+    const std::string body = std::string(1, write ? '\1' : '\0') + big_endian(value.size(), 2) + value + footer;
+    hear(Channel::command, tag + big_endian(body.size(), 2) + body);
+    return true;
+  }
   /// Advances time; the robot answers at once.
   void live(double time_s) {
     for (auto steps = std::lround(time_s / 0.05); steps > 0; --steps) {
@@ -90,30 +114,6 @@ class C3Fixture : public Fixture {
   std::string number;
 
  private:
-  bool serve_one() {
-    asked_ += written(Channel::command);
-    if (asked_.size() < 4) return false;
-    const auto u16 = [&](std::size_t at) {
-      return static_cast<std::size_t>(static_cast<unsigned char>(asked_[at])) * 256 +
-             static_cast<unsigned char>(asked_[at + 1]);
-    };
-    const std::string tag = asked_.substr(0, 2);
-    const std::size_t length = u16(2);
-    const bool write = asked_[4] == 1;
-    const std::string name = asked_.substr(7, u16(5));
-    const auto found = robot.find(name);
-    if (write && found != robot.end()) {
-      found->second = asked_.substr(7 + name.size() + 2, u16(7 + name.size()));
-      writes_ += name + "=" + found->second + "\n";
-    }
-    asked_.erase(0, 4 + length);
-    const std::string value = found == robot.end() ? "" : found->second;
-    const std::string footer = found == robot.end() ? std::string(3, '\0') : std::string("\0\1\1", 3);
-    const std::string body = std::string(1, write ? '\1' : '\0') + big_endian(value.size(), 2) + value + footer;
-    hear(Channel::command, tag + big_endian(body.size(), 2) + body);
-    return true;
-  }
-
   std::string asked_;
   std::string writes_;
 };

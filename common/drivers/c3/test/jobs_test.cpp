@@ -35,6 +35,9 @@ struct FieldFixture : PartsFixture {
   C3Turns turns{link, polls, {}};
   C3Jobs jobs{{names, link, polls, turns}, {true, 80, std::chrono::seconds(2), 0}, {}};
 
+  Status add(Token token, MessageType type, const std::string& data = "", const char* skill = "") {
+    return jobs.add({token, type, "wave", "operator", data, skill}, now, out);
+  }
   void offer(Token token, const std::string& data = "") {
     CHECK(jobs.add({token, MessageType::command, "wave", "operator", data, ""}, now, out));
     while (!jobs.waits_to_be_taken()) jobs.on_written(answer(""), now, out);
@@ -162,6 +165,89 @@ TEST_CASE("a program that does not take a message in time: the message is refuse
   fixture.jobs.check_patience(fixture.now, fixture.out);
   CHECK(fixture.told<Refused>().at(0).error.code == Errc::robot_error);
   CHECK(fixture.sent() == "TRB_COMMAND=FALSE ");
+}
+
+TEST_CASE("each kind of message has its places, so that what anybody may send keeps out no command and no skill") {
+  FieldFixture fixture;
+  for (Token token = 1; token <= 65; ++token) CHECK(fixture.add(token, MessageType::information));
+  CHECK(fixture.add(66, MessageType::information).error().code == Errc::queue_full);
+  for (Token token = 101; token <= 164; ++token) CHECK(fixture.add(token, MessageType::request));
+  CHECK(fixture.add(165, MessageType::request).error().code == Errc::queue_full);
+  CHECK(fixture.add(201, MessageType::command));
+  CHECK(fixture.add(202, MessageType::command, "", "reach"));
+}
+
+TEST_CASE("what waits is bounded in bytes, too, for each kind") {
+  FieldFixture fixture;
+  const std::string largest(1U << 20U, '\0');
+  CHECK(fixture.add(1, MessageType::information));  // it is being written, and does not wait
+  CHECK(fixture.add(2, MessageType::information, largest));
+  CHECK(fixture.add(3, MessageType::information, "1").error().code == Errc::queue_full);
+  CHECK(fixture.add(4, MessageType::command, "1"));
+}
+
+TEST_CASE("a skill is written before all that waits, and in place of what anybody may send") {
+  FieldFixture fixture;
+  CHECK(fixture.add(1, MessageType::information, std::string(200, 'x')));
+  CHECK(fixture.add(2, MessageType::request));
+  while (!fixture.jobs.waits_for_chunk()) fixture.jobs.on_written(fixture.answer(""), fixture.now, fixture.out);
+  CHECK(fixture.add(3, MessageType::command, "7", "reach"));
+  CHECK(fixture.told<Refused>().at(0).error.code == Errc::busy);
+  CHECK(fixture.sent() == "TRB_COMMAND=FALSE ");
+  fixture.answer("");
+  while (!fixture.jobs.waits_to_be_taken()) fixture.jobs.on_written(fixture.answer(""), fixture.now, fixture.out);
+  fixture.jobs.on_command_flag(false, fixture.now, fixture.out);
+  fixture.jobs.on_done_flag(false, fixture.now, fixture.out);
+  CHECK(fixture.told<Started>().at(0).token == 3);
+  // What the program may have already comes to its end first; so does a command.
+  for (const MessageType type : {MessageType::information, MessageType::command}) {
+    FieldFixture other;
+    const bool offered = type == MessageType::information;
+    CHECK(other.add(1, type, offered ? "" : std::string(200, 'x')));
+    while (!other.jobs.waits_to_be_taken() && !other.jobs.waits_for_chunk()) {
+      other.jobs.on_written(other.answer(""), other.now, other.out);
+    }
+    CHECK(other.add(2, MessageType::command, "7", "reach"));
+    CHECK(other.told<Refused>().empty());
+    CHECK(other.jobs.runs(1));
+  }
+}
+
+TEST_CASE("information that the program has not taken for 10 s is dropped, whether it waits or is being written") {
+  FieldFixture fixture;
+  CHECK(fixture.add(1, MessageType::information, std::string(1000, 'x')));
+  CHECK(fixture.add(2, MessageType::information));
+  CHECK(fixture.add(3, MessageType::request));
+  for (int i = 0; i < 9; ++i) {
+    while (!fixture.jobs.waits_for_chunk()) fixture.jobs.on_written(fixture.answer(""), fixture.now, fixture.out);
+    fixture.now.mono = fixture.now.mono + seconds(1.1);
+    fixture.jobs.check_patience(fixture.now, fixture.out);
+    CHECK(fixture.jobs.runs(1));
+    CHECK(fixture.jobs.runs(2));
+    fixture.jobs.on_chunk_flag(false, fixture.now, fixture.out);
+  }
+  fixture.now.mono = fixture.now.mono + seconds(0.2);
+  fixture.jobs.check_patience(fixture.now, fixture.out);
+  CHECK_FALSE(fixture.jobs.runs(1));
+  CHECK_FALSE(fixture.jobs.runs(2));
+  CHECK(fixture.jobs.runs(3));
+  CHECK(std::ranges::count(fixture.outbox.counts, std::string("refused.timeout")) == 2);
+  while (!fixture.jobs.waits_to_be_taken()) fixture.jobs.on_written(fixture.answer(""), fixture.now, fixture.out);
+}
+
+TEST_CASE("messages that are forgotten at once leave one withdrawal behind, however many they are") {
+  FieldFixture fixture;
+  fixture.link.ask({C3Purpose::note, "BUSY", std::nullopt, 0}, fixture.now, fixture.out);
+  for (Token token = 1; token <= 1000; ++token) {
+    REQUIRE(fixture.jobs.add({token, MessageType::command, "wave", "operator", "", ""}, fixture.now, fixture.out));
+    fixture.jobs.forget(token, fixture.now, fixture.out);
+  }
+  CHECK(fixture.jobs.add({2000, MessageType::command, "wave", "operator", "", ""}, fixture.now, fixture.out));
+  CHECK(fixture.sent() == "BUSY ");
+  fixture.answer("0");
+  CHECK(fixture.sent() == "TRB_COMMAND=FALSE ");
+  fixture.answer("");
+  CHECK(fixture.sent() == "TRB_TYPE[]=\"command\" ");
 }
 
 TEST_CASE("all are dropped: what waits is refused, what was answered is not; what is offered is to be cleared") {

@@ -59,6 +59,42 @@ TEST_CASE("a request is answered with the value, with the robot's refusal, or no
   CHECK(fixture.ask(4, "lost").error().code == Errc::unknown_subtype);
 }
 
+TEST_CASE("a request is sent when nothing of the driver's own waits, and not at all once it is forgotten") {
+  ValuesFixture fixture;
+  fixture.link.ask({C3Purpose::note, "FIRST", std::nullopt, 0}, fixture.now, fixture.out);
+  CHECK(fixture.ask(1, "where"));
+  CHECK(fixture.ask(2, "where"));
+  CHECK(fixture.ask(3, "where"));
+  fixture.link.ask({C3Purpose::note, "SECOND", std::nullopt, 0}, fixture.now, fixture.out);
+  fixture.values.forget(2);
+  CHECK_FALSE(fixture.link.idle());
+  for (const char* next : {"SECOND ", "$POS_ACT "}) {
+    fixture.sent();
+    fixture.answer("0");
+    CHECK(fixture.sent() == next);
+  }
+  CHECK(fixture.link.idle());
+  fixture.values.on_request(fixture.answer("{E6POS: X 1, Y 2}"), fixture.out);
+  CHECK(fixture.sent() == "$POS_ACT ");
+  fixture.values.on_request(fixture.answer("{E6POS: X 1, Y 2}"), fixture.out);
+  CHECK(fixture.sent().empty());
+  CHECK(fixture.told<Said>().size() == 2);
+}
+
+TEST_CASE("requests that are forgotten at once leave no trace, however many") {
+  ValuesFixture fixture;
+  fixture.link.ask({C3Purpose::note, "FIRST", std::nullopt, 0}, fixture.now, fixture.out);
+  for (Token token = 1; token <= 1000; ++token) {
+    REQUIRE(fixture.ask(token, "where"));
+    fixture.values.forget(token);
+  }
+  fixture.link.ask({C3Purpose::note, "SECOND", std::nullopt, 0}, fixture.now, fixture.out);
+  fixture.answer("0");
+  CHECK(fixture.sent() == "SECOND ");
+  fixture.answer("0");
+  CHECK(fixture.sent().empty());
+}
+
 TEST_CASE("at most 64 requests wait") {
   ValuesFixture fixture;
   for (Token token = 1; token <= 64; ++token) CHECK(fixture.ask(token, "where"));

@@ -48,6 +48,32 @@ TEST_CASE("http: a stop whose connection is lost is sent again, before all else,
   CHECK(fixture.asked() == "GET /status");
 }
 
+TEST_CASE("http: what is no answer of HTTP ends its connection, and the next one goes on at once") {
+  OnlineMir fixture;
+  const auto lost = fixture.command("tidy", "");
+  CHECK(fixture.asked() == "DELETE /queue");
+  fixture.hear(Channel::command, "no HTTP at all\r\n\r\n");
+  CHECK_FALSE(fixture.closed().empty());
+  CHECK(fixture.counted("refused.bad_packet") == 1);
+  CHECK(fixture.answer(lost) == "nack robot_offline");
+  const auto stop = fixture.deliver(MessageType::command, Stop{}, "operator");
+  CHECK(fixture.asked().empty());
+  fixture.up(Channel::command);
+  CHECK(fixture.asked() == R"(PUT /status {"state_id": 4})");
+  fixture.answer_with(200, "{}");
+  fixture.wait(0.01);
+  CHECK(fixture.answer(stop) == "ack stopped");
+}
+
+TEST_CASE("http: an answer over 1 MiB is none, also if its connection is its only end") {
+  OnlineMir fixture;
+  const auto id = fixture.command("tidy", "");
+  CHECK(fixture.asked() == "DELETE /queue");
+  fixture.hear(Channel::command, "HTTP/1.1 200 X\r\n\r\n" + std::string(2U << 20U, 'x'));
+  CHECK_FALSE(fixture.closed().empty());
+  CHECK(fixture.answer(id) == "nack robot_offline");
+}
+
 TEST_CASE("http: a stop that three connections in turn do not answer is a critical fault, until one does") {
   OnlineMir fixture;
   fixture.deliver(MessageType::command, Stop{}, "operator");

@@ -111,6 +111,28 @@ TEST_CASE("with the delay framing empty data has no field of its own") {
   CHECK(fixture.answer(id) == "ack handed_over");
 }
 
+TEST_CASE(
+    "stops and releases that come faster than the pauses let them leave: the robot stops, and the last one holds") {
+  for (const bool released : {false, true}) {
+    FieldChannel channel;
+    channel.framing = Framing::delay;
+    channel.delay_s = 0.1;
+    channel.acknowledge = false;
+    FieldFixture fixture(with_channel(channel));
+    for (int i = 0; i < 1000; ++i) {
+      fixture.deliver(MessageType::command, Stop{"test"});
+      fixture.deliver(MessageType::command, Release{});
+    }
+    if (!released) fixture.deliver(MessageType::command, Stop{"test"});
+    fixture.written();
+    fixture.wait(6.8);  // 68 pauses
+    const std::string orders = fixture.written();
+    CHECK(orders.ends_with(released ? "!stop!release" : "!release!stop"));
+    fixture.wait(20);
+    CHECK(fixture.written().empty());
+  }
+}
+
 TEST_CASE("length framing escapes nothing and counts in four bytes") {
   FieldChannel channel;
   channel.framing = Framing::length;

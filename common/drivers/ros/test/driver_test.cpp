@@ -49,6 +49,21 @@ TEST_CASE("a request is answered with the topic's next message") {
   CHECK(fixture.answer(id) == R"({"ranges":[1.0]})");
 }
 
+TEST_CASE("requests that wait for a topic take no places of commands, and commands none of requests") {
+  OnlineRos fixture;
+  for (int i = 0; i < 64; ++i) fixture.send(MessageType::request, "scan", "", "nosy");
+  CHECK(fixture.asked().size() == 64);
+  const auto command = fixture.command("move", "[1]");
+  const auto asked = fixture.asked();
+  REQUIRE(asked.size() == 1);
+  fixture.tell(asked[0].token, BridgeResult::done);
+  CHECK(fixture.answer(command) == "ack handed_over");
+  OnlineRos busy;
+  for (int i = 0; i < 64; ++i) busy.command("move", "[1]");
+  CHECK(busy.answer(busy.command("move", "[1]")) == "nack queue_full");
+  CHECK(busy.answer(busy.send(MessageType::request, "scan", "")).empty());
+}
+
 TEST_CASE("a skill that ends at a position is seen to end by the watched topic") {
   RosFixture fixture;
   fixture.bridge(true);

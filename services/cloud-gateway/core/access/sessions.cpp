@@ -59,6 +59,15 @@ void Sessions::tick(const Users& users, UtcTime now) {
     at = is_open(at->second, users, now) ? std::next(at) : drop(at);
 }
 
+void Sessions::move(const SteadyStep& step) {
+  for (auto& [key, session] : sessions_) {
+    if (!step.moves(session.made) && !step.moves(session.used)) continue;
+    session.made = step.moved(session.made);
+    session.used = step.moved(session.used);
+    changes_.put(key, session);
+  }
+}
+
 std::string Sessions::csrf_of(std::string_view id) {
   return to_hex(purpose_digest("gateway_csrf", id));
 }

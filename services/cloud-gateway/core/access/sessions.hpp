@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "common/base/steady_time.hpp"
 #include "services/cloud-gateway/core/access/users.hpp"
 
 namespace trb::gateway {
@@ -64,6 +65,8 @@ class Sessions {
   void end_all_of(std::string_view user);
   /// Removes ended sessions. Call it now and then, and after each change of a user.
   void tick(const Users& users, UtcTime now);
+  /// The clock has stepped: who was signed in a minute ago still is.
+  void move(const SteadyStep& step);
 
   /// The header value for each change by this session. It is derived from the id: nothing is stored, nobody can guess
   /// it without the cookie, and it does not reveal the cookie.

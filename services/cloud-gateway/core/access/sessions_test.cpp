@@ -171,6 +171,49 @@ TEST_CASE("given a restart, then sessions go on as they were stored; one from th
   CHECK(after.find(id, hall.users, hall.now.utc - std::chrono::hours(1)) == nullptr);
 }
 
+TEST_CASE(
+    "given the clock steps, then who is signed in stays so, and his 30 minutes and 12 hours are as long as before") {
+  for (const Duration by : {Duration(std::chrono::hours(14)), Duration(-std::chrono::hours(14))}) {
+    Hall hall;
+    const std::string before = hall.sign_in("bob");
+    const UtcTime start = hall.now.utc;
+    hall.pass(std::chrono::minutes(1));
+    const std::string id = hall.sign_in("ann");
+    hall.pass(std::chrono::minutes(10));
+    hall.sessions.take_changes();
+    hall.sessions.move({start, hall.now.utc, by});
+    CHECK(hall.sessions.take_changes().size() == 1);
+    hall.now.utc = hall.now.utc + by;
+    hall.sessions.tick(hall.users, hall.now.utc);
+    CHECK_FALSE(hall.is_open(before));  // of the time before the machine was off
+    hall.pass(std::chrono::minutes(19));
+    CHECK(hall.is_open(id));
+    for (int i = 0; i < 23; ++i) {
+      hall.pass(std::chrono::minutes(29));
+      CHECK(hall.is_open(id));
+    }
+    hall.pass(std::chrono::minutes(24));
+    CHECK_FALSE(hall.is_open(id));
+  }
+}
+
+TEST_CASE("given the clock steps, then a session of before that was used since counts from its use") {
+  Hall hall;
+  const std::string id = hall.sign_in("ann");
+  const UtcTime start = hall.now.utc;
+  hall.pass(std::chrono::minutes(1));
+  REQUIRE(hall.is_open(id));
+  hall.sessions.move({start, hall.now.utc, std::chrono::hours(2)});
+  hall.now.utc = hall.now.utc + std::chrono::hours(2);
+  CHECK(hall.is_open(id));
+  for (int i = 0; i < 20; ++i) {
+    hall.pass(std::chrono::minutes(29));
+    CHECK(hall.is_open(id));
+  }
+  hall.pass(std::chrono::minutes(29));
+  CHECK_FALSE(hall.is_open(id));  // 12 hours in all
+}
+
 TEST_CASE("the CSRF value is the session's own, is not its id, and another's does not pass") {
   Hall hall;
   const NewSession ann = hall.sessions.open(*hall.users.find("ann"), hall.now.utc);

@@ -46,6 +46,15 @@ const Token* Tokens::find(std::string_view secret, UtcTime now) const {
   return now < token.ends ? &token : nullptr;
 }
 
+void Tokens::move(const SteadyStep& step) {
+  for (auto& [name, token] : tokens_) {
+    if (!step.moves(token.made)) continue;
+    token.made = step.moved(token.made);
+    token.ends = token.ends + step.by;
+    changes_.put(name, token);
+  }
+}
+
 Status Tokens::check(const TokenWish& wish) const {
   if (!is_valid_user_name(wish.name)) {
     return fail(Errc::bad_value, "name: no name of a token",

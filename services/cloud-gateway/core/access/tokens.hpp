@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "common/base/steady_time.hpp"
 #include "services/cloud-gateway/core/access/users.hpp"
 
 namespace trb::gateway {
@@ -53,6 +54,8 @@ class Tokens {
   Status revoke(const std::string& name);
   /// The valid token with this secret; looked up by hash, like a session.
   [[nodiscard]] const Token* find(std::string_view secret, UtcTime now) const;
+  /// The clock has stepped: a token lives for as long as was wished.
+  void move(const SteadyStep& step);
 
   [[nodiscard]] const std::map<std::string, Token>& all() const { return tokens_; }
   std::vector<Change<Token>> take_changes() { return changes_.take(); }

@@ -120,6 +120,15 @@ void AlarmDesk::tick(UtcTime steady) {
   }
 }
 
+void AlarmDesk::move(const SteadyStep& step) {
+  for (auto& [source, shelf] : shelves_) {
+    if (!step.moves(shelf.at)) continue;
+    shelf.at = step.moved(shelf.at);
+    shelf.until = shelf.until + step.by;
+    shelf_changes_.put(source, shelf);
+  }
+}
+
 Result<const AlarmDesk::Known*> AlarmDesk::find(const std::string& alert) const {
   const auto at = known_.find(alert);
   if (at != known_.end()) return &at->second;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/base/result.hpp"
+#include "common/base/steady_time.hpp"
 #include "services/cloud-gateway/core/access/change_list.hpp"
 #include "services/cloud-gateway/core/alarms/alarm.hpp"
 
@@ -43,6 +44,8 @@ class AlarmDesk {
   void see(const std::vector<Alert>& alerts, UtcTime now);
   /// Ends the shelves whose time has come.
   void tick(UtcTime steady);
+  /// The clock has stepped: a shelf lasts for as long as was wished.
+  void move(const SteadyStep& step);
 
   /// Errors of all: unknown_target (no such alert). A repeat does nothing.
   Status acknowledge(const std::string& alert, const std::string& who, UtcTime now);

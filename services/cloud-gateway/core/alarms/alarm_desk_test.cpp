@@ -85,6 +85,24 @@ TEST_CASE("a shelved source stays shelved when it alarms again, and comes back b
   CHECK(desk.take_shelves().back().row == std::nullopt);
 }
 
+TEST_CASE("the clock steps: a shelf made since the start lasts as long as was wished, one of before has its end") {
+  AlarmDesk desk;
+  desk.see({alert("a", 1), alert("b", 1, "ant")}, at(1));
+  desk.replace(std::vector{Shelf{source_of(alert("b", 1, "ant")), "max", at(2), at(900), "why"}});
+  CHECK(desk.shelve("a", "olga", std::chrono::minutes(15), "why", at(20)).ok());
+  desk.take_shelves();
+  desk.move({at(10), at(600), std::chrono::hours(14)});
+  CHECK(desk.take_shelves().size() == 1);
+  const std::int64_t hours = 14 * 3600;
+  desk.tick(at(hours + 601));
+  CHECK(desk.of("b").shelved_by.empty());
+  CHECK(desk.of("a").shelved == at(hours + 20));
+  desk.tick(at(hours + 919));
+  CHECK(desk.of("a").shelved_by == "olga");
+  desk.tick(at(hours + 920));
+  CHECK(desk.of("a").shelved_by.empty());
+}
+
 TEST_CASE("a shelf has an end and a reason, and somebody may end it sooner") {
   AlarmDesk desk;
   desk.see({alert("a", 1), alert("other", 1, "ant")}, at(1));

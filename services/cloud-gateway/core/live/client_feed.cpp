@@ -22,6 +22,8 @@ Status ClientFeed::subscribe(const Topic& topic, std::uint64_t from, std::option
 
 void ClientFeed::unsubscribe(const Topic& topic) {
   topics_.erase(topic);
+  // Or they would grow without a bound: a client may come and go, and read nothing.
+  std::erase_if(notices_, [&](const Notice& one) { return one.topic == topic; });
 }
 
 bool ClientFeed::has(TopicKind kind) const {
@@ -34,7 +36,7 @@ std::vector<Topic> ClientFeed::topics() const {
   return out;
 }
 
-bool ClientFeed::pump(BlockMaker& blocks, const MessageLane& lane, Now now) {
+bool ClientFeed::pump(BlockMaker& blocks, const MessageLane& lane, const RowSources& silent, Now now) {
   if (waiting_) drop_if_full(blocks, now);
   behind_ = false;
   skipped_ = waiting_.has_value();
@@ -42,6 +44,7 @@ bool ClientFeed::pump(BlockMaker& blocks, const MessageLane& lane, Now now) {
   Frame frame;
   frame.head = blocks.book().head();
   frame.time = now.utc;
+  frame.silent = silent;
   fill_blocks(frame, blocks);
   whole_ = is_whole(frame);
   // The client resumes every topic at this number, also the one that is not in the frame.

@@ -28,6 +28,7 @@ struct Frame {
   /// in the last frame that had them all.
   std::uint64_t head = 0;
   UtcTime time;
+  RowSources silent;  ///< when it was made; without a row of theirs nobody knows whether there is nothing
   std::vector<Notice> notices;
   std::vector<SharedBlock> blocks;
   std::vector<SharedBytes> messages;
@@ -55,7 +56,7 @@ class ClientFeed {
   Status subscribe(const Topic& topic, std::uint64_t from, std::optional<NoticeKind> notice);
   void unsubscribe(const Topic& topic);
   /// Makes a frame if there is news and the last frame was taken. True: there is a new frame to take.
-  bool pump(BlockMaker& blocks, const MessageLane& lane, Now now);
+  bool pump(BlockMaker& blocks, const MessageLane& lane, const RowSources& silent, Now now);
   std::optional<Frame> take();
   /// More can be sent at once.
   [[nodiscard]] bool is_behind() const { return behind_; }
@@ -77,7 +78,7 @@ class ClientFeed {
   void drop_if_full(BlockMaker& blocks, Now now);
 
   std::map<Topic, Seen> topics_;
-  std::vector<Notice> notices_;
+  std::vector<Notice> notices_;  ///< of its topics: one each while no frame was made
   std::optional<Frame> waiting_;
   std::optional<Topic> next_;           ///< the first topic that the last frame had no room for
   std::optional<std::uint64_t> known_;  ///< up to it the client has every topic; none: it has begun with nothing

@@ -128,6 +128,14 @@ void FleetView::watch_silence(Now now) {
   end(alerts_heard_, alerts_);
 }
 
+RowSources FleetView::silent() const {
+  RowSources out;
+  for (const Source* source : {&routes_heard_, &runs_heard_, &alerts_heard_}) {
+    if (!source->heard) out.push_back(source->name);
+  }
+  return out;
+}
+
 std::optional<MonotonicTime> FleetView::next_deadline() const {
   std::optional<MonotonicTime> out = earlier(questions_.next_deadline(), readings_.next_deadline());
   for (const Source* source : {&routes_heard_, &runs_heard_, &alerts_heard_}) {

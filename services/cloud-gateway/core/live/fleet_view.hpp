@@ -37,6 +37,9 @@ class FleetView {
   void tick(Now now, Outbox& out);
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const;
 
+  /// Whose first table has not come, or who has been silent since: what it has now may have no row, and its rows may
+  /// be old.
+  [[nodiscard]] RowSources silent() const;
   /// The router's table is here, whole: a node or robot without a row is one that the fleet does not have.
   [[nodiscard]] bool knows_fleet() const { return routes_heard_.heard.has_value(); }
 
@@ -52,6 +55,7 @@ class FleetView {
  private:
   /// A service of this node, and when its last message came.
   struct Source {
+    RowSource name{};
     Duration limit{};
     std::optional<MonotonicTime> heard;  ///< nullopt: its rows are not shown as live
     bool is_over(Now now) const { return heard && now.mono - *heard >= limit; }
@@ -76,9 +80,9 @@ class FleetView {
   RobotQuestions robots_{book_};
   RoutePages pages_;
   std::set<std::string> watched_runs_;
-  Source routes_heard_{kRoutesSilence, {}};
-  Source runs_heard_{kRunsSilence, {}};
-  Source alerts_heard_{kAlertsSilence, {}};
+  Source routes_heard_{RowSource::router, kRoutesSilence, {}};
+  Source runs_heard_{RowSource::scheduler, kRunsSilence, {}};
+  Source alerts_heard_{RowSource::resilience, kAlertsSilence, {}};
 };
 
 }  // namespace trb::gateway

@@ -332,6 +332,25 @@ TEST_CASE("an alert that is in no table any more is gone; silence makes all of t
   CHECK(hall.live(RowKind::alert, "", "a2") == Live::not_heard);
 }
 
+TEST_CASE("a service of the own node is silent until its first table, which may be empty, and when it has been quiet") {
+  Hall hall;
+  hall.wait({});
+  CHECK(hall.view.silent() == RowSources{RowSource::router, RowSource::scheduler, RowSource::resilience});
+  hall.table({route("pioneer1")});
+  hall.say("pioneer1", AlertTable{});
+  CHECK(hall.view.silent() == RowSources{RowSource::scheduler, RowSource::resilience});
+  hall.say("cloud", AlertTable{});
+  CHECK(hall.view.silent() == RowSources{RowSource::scheduler});
+  hall.say("cloud", RunTable{});
+  CHECK(hall.view.silent().empty());
+  hall.wait(FleetView::kAlertsSilence);
+  CHECK(hall.view.silent() == RowSources{RowSource::router, RowSource::resilience});
+  hall.say("cloud", AlertTable{});
+  CHECK(hall.view.silent() == RowSources{RowSource::router});
+  hall.wait(FleetView::kRunsSilence - FleetView::kAlertsSilence);
+  CHECK(hall.view.silent() == RowSources{RowSource::router, RowSource::scheduler});
+}
+
 TEST_CASE("a robot of too many values keeps 64 of them, and says so") {
   Hall hall;
   hall.table({route("pioneer1")});

@@ -12,11 +12,6 @@ bool is_key(const std::string& key) {
 
 }  // namespace
 
-void Idempotency::restore(const std::vector<StoredRequest>& requests, UtcTime last) {
-  time_.restore(last);
-  for (const StoredRequest& one : requests) put(one);
-}
-
 void Idempotency::replace(const std::vector<StoredRequest>& requests) {
   requests_.clear();
   by_user_.clear();
@@ -49,14 +44,14 @@ Status Idempotency::check(const RequestKey& key, const std::string& effect) cons
   return Done{};
 }
 
-Result<Idempotency::Begun> Idempotency::begin(const RequestKey& key, const Bytes& digest, std::string effect, Now now) {
+Result<Idempotency::Begun> Idempotency::begin(const RequestKey& key, const Bytes& digest, std::string effect,
+                                              UtcTime now) {
   if (!is_key(key.key)) {
     return fail(Errc::bad_value, "Idempotency-Key: no key of 1 to 255 visible characters", "send a new UUID");
   }
-  const UtcTime at = time_.at(now);
   if (const auto known = requests_.find(key); known != requests_.end()) return repeat(known->second, digest);
   if (const Status status = check(key, effect); !status) return status.error();
-  StoredRequest store{key, digest, std::move(effect), at, std::nullopt};
+  StoredRequest store{key, digest, std::move(effect), now, std::nullopt};
   requests_[key] = {store, false};
   ++by_user_[key.user];
   return Begun{Act{std::move(store)}};
@@ -106,10 +101,9 @@ std::vector<StoredRequest> Idempotency::unsure(std::optional<UtcTime> before) co
   return out;
 }
 
-std::vector<RequestKey> Idempotency::take_expired(Now now) {
+std::vector<RequestKey> Idempotency::take_expired(UtcTime now) {
   std::vector<RequestKey> out;
-  const UtcTime at = time_.at(now);
-  while (!answered_.empty() && answered_.begin()->first + kLife <= at) {
+  while (!answered_.empty() && answered_.begin()->first + kLife <= now) {
     out.push_back(answered_.begin()->second);
     answered_.erase(answered_.begin());
     erase(out.back());
@@ -117,11 +111,17 @@ std::vector<RequestKey> Idempotency::take_expired(Now now) {
   return out;
 }
 
-/// Uses the machine's clock: if that is wrong, one check comes too early.
-std::optional<MonotonicTime> Idempotency::next_deadline(Now now) const {
-  if (answered_.empty()) return std::nullopt;
-  const Duration left{(answered_.begin()->first + kLife).ns - now.utc.ns};
-  return now.mono + std::max<Duration>(left, std::chrono::seconds(1));
+std::vector<StoredRequest> Idempotency::move(const SteadyStep& step) {
+  std::vector<StoredRequest> out;
+  for (auto& [key, known] : requests_) {
+    StoredRequest& stored = known.stored;
+    if (!step.moves(stored.since)) continue;
+    const bool was_answered = answered_.erase({stored.since, key}) > 0;
+    stored.since = step.moved(stored.since);
+    if (was_answered) answered_.insert({stored.since, key});
+    out.push_back(stored);
+  }
+  return out;
 }
 
 }  // namespace trb::gateway

@@ -39,6 +39,7 @@ struct StoredRequest {
   bool operator==(const StoredRequest&) const = default;
 };
 
+/// Times are steady UTC.
 class Idempotency {
  public:
   static constexpr std::size_t kMaxKey = 255;
@@ -59,14 +60,13 @@ class Idempotency {
   };
   using Begun = std::variant<Act, StoredAnswer, Wait>;
 
-  /// Requests from disk; `last`: the last stored steady time. A request without an answer is unsure.
-  void restore(const std::vector<StoredRequest>& requests, UtcTime last);
-  /// Instead of all that were known: the requests as this gateway and others have left them on disk.
+  /// Instead of all that were known: the requests as this gateway and others have left them on disk. One without an
+  /// answer is unsure.
   void replace(const std::vector<StoredRequest>& requests);
   [[nodiscard]] const StoredRequest* find(const RequestKey& key) const;
   /// Errors: bad_value (no key of 1 to 255 visible characters), conflict (the key was used for another request),
   /// too_large (the effect), queue_full.
-  Result<Begun> begin(const RequestKey& key, const Bytes& digest, std::string effect, Now now);
+  Result<Begun> begin(const RequestKey& key, const Bytes& digest, std::string effect, UtcTime now);
   /// The request was done or refused: store the result, then answer. Nullopt: no such request runs. An answer over
   /// kMaxAnswer is kept without its body.
   std::optional<StoredRequest> finish(const RequestKey& key, StoredAnswer answer);
@@ -80,10 +80,9 @@ class Idempotency {
   /// those alone that began before it, for another gateway may be at work on the others.
   [[nodiscard]] std::vector<StoredRequest> unsure(std::optional<UtcTime> before = std::nullopt) const;
   /// Expired keys: remove them from the disk.
-  std::vector<RequestKey> take_expired(Now now);
-  [[nodiscard]] std::optional<MonotonicTime> next_deadline(Now now) const;
-  /// Store it now and then, for restore().
-  UtcTime steady_time(Now now) { return time_.at(now); }
+  std::vector<RequestKey> take_expired(UtcTime now);
+  /// The clock has stepped: a key is kept for as long as it would have been. Store those that it returns.
+  std::vector<StoredRequest> move(const SteadyStep& step);
 
  private:
   struct Known {
@@ -98,7 +97,6 @@ class Idempotency {
   std::map<RequestKey, Known> requests_;
   std::map<std::string, std::size_t> by_user_;
   std::set<std::pair<UtcTime, RequestKey>> answered_;  ///< the oldest first
-  SteadyTime time_;
 };
 
 }  // namespace trb::gateway

@@ -30,6 +30,13 @@ constexpr auto enum_names(Live) {
   return std::array<std::string_view, 4>{"live", "late", "not_heard", "refused"};
 }
 
+/// A service of the gateway's own node whose tables become rows.
+enum class RowSource : std::uint8_t { router = 0, scheduler, resilience };
+constexpr auto enum_names(RowSource) {
+  return std::array<std::string_view, 3>{"router", "scheduler", "resilience"};
+}
+using RowSources = std::vector<RowSource>;
+
 struct RowKey {
   RowKind kind{};
   std::string node;  ///< the owner; empty: from services of the gateway's own node

@@ -127,9 +127,12 @@ TEST_CASE("once nobody watches, the last value is gone, and one that was under w
   CHECK(hall.counted("dropped.not_watched") == 1);
 }
 
-TEST_CASE("of sensors that nobody has, 256 are watched at most; the next client is told") {
+TEST_CASE("256 sensors are watched at most; the next client is told") {
   Watched hall;
-  const auto topic = [](std::size_t i) { return *parse_topic("sensor/pioneer1/s" + std::to_string(i)); };
+  std::vector<Route> nodes{sensor_node("pioneer1")};
+  for (std::size_t i = 0; i < SensorStreams::kMaxStreams; ++i) nodes.push_back(sensor_node("n" + std::to_string(i)));
+  hall.table(nodes);
+  const auto topic = [](std::size_t i) { return *parse_topic("sensor/n" + std::to_string(i) + "/dht22"); };
   ClientId client = 0;
   for (std::size_t i = 0; i < SensorStreams::kMaxStreams; ++i) {
     if (i % ClientFeed::kMaxTopics == 0) client = *hall.clients.open();
@@ -137,7 +140,24 @@ TEST_CASE("of sensors that nobody has, 256 are watched at most; the next client 
   }
   const ClientId late = *hall.clients.open();
   CHECK(hall.clients.subscribe(late, topic(0)).ok());
-  const Status refused = hall.clients.subscribe(late, topic(999));
+  const Status refused = hall.clients.subscribe(late, *parse_topic("sensor/pioneer1/dht22"));
   REQUIRE_FALSE(refused.ok());
   CHECK(refused.error().code == Errc::queue_full);
+}
+
+TEST_CASE("who watches sensors that nobody has takes no place; one that comes is streamed from then on") {
+  Watched hall;
+  ClientId client = 0;
+  for (std::size_t i = 0; i < SensorStreams::kMaxStreams; ++i) {
+    if (i % ClientFeed::kMaxTopics == 0) client = *hall.clients.open();
+    REQUIRE(hall.clients.subscribe(client, *parse_topic("sensor/ant/s" + std::to_string(i))).ok());
+  }
+  hall.client("sensor/ant/dht22");
+  CHECK(hall.orders() == Leases{});
+  const ClientId late = *hall.clients.open();
+  REQUIRE(hall.clients.subscribe(late, *parse_topic("sensor/pioneer1/dht22")).ok());
+  CHECK(hall.orders() == Leases{10});
+  hall.table({sensor_node("pioneer1"), sensor_node("ant")});
+  hall.view.watch_sensors(hall.clients.watched_sensors(hall.now), hall.now);
+  CHECK(hall.orders() == Leases{10});
 }

@@ -3,15 +3,17 @@
 #include <algorithm>
 
 namespace trb::gateway {
-namespace {
 
-void add_sensors(const ClientFeed& client, std::set<SensorId>& out) {
+/// Those that are there: whoever makes names up takes nobody's place.
+void Subscriptions::add_sensors(const ClientFeed& client, std::set<SensorId>& out) const {
   for (const Topic& topic : client.topics()) {
-    if (topic.kind == TopicKind::sensor) out.insert({topic.id, topic.name});
+    if (topic.kind == TopicKind::sensor && has_sensor(topic)) out.insert({topic.id, topic.name});
   }
 }
 
-}  // namespace
+bool Subscriptions::has_sensor(const Topic& topic) const {
+  return blocks_.book().find({RowKind::sensor, topic.id, topic.name}) != nullptr;
+}
 
 Result<ClientId> Subscriptions::open() {
   if (clients_.size() == kMaxClients) {
@@ -43,7 +45,7 @@ Status Subscriptions::subscribe(ClientId client, const Topic& topic, std::option
 }
 
 Status Subscriptions::check_room(const Topic& topic) const {
-  if (topic.kind != TopicKind::sensor) return Done{};
+  if (topic.kind != TopicKind::sensor || !has_sensor(topic)) return Done{};
   std::set<SensorId> sensors{{topic.id, topic.name}};
   for (const auto& [id, client] : clients_) add_sensors(client, sensors);
   if (sensors.size() <= SensorStreams::kMaxStreams) return Done{};
@@ -93,12 +95,12 @@ bool Subscriptions::watches_robots(Now now) const {
 }
 
 /// Pumps all clients together: those that keep up are at the same position and share blocks.
-std::vector<ClientId> Subscriptions::pump(Now now) {
+std::vector<ClientId> Subscriptions::pump(Now now, const RowSources& silent) {
   std::vector<ClientId> out;
   if (const auto due = next_deadline(); !due || now.mono < *due) return out;
   pumped_at_ = now.mono;
   for (auto& [id, client] : clients_) {
-    if (client.pump(blocks_, lane_, now)) out.push_back(id);
+    if (client.pump(blocks_, lane_, silent, now)) out.push_back(id);
   }
   pumped_head_ = blocks_.book().head();
   pumped_messages_ = lane_.head();

@@ -40,14 +40,15 @@ class Subscriptions {
   [[nodiscard]] std::set<std::string> watched_runs() const;
   /// True if a client watches the fleet or a robot; one that has stalled watches none.
   [[nodiscard]] bool watches_robots(Now now) const;
-  /// The sensors that a client watches; one that has stalled watches none.
+  /// The sensors that are there and that a client watches; one that has stalled watches none. Ask now and then: one
+  /// that comes is among them from then on.
   [[nodiscard]] std::set<SensorId> watched_sensors(Now now) const;
   /// True if a topic was added or left since the last call.
   bool take_topics_changed() { return std::exchange(topics_changed_, false); }
   [[nodiscard]] bool topics_changed() const { return topics_changed_; }
 
-  /// The clients with a new frame to take. Does nothing before the deadline.
-  std::vector<ClientId> pump(Now now);
+  /// The clients with a new frame to take. Does nothing before the deadline. `silent`: what each frame tells.
+  std::vector<ClientId> pump(Now now, const RowSources& silent = {});
   std::optional<Frame> take(ClientId client);
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const;
   [[nodiscard]] std::uint64_t instance() const { return instance_; }
@@ -57,6 +58,8 @@ class Subscriptions {
   [[nodiscard]] std::optional<NoticeKind> why_not(const Topic& topic, const Resume& resume) const;
   [[nodiscard]] bool has_changes() const;
   [[nodiscard]] Status check_room(const Topic& topic) const;
+  void add_sensors(const ClientFeed& client, std::set<SensorId>& out) const;
+  [[nodiscard]] bool has_sensor(const Topic& topic) const;
 
   BlockMaker blocks_;
   MessageLane lane_;

@@ -330,6 +330,19 @@ TEST_CASE("its number is of another start, is none yet, or is too old: a snapsho
   CHECK(rows_of(frame).size() == 1);
 }
 
+TEST_CASE("who comes back to a topic and leaves it again and again without reading is told of it once") {
+  Hall hall;
+  const ClientId client = hall.client("alerts", Resume{41, 1});
+  hall.wait(std::chrono::milliseconds(100));
+  CHECK(hall.clients.pump(hall.now).size() == 1);
+  for (int i = 0; i < 1000; ++i) {
+    hall.clients.unsubscribe(client, *parse_topic("alerts"));
+    hall.subscribe(client, "alerts", Resume{41, 1});
+  }
+  CHECK(notices_of(*hall.clients.take(client)).size() == 1);
+  CHECK(notices_of(*hall.frame(client)) == std::vector<NoticeKind>{NoticeKind::restarted});
+}
+
 TEST_CASE("a stalled client whose removals are forgotten begins anew, and is told so") {
   Hall hall;
   hall.say("cloud", AlertTable{{alert("a1", "pioneer1")}});
@@ -372,6 +385,34 @@ TEST_CASE("messages that pass: from now on, the newest ones, and how many were l
   const auto large = hall.frame(client);
   CHECK(large->messages.size() == 1);
   CHECK(large->left_out == 2);
+}
+
+TEST_CASE("a frame says who tells nothing: an empty snapshot of alerts is not yet that there is none") {
+  Hall hall;
+  hall.table({});
+  hall.say("cloud", RunTable{});
+  const ClientId client = hall.client("alerts");
+  const auto first = hall.frame(client);
+  REQUIRE(first->blocks.size() == 1);
+  CHECK(first->blocks[0]->rows.empty());
+  CHECK(first->silent == RowSources{RowSource::resilience});
+  hall.say("cloud", AlertTable{});
+  for (int i = 0; i < 9; ++i) CHECK_FALSE(hall.frame(client));
+  CHECK(hall.frame(client)->silent.empty());
+}
+
+TEST_CASE("what a frame says of the silent was so when its rows were looked at") {
+  Hall hall;
+  hall.table({});
+  hall.say("cloud", RunTable{});
+  const ClientId client = hall.client("alerts");
+  hall.wait(std::chrono::milliseconds(100));
+  hall.clients.pump(hall.now, hall.view.silent());
+  hall.say("cloud", AlertTable{{alert("a1", "pioneer1")}});
+  CHECK(hall.clients.take(client)->silent == RowSources{RowSource::resilience});
+  const auto next = hall.frame(client);
+  CHECK(next->silent.empty());
+  CHECK(rows_of(*next).size() == 1);
 }
 
 TEST_CASE("a stalled client's messages are counted, whatever becomes of its queue") {

@@ -35,7 +35,8 @@ void decide_alert(Gateway& gateway, const CallPtr& call) {
   const auto decision = decision_of(*call);
   if (!decision) return call->fail(decision.error());
   if (Status good = op::check_decision(*decision); !good) return call->fail(good.error());
-  const std::string effect = "decision on alert " + decision->alert;
+  std::string effect = "decision on alert " + decision->alert + ": " + std::string(name_of(decision->verdict));
+  if (!decision->robot.empty()) effect += ", " + decision->robot;
   do_once(gateway, call, effect, [&gateway, call, decision = *decision] {
     op::decide(gateway.session, decision, [call](const Result<Ack>& ack) {
       if (!ack) return call->fail(ack.error());

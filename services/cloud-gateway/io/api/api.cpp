@@ -49,6 +49,14 @@ HttpReply no_database_reply() {
                      "it is called again by itself; an admin sees the reason in the gateway's log");
 }
 
+HttpReply refuse(const RequestDecision& decision) {
+  HttpReply out = problem_reply(status_of(decision.verdict), name_of(decision.verdict),
+                                "the request was refused: " + std::string(name_of(decision.verdict)), decision.hint);
+  if (!decision.allow.empty()) out.headers.emplace_back("Allow", allow_of(decision.allow));
+  if (decision.verdict == RequestVerdict::not_signed_in) out.headers.emplace_back("WWW-Authenticate", "Bearer");
+  return out;
+}
+
 HttpReply not_written_reply(const Error& error) {
   if (error.code == Errc::conflict) return later_reply("changed_meanwhile", error.what, error.hint);
   if (error.code == Errc::peer_unreachable) {
@@ -63,6 +71,16 @@ HttpReply not_written_reply(const Error& error) {
 const Handler* HandlerTable::find(const Route& route) const {
   const auto at = rows_.find({route.method, route.path});
   return at == rows_.end() ? nullptr : &at->second;
+}
+
+bool is_still_allowed(Gateway& gateway, const CallPtr& call) {
+  if (!refresh(gateway)) {
+    call->reply(no_database_reply());
+    return false;
+  }
+  const RequestDecision decision = gateway.access.check.check(call->request.head(), gateway.steady());
+  if (decision.verdict != RequestVerdict::allowed) call->reply(refuse(decision));
+  return decision.verdict == RequestVerdict::allowed;
 }
 
 Api::Api(Gateway& gateway) : gateway_(gateway) {
@@ -150,14 +168,6 @@ HttpReply Api::on_record(const RequestDecision& decision, const std::string& who
 HttpReply Api::counted(HttpReply reply) {
   ++gateway_.counts.replies[reply.status];
   return reply;
-}
-
-HttpReply Api::refuse(const RequestDecision& decision) const {
-  HttpReply out = problem_reply(status_of(decision.verdict), name_of(decision.verdict),
-                                "the request was refused: " + std::string(name_of(decision.verdict)), decision.hint);
-  if (!decision.allow.empty()) out.headers.emplace_back("Allow", allow_of(decision.allow));
-  if (decision.verdict == RequestVerdict::not_signed_in) out.headers.emplace_back("WWW-Authenticate", "Bearer");
-  return out;
 }
 
 std::variant<std::shared_ptr<WebSocketIn>, HttpReply> Api::on_upgrade(const HttpRequest& request) {

@@ -52,6 +52,10 @@ void add_audit_routes(Gateway& gateway, HandlerTable& table);
 void add_policy_routes(Gateway& gateway, HandlerTable& table);
 void add_page_routes(HandlerTable& table);
 
+/// For what a handler decides after it has waited for another thread: refresh(), and who asks is checked anew. False:
+/// it was answered; he has signed out, or may do it no more.
+bool is_still_allowed(Gateway& gateway, const CallPtr& call);
+
 /// Checks each request, calls its function, notes each change in the audit log, and replies once that is on disk.
 class Api final : public HttpHandler {
  public:
@@ -65,7 +69,6 @@ class Api final : public HttpHandler {
   [[nodiscard]] bool has_open_calls() const { return open_calls_.use_count() > 1; }
 
  private:
-  HttpReply refuse(const RequestDecision& decision) const;
   void end(const Call& call, HttpReply reply, const Reply& send);
   /// Notes what was done or refused, commits, and counts; the reply may be sent then.
   HttpReply on_record(const RequestDecision& decision, const std::string& who, const std::string& source,

@@ -107,8 +107,21 @@ std::string csv_value(const std::string& json) {
   return value && value->is_text() ? csv_text(value->text()) : json;
 }
 
+/// The same request for what is older (RFC 8288).
+std::string link_to_next(const std::string& target, const std::string& cursor) {
+  const std::size_t question = target.find('?');
+  std::string out = target.substr(0, question) + "?cursor=" + cursor;
+  std::string_view rest = question == std::string::npos ? "" : std::string_view(target).substr(question + 1);
+  while (!rest.empty()) {
+    const std::string_view pair = rest.substr(0, rest.find('&'));
+    rest.remove_prefix(std::min(rest.size(), pair.size() + 1));
+    if (!pair.starts_with("cursor=")) out += "&" + std::string(pair);
+  }
+  return "<" + out + ">; rel=\"next\"";
+}
+
 /// The oldest first.
-HttpReply csv_reply(const HistoryPage& page) {
+HttpReply csv_reply(const std::string& target, const HistoryQuery& query, const HistoryPage& page) {
   std::string out = "time,value,unit,quality\r\n";
   for (auto at = page.entries.rbegin(); at != page.entries.rend(); ++at) {
     out += to_iso8601(at->time) + "," + csv_value(at->value) + "," + csv_text(at->about) + "," + csv_text(at->detail) +
@@ -117,6 +130,7 @@ HttpReply csv_reply(const HistoryPage& page) {
   HttpReply reply = json_reply(std::move(out));
   reply.content_type = "text/csv; charset=utf-8";
   reply.headers.emplace_back("Content-Disposition", "attachment; filename=\"history.csv\"");
+  if (page.next) reply.headers.emplace_back("Link", link_to_next(target, text_of(query, *page.next)));
   return reply;
 }
 
@@ -125,26 +139,39 @@ bool is_known(const Gateway& gateway, const HistoryQuery& query) {
   return gateway.book.find({kind, query.node, query.sensor}) != nullptr;
 }
 
-using Shown = std::function<HttpReply(const HistoryQuery&, const HistoryPage&)>;
+/// Called on the history's thread.
+using Shown = std::function<HttpReply(const Call&, const HistoryQuery&, const HistoryPage&)>;
 
 /// 404: nothing was ever heard of it.
+void reply_found(const Gateway& gateway, Call& call, const HistoryQuery& query, bool is_empty, HttpReply reply) {
+  if (!is_empty || is_known(gateway, query)) return call.reply(std::move(reply));
+  call.reply(problem_reply(404, "missing", "there is no such " + std::string(query.sensor.empty() ? "robot" : "sensor"),
+                           "look at the list of them"));
+}
+
 void reply_history(Gateway& gateway, const CallPtr& call, const HistoryQuery& of, const PageSize& size, Shown shown) {
   const auto query = history_query(*call, of, size);
   if (!query) return call->fail(query.error());
-  gateway.history.find(
-      *query, [&gateway, call, query = *query, shown = std::move(shown)](const Result<HistoryPage>& page) {
-        if (!page) return call->fail(page.error());
-        if (page->entries.empty() && !is_known(gateway, query)) {
-          return call->reply(problem_reply(404, "missing",
-                                           "there is no such " + std::string(query.sensor.empty() ? "robot" : "sensor"),
-                                           "look at the list of them"));
-        }
-        call->reply(shown(query, *page));
-      });
+  const auto found = [&gateway, call, query = *query, shown = std::move(shown)](const Result<HistoryPage>& page) {
+    std::function<void()> then;
+    if (!page) {
+      then = [call, error = page.error()] { call->fail(error); };
+    } else {
+      then = [&gateway, call, query, is_empty = page->entries.empty(), reply = shown(*call, query, *page)] {
+        reply_found(gateway, *call, query, is_empty, reply);
+      };
+    }
+    return then;
+  };
+  gateway.history.find(*query, found);
 }
 
-HttpReply shown_as_json(const HistoryQuery& query, const HistoryPage& page) {
+HttpReply shown_as_json(const Call&, const HistoryQuery& query, const HistoryPage& page) {
   return json_reply(json_page(query, page));
+}
+
+HttpReply shown_as_csv(const Call& call, const HistoryQuery& query, const HistoryPage& page) {
+  return csv_reply(call.request.target, query, page);
 }
 
 HistoryQuery robot_query(const Call& call) {
@@ -168,8 +195,7 @@ void add_history_routes(Gateway& gateway, HandlerTable& table) {
   table.add(Method::get, "/api/v1/sensors/{node}/{sensor}/history",
             [&](const CallPtr& call) { reply_history(gateway, call, sensor_query(*call), {}, shown_as_json); });
   table.add(Method::get, "/api/v1/sensors/{node}/{sensor}/history.csv", [&](const CallPtr& call) {
-    reply_history(gateway, call, sensor_query(*call), {kCsvPage, kMaxCsvPage},
-                  [](const HistoryQuery&, const HistoryPage& page) { return csv_reply(page); });
+    reply_history(gateway, call, sensor_query(*call), {kCsvPage, kMaxCsvPage}, shown_as_csv);
   });
 }
 

@@ -67,7 +67,7 @@ void do_once(Gateway& gateway, const CallPtr& call, std::string effect, const st
   std::optional<StoredRequest> intent;
   if (call->request.idempotency_key) {
     const RequestKey key{call->who().name, *call->request.idempotency_key};
-    auto begun = gateway.access.requests.begin(key, digest_of(call->request), std::move(effect), gateway.now());
+    auto begun = gateway.access.requests.begin(key, digest_of(call->request), std::move(effect), gateway.steady());
     if (is_stop_again(*call, begun)) return stop_once(gateway, *call, std::nullopt, act);
     if (!begun) return call->fail(begun.error());
     if (auto* stored = std::get_if<StoredAnswer>(&*begun)) return reply_again(*call, *stored);

@@ -1,4 +1,6 @@
 // robots: read, stop, release, repaired, retired, returned.
+#include <type_traits>
+
 #include "common/operator/order_robots.hpp"
 #include "proto/bodies/robot.hpp"
 #include "services/cloud-gateway/io/api/api.hpp"
@@ -21,6 +23,15 @@ RowKey robot_key(RowKind kind, const Call& call) {
 
 bool is_robot(const Gateway& gateway, const std::string& id) {
   return gateway.book.find({RowKind::robot, id, ""}) != nullptr;
+}
+
+/// Before the first list of the fleet nobody knows who is a robot, and a node that has just joined is in no list yet: a
+/// stop goes to it. The router says if there is no such node.
+bool may_be_robot(const Gateway& gateway, const std::string& id) {
+  const auto has_node = [&](const std::string& node) {
+    return gateway.book.find({RowKind::node, node, ""}) != nullptr;
+  };
+  return is_robot(gateway, id) || has_node(id) || !has_node(gateway.session.node());
 }
 
 std::vector<std::string> all_robots(const Gateway& gateway) {
@@ -57,7 +68,9 @@ template <class Order>
 void order_one(Gateway& gateway, const CallPtr& call) {
   const auto reason = reason_in(*call, "by " + call->who().name);
   if (!reason) return call->fail(reason.error());
-  if (!is_robot(gateway, call->parameter("robot"))) {
+  const bool is_known = std::is_same_v<Order, Stop> ? may_be_robot(gateway, call->parameter("robot"))
+                                                    : is_robot(gateway, call->parameter("robot"));
+  if (!is_known) {
     return call->reply(problem_reply(404, "missing", "there is no such robot", "GET /api/v1/robots"));
   }
   give_order(gateway, call, {call->parameter("robot")}, Order{*reason});

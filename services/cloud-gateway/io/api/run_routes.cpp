@@ -113,7 +113,8 @@ void start_run(Gateway& gateway, const CallPtr& call) {
   ConfigFaults faults;
   Scenario scenario = scenario_of(*given, faults);
   if (!faults_that_stop(faults).empty()) return call->reply(faults_reply(faults_that_stop(faults)));
-  order_once(gateway, call, "run", [&gateway, call, scenario = std::move(scenario), terms = *terms] {
+  const std::string effect = "start of a run of scenario '" + scenario.name + "'";
+  do_once(gateway, call, effect, [&gateway, call, scenario = std::move(scenario), terms = *terms] {
     plan_and_submit(gateway, call, scenario, terms);
   });
 }

@@ -40,10 +40,11 @@ void sign_out_everywhere(Gateway& gateway, const CallPtr& call) {
   call->reply(empty_reply());
 }
 
-/// The password is hashed on the pool; the user may be gone when that is done.
+/// The password is hashed on the pool; the user may be gone when that is done, or an admin has set another one.
 void set_own_password(Gateway& gateway, const CallPtr& call, std::string password) {
   gateway.passwords.hash(std::move(password), [&gateway, call](const std::string& hash) {
     if (hash.empty()) return call->reply(problem_reply(503, "unavailable", "no memory for the hash", "try again"));
+    if (!is_still_allowed(gateway, call)) return;
     const Status set = gateway.access.users.set_password(call->who().name, hash);
     if (!set) return call->fail(set.error());
     call->reply(empty_reply());

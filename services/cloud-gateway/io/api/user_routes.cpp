@@ -24,12 +24,13 @@ void show_user(const Gateway& gateway, const CallPtr& call, int status = 200) {
   call->reply(json_reply(json_user(*user), status));
 }
 
-/// Checks the password and hashes it; `then` gets the hash.
+/// Checks the password and hashes it; `then` gets the hash, if the caller may still do this.
 void hash_new_password(Gateway& gateway, const CallPtr& call, const std::string& user, std::string password,
                        std::function<Result<std::string>(const std::string& hash)> then) {
   if (Status good = check_new_password(user, password); !good) return call->fail(good.error());
-  gateway.passwords.hash(std::move(password), [call, then = std::move(then)](const std::string& hash) {
+  gateway.passwords.hash(std::move(password), [&gateway, call, then = std::move(then)](const std::string& hash) {
     if (hash.empty()) return call->reply(problem_reply(503, "unavailable", "no memory for the hash", "try again"));
+    if (!is_still_allowed(gateway, call)) return;
     auto json = then(hash);
     if (!json) return call->fail(json.error());
     call->reply(json->empty() ? empty_reply() : json_reply(std::move(*json), 201));

@@ -96,6 +96,24 @@ BOTH_STORES("pages follow each other, entries of one moment too; times and kinds
   CHECK(found(*store, {.node = "ur3", .kind = HistoryKind::value}).entries.size() == 5);
 }
 
+BOTH_STORES("a page is bounded in bytes too, and the next one goes on behind it") {
+  const StoreFolder folder;
+  const auto store = opened_history(folder);
+  REQUIRE(store->add(values(0, 12'000, std::string(1000, '7')), kNow));
+  HistoryQuery query{.node = "ur3", .most = 100'000};
+  const HistoryPage page = found(*store, query);
+  CHECK(page.entries.size() >= kMaxHistoryBytes / 1100);
+  CHECK(page.entries.size() <= kMaxHistoryBytes / 1000 + 1000);
+  REQUIRE(page.next);
+  query.before = *page.next;
+  const HistoryPage rest = found(*store, query);
+  CHECK_FALSE(rest.next);
+  REQUIRE(page.entries.size() + rest.entries.size() == 12'000);
+  CHECK(seconds_of(rest).front() == seconds_of(page).back() - 1);
+  CHECK(seconds_of(rest).back() == 0);
+  CHECK(found(*store, {.node = "ur3", .most = 2500}).entries.size() == 2500);
+}
+
 BOTH_STORES("what is older than its age goes, also much of it in one step") {
   const StoreFolder folder;
   const auto store = opened_history(folder, {.age = std::chrono::hours(1)});

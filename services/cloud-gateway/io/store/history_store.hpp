@@ -15,6 +15,9 @@ struct HistoryLimits {
   std::uint64_t bytes = 256ULL << 20U;  ///< on disk, with its indexes
 };
 
+/// Of a page: 100,000 readings of a number have room, so many texts of 1 kB do not. 1,000 entries more are possible.
+constexpr std::size_t kMaxHistoryBytes = 8U << 20U;
+
 /// Errors of every call: io_error (a full disk, no rights), malformed (damaged), each with a hint. After an error the
 /// object can be used further.
 class HistoryStore {
@@ -26,6 +29,7 @@ class HistoryStore {
 
   /// All of them or none, in one transaction; then what is too old, or too much, goes, the oldest first.
   virtual Status add(const std::vector<HistoryEntry>& entries, UtcTime now) = 0;
+  /// A page of over kMaxHistoryBytes ends before `most`, with `next`.
   virtual Result<HistoryPage> find(const HistoryQuery& query) = 0;
 };
 

@@ -9,6 +9,12 @@ namespace {
 
 constexpr std::size_t kManyRows = 64;
 constexpr std::size_t kSomeRows = 8;
+constexpr std::size_t kReadAtOnce = 1000;
+
+/// As much as it takes as text: its time, and what stands between.
+std::size_t size_of(const HistoryEntry& entry) {
+  return 32 + entry.about.size() + entry.value.size() + entry.detail.size();
+}
 
 std::string insert_of(std::size_t rows) {
   std::string out = "INSERT INTO history(time, node, sensor, kind, about, value, detail) VALUES";
@@ -82,7 +88,26 @@ Status HistoryTables::remove_excess() {
   return Done{};
 }
 
+/// Some at a time: a server sends all that it finds, also what the page has no room for.
 Result<HistoryPage> HistoryTables::find(const HistoryQuery& query) {
+  HistoryPage out;
+  HistoryQuery part = query;
+  std::size_t size = 0;
+  do {
+    part.most = std::min(kReadAtOnce, query.most - out.entries.size());
+    auto found = find_some(part);
+    if (!found) return found.error();
+    for (HistoryEntry& one : found->entries) {
+      size += size_of(one);
+      out.entries.push_back(std::move(one));
+    }
+    out.next = found->next;
+    if (out.next) part.before = *out.next;
+  } while (out.next && out.entries.size() < query.most && size < kMaxHistoryBytes);
+  return out;
+}
+
+Result<HistoryPage> HistoryTables::find_some(const HistoryQuery& query) {
   HistoryPage out;
   HistoryPlace last;
   const std::int64_t any = -1;

@@ -26,6 +26,7 @@ class HistoryTables : public HistoryStore {
   [[nodiscard]] Sql& sql() { return *sql_; }
 
  private:
+  Result<HistoryPage> find_some(const HistoryQuery& query);
   Status insert(const std::vector<HistoryEntry>& entries);
   Status remove_old(UtcTime now);
   Status remove_excess();

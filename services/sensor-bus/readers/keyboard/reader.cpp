@@ -25,6 +25,18 @@ Result<Descriptor> open_keys(const std::string& devnode) {
   return keys;
 }
 
+/// The kernel's queue for a reader holds 64 events (a tag of ten digits with its Enter: 66); when it is full the kernel
+/// throws all of it away, and says so by SYN_DROPPED. What comes behind that was really pressed.
+void on_event(const input_event& event, TagKeys& typed, ReaderContext& context) {
+  if (event.type == EV_SYN && event.code == SYN_DROPPED) {
+    typed.lose();
+    context.fail_all(fail(Errc::io_error, "keys were lost: they came faster than they were read",
+                          "show the tag again, twice if need be"));
+  }
+  if (event.type != EV_KEY) return;
+  if (const auto tag = typed.add(event.code, event.value)) context.send(0, {true, 0, *tag});
+}
+
 Status serve(ReaderContext& context, int keys) {
   TagKeys typed;
   for (;;) {
@@ -38,8 +50,7 @@ Status serve(ReaderContext& context, int keys) {
     if (size < 0) return system_error(context.device().devnode, errno);
     if (size == 0) return fail(Errc::io_error, context.device().devnode + ": has hung up", "plug it in again");
     for (std::size_t i = 0; i < static_cast<std::size_t>(size) / sizeof(input_event); ++i) {
-      if (events[i].type != EV_KEY) continue;
-      if (const auto tag = typed.add(events[i].code, events[i].value)) context.send(0, {true, 0, *tag});
+      on_event(events[i], typed, context);
     }
   }
 }

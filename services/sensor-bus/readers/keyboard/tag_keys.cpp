@@ -37,19 +37,25 @@ std::optional<std::string> TagKeys::add(std::uint16_t code, std::int32_t value) 
   if (value != 1) return std::nullopt;
   if (code == KEY_ENTER || code == KEY_KPENTER) {
     std::string tag = std::exchange(tag_, {});
-    const bool dropped = std::exchange(too_long_, false);
+    const bool dropped = std::exchange(is_void_, false);
     if (tag.empty() || dropped) return std::nullopt;
     return tag;
   }
   const char typed = character(code, shifts_ != 0);
-  if (typed == '\0' || too_long_) return std::nullopt;
+  if (typed == '\0' || is_void_) return std::nullopt;
   if (tag_.size() < kMaxTag) {
     tag_ += typed;
   } else {
-    too_long_ = true;
+    is_void_ = true;
     tag_.clear();
   }
   return std::nullopt;
+}
+
+void TagKeys::lose() {
+  tag_.clear();
+  is_void_ = true;
+  shifts_ = 0;
 }
 
 }  // namespace trb::sensor

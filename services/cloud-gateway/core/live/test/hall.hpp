@@ -114,7 +114,7 @@ struct Hall {
   /// The client's next frame, 100 ms later; nullopt: none.
   std::optional<Frame> frame(ClientId id) {
     wait(std::chrono::milliseconds(100));
-    clients.pump(now);
+    clients.pump(now, view.silent());
     return clients.take(id);
   }
 };

@@ -28,3 +28,29 @@ TEST_CASE("keys become a tag at Enter") {
   press(KEY_7);
   CHECK(press(KEY_KPENTER) == "7");
 }
+
+TEST_CASE("of keys that were lost no tag is made") {
+  TagKeys keys;
+  const auto press = [&](std::uint16_t code) {
+    const auto tag = keys.add(code, 1);
+    keys.add(code, 0);
+    return tag;
+  };
+  SUBCASE("the tag under way is void until its Enter, the next one is whole") {
+    press(KEY_4);
+    keys.lose();
+    CHECK(keys.held() == 0);
+    press(KEY_2);
+    CHECK_FALSE(press(KEY_ENTER).has_value());
+    press(KEY_A);
+    CHECK(press(KEY_ENTER) == "a");
+  }
+  SUBCASE("a lost release of shift shifts no later tag") {
+    keys.add(KEY_LEFTSHIFT, 1);
+    keys.add(KEY_RIGHTSHIFT, 1);
+    keys.lose();
+    press(KEY_ENTER);
+    press(KEY_A);
+    CHECK(press(KEY_ENTER) == "a");
+  }
+}

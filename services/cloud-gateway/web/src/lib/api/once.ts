@@ -11,7 +11,7 @@
  * | open              | done; refused; not confirmed, and the person was told so  | none    |
  * | open              | 15 min old, or 16 newer ones are open                     | none    |
  */
-import { api, newKey, Problem, urlOf, type Ask, type Client } from './client';
+import { api, newKey, Problem, urlOf, type Answer, type Ask, type Client } from './client';
 
 const LIFE_MS = 15 * 60_000; // the gateway keeps a key for 24 h
 const MOST_OPEN = 16;
@@ -26,19 +26,26 @@ export function isSettled(error: unknown): boolean {
   return !isOfProxy && !UNSETTLED.includes(error.code);
 }
 
+type OnceAsk = Omit<Ask, 'idempotencyKey' | 'ifMatch'>;
+
 export class Once {
   /** By the whole request, the one that was sent last at the end. */
   private readonly open = new Map<string, { key: string; since: number }>();
 
   constructor(private readonly client: Client, private readonly now: () => number) {}
 
-  async post<T>(pattern: string, ask: Omit<Ask, 'idempotencyKey' | 'ifMatch'>): Promise<T> {
+  async post<T>(pattern: string, ask: OnceAsk): Promise<T> {
+    return (await this.send<T>(pattern, ask)).data;
+  }
+
+  /** A POST. The answer to a repeat has no ETag. */
+  async send<T>(pattern: string, ask: OnceAsk): Promise<Answer<T>> {
     const what = `${urlOf(pattern, ask.path, ask.query)}\n${ask.text ?? JSON.stringify(ask.body)}`;
     const idempotencyKey = this.keyOf(what);
     try {
-      const data = await this.client.post<T>(pattern, { ...ask, idempotencyKey });
+      const answer = await this.client.send<T>('POST', pattern, { ...ask, idempotencyKey });
       this.open.delete(what);
-      return data;
+      return answer;
     } catch (error) {
       if (isSettled(error)) this.open.delete(what);
       throw error;

@@ -21,6 +21,8 @@ export interface Row<Content = unknown> {
   heard: string;
   content: Content;
 }
+/** A service of the gateway's node that rows come from. */
+export type RowSource = NonNullable<Schemas['LiveFrame']['silent']>[number];
 export type RemovedRow = Schemas['RemovedRow'];
 
 export type NodeContent = Schemas['NodeContent'];

@@ -75,6 +75,46 @@ describe('rows', () => {
   });
 });
 
+describe('who tells nothing', () => {
+  const silent = (text: string, ...sources: string[]) => text.replace('"time":""', `"time":"","silent":${JSON.stringify(sources)}`);
+  const alerts = { ...snapshot(), topic: 'alerts' };
+
+  it('makes no empty list a known one: before the first table nobody knows whether there was an alert', () => {
+    const core = new LiveCore();
+    core.use('alerts');
+    core.start(0);
+    core.opened(0);
+    core.heard(silent(frame(5, alerts), 'scheduler', 'resilience'), 10);
+    expect(core.isKnown('alerts')).toBe(false);
+    expect(core.isSilent('resilience')).toBe(true);
+    core.heard(silent(frame(5), 'scheduler'), 1010);
+    expect(core.isKnown('alerts')).toBe(true);
+    expect(core.isSilent('resilience')).toBe(false);
+    core.heard(silent(frame(5), 'resilience'), 2010);
+    expect(core.isKnown('alerts')).toBe(false);
+  });
+
+  it('is told for the rows of each service: runs are in the topic of the fleet, too', () => {
+    const core = openPage();
+    core.use('run/1');
+    core.heard(silent(frame(5, snapshot(robot('ur3', 4)), { ...snapshot(), topic: 'run/1' }), 'scheduler'), 10);
+    expect(core.isKnown('fleet')).toBe(true);
+    expect(core.isKnown('run/1')).toBe(false);
+    expect(core.isSilent('scheduler')).toBe(true);
+  });
+
+  it('is nobody with a gateway that does not say it, and after a sign-out', () => {
+    const core = openPage();
+    core.heard(silent(frame(5, snapshot(robot('ur3', 4))), 'router'), 10);
+    expect(core.isKnown('fleet')).toBe(false);
+    core.heard(frame(6), 20);
+    expect(core.isKnown('fleet')).toBe(true);
+    core.heard(silent(frame(6), 'router'), 30);
+    core.closed(SIGNED_OUT, 40);
+    expect(core.isSilent('router')).toBe(false);
+  });
+});
+
 describe('topics', () => {
   it('are subscribed by their first user and ended by their last one', () => {
     const core = openPage();
@@ -191,12 +231,56 @@ describe('a sign-out', () => {
 });
 
 describe('a refused word', () => {
+  const refusal = '{"error":{"detail":"topic: 256 sensors are watched"}}';
+
   it('is told, and changes no row', () => {
     const core = openPage();
-    const told: string[] = [];
-    core.onError = (detail) => told.push(detail);
-    core.heard('{"error":{"detail":"topic: \'secrets\' is none"}}', 10);
-    expect(told).toEqual(["topic: 'secrets' is none"]);
+    core.heard(refusal, 10);
+    expect(core.refused).toBe('topic: 256 sensors are watched');
+    expect(core.heardAt).toBeNull();
+  });
+
+  it('stays shown while a topic waits that it may be of, and goes with its block', () => {
+    const core = openPage();
+    core.use('sensor/ur3/dht22');
+    core.use('messages'); // has no block
+    core.heard(refusal, 10);
+    core.heard(frame(5, snapshot(robot('ur3', 4))), 20);
+    core.heard(frame(6, delta(robot('ur3', 5))), 30);
+    expect(core.refused).not.toBe('');
+    core.heard(frame(6, { ...snapshot(), topic: 'sensor/ur3/dht22' }), 40);
+    expect(core.refused).toBe('');
+  });
+
+  it('goes with the view that has asked for it', () => {
+    const core = openPage();
+    core.heard(frame(5, snapshot(robot('ur3', 4))), 10);
+    core.use('sensor/ur3/dht22');
+    core.heard(refusal, 20);
+    core.leave('sensor/ur3/dht22');
+    expect(core.refused).toBe('');
+  });
+
+  it('of a drive goes with the next answer to one', () => {
+    const core = openPage();
+    core.heard(frame(5, snapshot(robot('ur3', 4))), 10);
+    core.heard(refusal, 20);
+    core.heard(frame(6, delta(robot('ur3', 6))), 30);
+    expect(core.refused).not.toBe('');
+    core.heard('{"drive":{"robot":"ur3","sequence":4,"state":"driving","round_trip_s":0.01}}', 40);
+    expect(core.refused).toBe('');
+  });
+
+  it('goes with the connection, and with a sign-out', () => {
+    const core = openPage();
+    core.heard(refusal, 10);
+    core.closed(1006, 20);
+    core.tick(300);
+    core.opened(310);
+    expect(core.refused).toBe('');
+    core.heard(refusal, 320);
+    core.closed(SIGNED_OUT, 330);
+    expect(core.refused).toBe('');
   });
 });
 

@@ -12,12 +12,16 @@
  * | waiting    | the wait is over             | connect                                           | connecting |
  * | any        | closed with 4401, stop       | forget everything                                 | off        |
  */
-import type { DriveAnswer, RemovedRow, Row } from '../api/types';
+import type { DriveAnswer, RemovedRow, Row, RowSource } from '../api/types';
 
 export const SIGNED_OUT = 4401;
 const QUIET_MS = 3000; // the gateway sends a frame each second, even if nothing has changed
 const FIRST_WAIT_MS = 250;
 const MOST_WAIT_MS = 1000;
+/** By the first word of a topic: whose table its rows are. Those of runs in `fleet` are the scheduler's. */
+const SOURCES: Record<string, RowSource> = {
+  fleet: 'router', robot: 'router', sensor: 'router', run: 'scheduler', alerts: 'resilience',
+};
 
 export type Phase = 'off' | 'connecting' | 'open' | 'waiting';
 export type Notice = 'dropped' | 'too_old' | 'restarted';
@@ -35,6 +39,7 @@ export interface Frame {
   count: number;
   head: number;
   time: string;
+  silent?: RowSource[];
   notices: { topic: string; kind: Notice }[];
   left_out: number;
   messages: unknown[];
@@ -90,14 +95,19 @@ export class LiveCore {
   /** When the last frame came, by the clock of now(); nothing: none yet. */
   heardAt: number | null = null;
   leftOut = 0;
+  /** What the gateway refused last; it does not say which topic it was. Empty: nothing, or it is of no matter any more. */
+  refused = '';
+  /** Of whom nothing is heard, as the last frame says. */
+  silent: RowSource[] = [];
   onRows: (topic: string) => void = () => {};
   onMessages: (messages: unknown[], leftOut: number) => void = () => {};
-  onError: (detail: string) => void = () => {};
   onDrive: (answer: DriveAnswer) => void = () => {};
 
   /** The gateway's UTC in ms, less the clock of now(); nothing: not told yet. */
   private utcLess: number | null = null;
   private readonly topics = new Map<string, TopicTable>();
+  /** Which topics the refusal may be of: those that had no rows yet. Without one it was a drive. */
+  private readonly mayBeRefused = new Set<string>();
   private instance = '';
   private resumeFrom = 0;
   private wait = FIRST_WAIT_MS;
@@ -121,6 +131,7 @@ export class LiveCore {
   opened(now: number): Act {
     this.phase = 'open';
     this.since = now;
+    this.refuse('');
     return { send: [...this.topics].map(([topic, table]) => this.subscription(topic, table)) };
   }
 
@@ -153,6 +164,7 @@ export class LiveCore {
     const table = this.topics.get(topic);
     if (table === undefined || --table.users > 0) return { send: [] };
     this.topics.delete(topic);
+    this.settle(topic);
     return { send: this.phase === 'open' ? [JSON.stringify({ unsubscribe: topic })] : [] };
   }
 
@@ -160,8 +172,15 @@ export class LiveCore {
     return this.topics.get(topic)?.rows ?? new Map();
   }
 
+  /** All its rows are here: what has no row is not there. */
   isKnown(topic: string): boolean {
-    return this.topics.get(topic)?.isKnown ?? false;
+    const source = SOURCES[topic.split('/')[0] ?? ''];
+    return (this.topics.get(topic)?.isKnown ?? false) && (source === undefined || !this.isSilent(source));
+  }
+
+  /** Its first table has not come, or no further one: rows of it may be old or missing. */
+  isSilent(source: RowSource): boolean {
+    return this.silent.includes(source);
   }
 
   /** The gateway's UTC, ms: rows have its times, and the browser's own clock may be off. Nothing: not told yet. */
@@ -171,13 +190,17 @@ export class LiveCore {
 
   heard(text: string, now: number): void {
     const word = JSON.parse(text) as Frame & { error?: { detail?: string }; drive?: DriveAnswer };
-    if (word.error !== undefined) return this.onError(word.error.detail ?? '');
-    if (word.drive !== undefined) return this.onDrive(word.drive);
+    if (word.error !== undefined) return this.refuse(word.error.detail ?? '');
+    if (word.drive !== undefined) {
+      this.settle('');
+      return this.onDrive(word.drive);
+    }
     this.heardAt = now;
     const utc = Date.parse(word.time);
     if (!Number.isNaN(utc)) this.utcLess = utc - now;
     this.wait = FIRST_WAIT_MS;
     this.instance = instanceIn(text);
+    this.silent = word.silent ?? [];
     for (const notice of word.notices) this.topics.get(notice.topic)?.restart();
     for (const block of word.blocks) this.take(block);
     if (word.messages.length > 0 || word.left_out > 0) this.onMessages(word.messages, word.left_out);
@@ -188,7 +211,22 @@ export class LiveCore {
     const table = this.topics.get(block.topic);
     if (table === undefined) return; // left a moment ago
     table.take(block);
+    if (this.mayBeRefused.has(block.topic)) this.settle(block.topic);
     this.onRows(block.topic);
+  }
+
+  private refuse(detail: string): void {
+    this.refused = detail;
+    this.mayBeRefused.clear();
+    for (const [topic, table] of this.topics) {
+      if (!table.isKnown && topic !== 'messages') this.mayBeRefused.add(topic); // that one never has rows
+    }
+  }
+
+  /** The topic has its rows, or nobody wants it any more. */
+  private settle(topic: string): void {
+    this.mayBeRefused.delete(topic);
+    if (this.mayBeRefused.size === 0) this.refused = '';
   }
 
   private subscription(topic: string, table: TopicTable): string {
@@ -213,6 +251,8 @@ export class LiveCore {
   private forget(): void {
     this.phase = 'off';
     this.instance = '';
+    this.refuse('');
+    this.silent = [];
     this.heardAt = null;
     this.wait = FIRST_WAIT_MS;
     for (const table of this.topics.values()) {

@@ -2,7 +2,7 @@
 import { onDestroy } from 'svelte';
 import { SvelteMap } from 'svelte/reactivity';
 import { api } from '../api/client';
-import type { DriveAnswer, Row } from '../api/types';
+import type { DriveAnswer, Row, RowSource } from '../api/types';
 import { LiveCore, SIGNED_OUT, type Act, type Phase, type Rows } from './core';
 
 const TICK_MS = 100;
@@ -16,8 +16,11 @@ class LiveStream {
   isLost = $state(true);
   /** Age of what is shown, whole seconds; nothing: nothing was received yet. */
   ageS = $state<number | null>(null);
-  /** What the stream refused last: a fault of the page, shown as such. */
+  /** What the stream has refused: a fault of the page, shown as such. */
   refused = $state('');
+
+  /** Of whom nothing is heard; one frame after the other says the same. */
+  private silent = $state('');
 
   private readonly core = new LiveCore();
   private readonly versions = new SvelteMap<string, number>();
@@ -30,7 +33,6 @@ class LiveStream {
     this.core.onRows = (topic) => this.versions.set(topic, (this.versions.get(topic) ?? 0) + 1);
     this.core.onMessages = (messages, leftOut) => this.listeners.forEach((each) => each(messages, leftOut));
     this.core.onDrive = (answer) => this.drivers.forEach((each) => each(answer));
-    this.core.onError = (detail) => (this.refused = detail);
   }
 
   start(): void {
@@ -61,7 +63,14 @@ class LiveStream {
 
   isKnown(topic: string): boolean {
     this.versions.get(topic);
+    void this.silent;
     return this.core.isKnown(topic);
+  }
+
+  /** Rows of this service may be old or missing. */
+  isSilent(source: RowSource): boolean {
+    void this.silent;
+    return this.core.isSilent(source);
   }
 
   /** The same rows for who draws by himself at each picture, such as a canvas. */
@@ -101,6 +110,8 @@ class LiveStream {
   private show(): void {
     this.phase = this.core.phase;
     this.isLost = this.core.isLost;
+    this.silent = this.core.silent.join();
+    this.refused = this.core.refused;
     const at = this.core.heardAt;
     this.ageS = at === null ? null : Math.max(0, Math.floor((performance.now() - at) / 1000));
   }

@@ -1,5 +1,5 @@
 /** A tone and a notification of the browser for each new alarm, in every view. Both are off until somebody wants them. */
-import type { Alert } from '../api/types';
+import type { Alert, AlertRow } from '../api/types';
 import { t, tOr } from '../i18n/i18n.svelte';
 import { hrefOf } from '../router.svelte';
 import { NewAlarms, tonesOf } from './new_alarms';
@@ -39,7 +39,7 @@ class Notice {
     localStorage.setItem(KEPT_NOTICE, this.isNotice ? 'on' : 'off');
   }
 
-  see(open: Alert[], isKnown: boolean): void {
+  see(open: AlertRow[], isKnown: boolean): void {
     const [first, ...others] = this.news.see(open, isKnown);
     if (first === undefined) return;
     if (this.isSound) this.play(tonesOf(first.severity));

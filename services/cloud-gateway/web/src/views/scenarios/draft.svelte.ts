@@ -76,8 +76,9 @@ export class Draft {
     this.show(next);
   }
 
-  wasSaved(etag: string): void {
-    this.saved = this.text;
+  /** `text`: what was sent; what was typed since then is not saved. */
+  wasSaved(text: string, etag: string): void {
+    this.saved = text;
     this.etag = etag;
   }
 

@@ -43,9 +43,20 @@ describe('a draft', () => {
     expect(draft.canUndo).toBe(false);
     draft.change((one) => ({ ...one, name: 'y' }));
     expect(draft.isChanged).toBe(true);
-    draft.wasSaved('"2"');
+    draft.wasSaved(draft.text, '"2"');
     expect([draft.isChanged, draft.etag]).toEqual([false, '"2"']);
     draft.undo();
     expect(draft.isChanged).toBe(true);
+  });
+
+  it('is not saved as far as it was typed after it was sent', () => {
+    const draft = new Draft(begin, '"1"');
+    draft.type(`${begin} `);
+    const sent = draft.text;
+    draft.type(`${begin}  `);
+    draft.wasSaved(sent, '"2"');
+    expect([draft.isChanged, draft.text, draft.etag]).toEqual([true, `${begin}  `, '"2"']);
+    draft.type(sent);
+    expect(draft.isChanged).toBe(false);
   });
 });

@@ -45,6 +45,8 @@ export class Part {
       this.problem = problem instanceof Problem && problem.status === 422 ? problem : null;
       if (problem instanceof Problem && problem.status === 412) toasts.fault(t('settings.changed'));
       else toasts.problem(problem);
+      // The file is written, and has a new version.
+      if (problem instanceof Problem && problem.code === 'not_in_force') this.saved();
     }
     this.isBusy = false;
   }

@@ -13,6 +13,7 @@ export const runs = {
     compareTwo: 'Compare two runs ({count} of 2 chosen)',
     underWay: 'Under way',
     noneUnderWay: 'No run is under way.',
+    silent: 'No word from the scheduler: it is not known what is under way.',
     over: 'Over',
     noneOver: 'No run is over yet.',
     older: 'Older runs are in the archive: trb scenario archive.',

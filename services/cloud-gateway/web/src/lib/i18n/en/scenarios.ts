@@ -31,6 +31,7 @@ export const scenarios = {
     fault: 'Fault',
     warning: 'Warning',
     faults: 'Faults: {count}',
+    unchecked: 'Not checked: {why}',
     warnings: 'Warnings: {count}',
     moreFaults: 'and {count} more',
     noScenario: 'The text is no scenario: it needs JSON with "name" and a list "tasks".',

@@ -7,6 +7,7 @@ export const sensors = {
     unit: 'Unit',
     device: 'Device',
     away: 'not heard',
+    gone: 'The fleet has no such sensor now: it is unplugged, or its address is wrong.',
     value: 'Value',
     window: 'Shown',
     minute: '1 minute',

@@ -55,6 +55,7 @@ export const shell = {
     certificateHow: 'To renew it: trb fleet renew',
     certificateMore: '({count} more)',
     refused: 'The live stream refused: {detail}',
+    alarmsSilent: 'No word from the resilience service: a new alarm would not be shown.',
   },
   stop: {
     all: 'Stop all',

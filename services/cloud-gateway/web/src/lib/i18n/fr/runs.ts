@@ -15,6 +15,7 @@ export const runs: Pick<Words, 'runs'> = {
     compareTwo: 'Comparer deux exécutions ({count} sur 2 choisies)',
     underWay: 'En cours',
     noneUnderWay: 'Aucune exécution n’est en cours.',
+    silent: 'Sans nouvelles de l’ordonnanceur : on ne sait pas ce qui est en cours.',
     over: 'Terminées',
     noneOver: 'Aucune exécution n’est terminée.',
     older: 'Les plus anciennes sont dans l’archive : trb scenario archive.',

@@ -33,6 +33,7 @@ export const scenarios: Pick<Words, 'scenarios' | 'skills'> = {
     fault: 'Erreur',
     warning: 'Avertissement',
     faults: 'Erreurs : {count}',
+    unchecked: 'Non vérifié : {why}',
     warnings: 'Avertissements : {count}',
     moreFaults: 'et {count} de plus',
     noScenario: 'Le texte n’est pas un scénario : il faut du JSON avec « name » et une liste « tasks ».',

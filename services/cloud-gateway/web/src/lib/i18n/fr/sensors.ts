@@ -9,6 +9,7 @@ export const sensors: Pick<Words, 'sensors'> = {
     unit: 'Unité',
     device: 'Appareil',
     away: 'silencieux',
+    gone: 'La flotte n’a plus ce capteur : il est débranché, ou son adresse est fausse.',
     value: 'Valeur',
     window: 'Affiché',
     minute: '1 minute',

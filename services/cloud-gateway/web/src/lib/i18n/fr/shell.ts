@@ -57,6 +57,7 @@ export const shell: Pick<Words, 'common' | 'shell' | 'stop' | 'signIn' | 'notice
     certificateHow: 'Pour le renouveler : trb fleet renew',
     certificateMore: '({count} de plus)',
     refused: 'Le flux en direct a refusé : {detail}',
+    alarmsSilent: 'Sans nouvelles du service de résilience : une nouvelle alarme ne serait pas affichée.',
   },
   stop: {
     all: 'Tout arrêter',
