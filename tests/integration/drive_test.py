@@ -1,5 +1,5 @@
 """Driving by hand: a person's speeds from the cloud to each maker's robot, which moves at that speed, and stands when
-they cease: because the person's program died, the node lost the cloud, or the mode-adapter was killed. Prints how long
+they cease: because the person's program died, the node lost the cloud, or the mode-adapter was killed or ended. Prints how long
 each still moves. Real processes; addresses 127.0.184.x and 127.0.185.x.
 """
 import json
@@ -39,9 +39,9 @@ class HandDrive(unittest.TestCase):
     def tearDownClass(cls):
         if not cls.figures:
             return
-        print("\nstill moves for (s), after                messages cease   cloud lost   mode-adapter killed")
+        print("\nstill moves for (s), after                messages cease   cloud lost   mode-adapter killed, ended")
         for name, row in cls.figures.items():
-            cells = [f"{row[key]:.2f}" if key in row else "-" for key in ("cease", "cloud", "killed")]
+            cells = [f"{row[key]:.2f}" if key in row else "-" for key in ("cease", "cloud", "killed", "ended")]
             speed = f"{MAKERS[name].speed:.2f} {MAKERS[name].unit}/s"
             print(f"  {name:12} at {speed:20}" + "".join(f"{cell:>14}" for cell in cells))
 
@@ -140,6 +140,20 @@ class HandDrive(unittest.TestCase):
                 os.kill(self.fleet.pid(name, "mode-adapter"), signal.SIGKILL)
                 killed = time.monotonic()
                 self.keep(name, "killed", robot.moves_on(killed), maker.dies_s + MARGIN_S)
+                driver.stop(signal.SIGKILL)
+                self.fleet.wait_formed(30)
+
+    def test_4_each_stands_before_its_mode_adapter_ends(self):
+        for name in MAKERS:
+            with self.subTest(name):
+                robot, driver = self.begin(name)
+                driver.child.send_signal(signal.SIGSTOP)  # else the new process would be driven on
+                adapter = self.fleet.pid(name, "mode-adapter")
+                ended = time.monotonic()
+                os.kill(adapter, signal.SIGTERM)
+                self.keep(name, "ended", robot.moves_on(ended), STANDS_S)
+                self.fleet.wait("the process has ended by itself", lambda adapter=adapter: not os.path.exists(f"/proc/{adapter}"),
+                                2)
                 driver.stop(signal.SIGKILL)
                 self.fleet.wait_formed(30)
 
