@@ -26,7 +26,8 @@ constexpr std::uint64_t kMostUnproven = 64U << 10U;
 /// suspected | on_empty(): it is still missing (invalid)     | calm; the connection has to end
 class IncompleteBytes {
  public:
-  explicit IncompleteBytes(std::uint64_t most = kMostIncomplete) : most_(most) {}
+  IncompleteBytes() = default;
+  explicit IncompleteBytes(std::uint64_t most) : most_(most) {}
 
   /// The loop has received a frame of this size from the connection, whatever becomes of it.
   void add(std::uint64_t frame) { add_on_wire(on_wire(frame)); }
@@ -44,7 +45,7 @@ class IncompleteBytes {
   }
 
  private:
-  std::uint64_t most_;
+  std::uint64_t most_ = kMostIncomplete;
   std::uint64_t received_ = 0;
   std::optional<std::uint64_t> suspected_;  ///< what had been read at that look
 };

@@ -92,8 +92,8 @@ bool InboxGuard::look(std::uint64_t own_words) {
     if (connection.leaving || (connection.incomplete != nullptr && !calm)) continue;
     const auto read = bytes_read(connection.fd);
     if (!read) continue;
-    const auto seconds = static_cast<std::uint64_t>(std::max(0.0, to_seconds(now - connection.accepted)));
-    const std::uint64_t words = std::min(*read, own_words * seconds);
+    const double words_in_all = static_cast<double>(own_words) * to_seconds(now - connection.accepted);
+    const std::uint64_t words = std::min(*read, static_cast<std::uint64_t>(words_in_all));
     if (connection.incomplete == nullptr) {
       if (*read - words > kMostUnproven) unproven.push_back(id);
     } else if (connection.incomplete->look(*read - words)) {

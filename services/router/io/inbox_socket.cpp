@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "common/base/hex.hpp"
+#include "common/base/on_wire.hpp"
 #include "common/transport/socket.hpp"
 #include "services/router/io/frame_forwarder.hpp"
 #include "services/router/io/own_frame.hpp"
