@@ -11,7 +11,7 @@ namespace {
 constexpr int kEvents = ZMQ_EVENT_HANDSHAKE_SUCCEEDED | ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL |
                         ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL | ZMQ_EVENT_HANDSHAKE_FAILED_AUTH | ZMQ_EVENT_DISCONNECTED |
                         ZMQ_EVENT_CLOSED | ZMQ_EVENT_CONNECT_RETRIED | ZMQ_EVENT_LISTENING | ZMQ_EVENT_ACCEPTED |
-                        ZMQ_EVENT_ACCEPT_FAILED;
+                        ZMQ_EVENT_ACCEPT_FAILED | ZMQ_EVENT_CONNECTED;
 constexpr int kBatch = 256;
 
 std::string make_endpoint() {
@@ -35,6 +35,8 @@ std::optional<LinkEvent> to_event(std::uint16_t event, std::uint32_t value) {
   switch (event) {
     case ZMQ_EVENT_HANDSHAKE_SUCCEEDED:
       return LinkEvent::connected;
+    case ZMQ_EVENT_CONNECTED:
+      return LinkEvent::reached;
     case ZMQ_EVENT_LISTENING:
       return LinkEvent::listening;
     case ZMQ_EVENT_ACCEPTED:
@@ -102,8 +104,7 @@ bool SocketMonitor::serve_one() {
   pair_.skip_rest(frame);
   if (const auto known = to_event(event, value)) {
     const bool has_fd = event == ZMQ_EVENT_LISTENING || event == ZMQ_EVENT_ACCEPTED ||
-                        event == ZMQ_EVENT_DISCONNECTED || event == ZMQ_EVENT_HANDSHAKE_SUCCEEDED ||
-                        event == ZMQ_EVENT_CLOSED;
+                        event == ZMQ_EVENT_DISCONNECTED || event == ZMQ_EVENT_CONNECTED || event == ZMQ_EVENT_CLOSED;
     const auto handler = on_event_;
     handler(*known, has_fd ? static_cast<int>(value) : -1);
   }

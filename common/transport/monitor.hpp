@@ -18,6 +18,7 @@ enum class LinkEvent {
   no_curve,          ///< the other side does not speak CURVE
   wrong_server_key,  ///< the handshake's cryptography failed
   protocol_error,    ///< anything else that is not ZMTP
+  reached,           ///< this side's TCP connection is made; nothing is proven yet
   listening,         ///< an endpoint is bound
   accepted,          ///< a TCP connection was accepted; nothing is proven yet
   accept_failed,     ///< one could not be accepted: no descriptor was left
@@ -39,7 +40,7 @@ class RefusalWatch {
 };
 
 /// Watches one socket; the events arrive on the loop's thread, later than they happened. `fd` is the descriptor of
-/// listening, accepted, connected and disconnected, else -1; it may have been closed since.
+/// listening, accepted, reached and disconnected, else -1; it may have been closed since.
 class SocketMonitor {
  public:
   using OnEvent = std::function<void(LinkEvent event, int fd)>;

@@ -6,6 +6,8 @@
 #include <cstdlib>
 #include <stdexcept>
 
+#include "common/base/on_wire.hpp"
+
 namespace trb {
 namespace {
 
@@ -282,10 +284,11 @@ bool Socket::receive(Frame& frame) {
   return received;
 }
 
-void Socket::skip_rest(const Frame& last) {
+std::uint64_t Socket::skip_rest(const Frame& last) {
   bool more = last.more();
-  Frame frame;
-  while (more && receive(frame)) more = frame.more();
+  std::uint64_t bytes = 0;
+  for (Frame frame; more && receive(frame); more = frame.more()) bytes += on_wire(frame.size());
+  return bytes;
 }
 
 SendResult Socket::send(Frame&& frame, bool more) {

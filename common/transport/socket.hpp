@@ -3,6 +3,7 @@
 // can fail while a program runs returns a Status or Result; what is created at startup throws std::runtime_error.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -103,8 +104,8 @@ class Socket {
 
   /// The next frame if there is one. For ROUTER sockets the first frame is the routing id.
   bool receive(Frame& frame);
-  /// Drops the rest of a message of several frames.
-  void skip_rest(const Frame& last);
+  /// Drops the rest of a message of several frames. Returns how many bytes the dropped ones took on the wire.
+  std::uint64_t skip_rest(const Frame& last);
   SendResult send(Frame&& frame, bool more = false);
   /// ROUTER: routing id and one frame. `unroutable`: that connection is gone.
   SendResult send_to(BytesView routing_id, Frame&& frame);

@@ -2,9 +2,15 @@
 
 #include <arpa/inet.h>
 #include <linux/filter.h>
+#include <linux/sockios.h>
+#include <linux/tcp.h>
 #include <netinet/in.h>
+#include <sys/ioctl.h>
 #include <sys/socket.h>
 
+#include <algorithm>
+#include <cerrno>
+#include <cstddef>
 #include <cstdint>
 #include <cstring>
 
@@ -118,8 +124,24 @@ std::string source_of(const std::string& address) {
 }
 
 void cut_connection(int fd, const RemoteEnd& expected) {
+  if (is_connection(fd, expected)) ::shutdown(fd, SHUT_RDWR);
+}
+
+bool is_connection(int fd, const RemoteEnd& expected) {
   const auto now = remote_end(fd);
-  if (now && now->address == expected.address) ::shutdown(fd, SHUT_RDWR);
+  return now && now->address == expected.address;
+}
+
+std::optional<std::uint64_t> bytes_read(int fd) {
+  tcp_info info{};
+  socklen_t size = sizeof info;
+  constexpr std::size_t kKnown = offsetof(tcp_info, tcpi_bytes_received) + sizeof info.tcpi_bytes_received;
+  if (::getsockopt(fd, IPPROTO_TCP, TCP_INFO, &info, &size) != 0 || size < kKnown) return std::nullopt;
+  // In this order: what comes or is read in between makes the result too small, or exact, but never too large.
+  int waits = 0;
+  if (::ioctl(fd, SIOCINQ, &waits) != 0) return std::nullopt;
+  const std::uint64_t came = info.tcpi_bytes_received;
+  return came - std::min(came, static_cast<std::uint64_t>(waits));
 }
 
 void SourceFilter::add_listener(int fd) {

@@ -1,7 +1,8 @@
-// What libzmq cannot do, on its own descriptors: find out who is at the other end, end one accepted connection, and
-// block sources before a connection exists.
+// What libzmq cannot do, on its own descriptors: find out who is at the other end and how much has come from there, end
+// one connection, and block sources before a connection exists.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <set>
 #include <string>
@@ -21,6 +22,13 @@ std::string source_of(const std::string& address);
 
 /// Empty if the descriptor is not (or no longer) a TCP connection.
 std::optional<RemoteEnd> remote_end(int fd);
+
+/// Is this still that connection's descriptor?
+bool is_connection(int fd, const RemoteEnd& expected);
+
+/// How many bytes libzmq has read of a TCP connection since it was made; what waits in the kernel does not count. Empty
+/// if the descriptor is not (or no longer) a TCP connection, or the kernel does not say (before Linux 4.1).
+std::optional<std::uint64_t> bytes_read(int fd);
 
 /// Ends the connection of a descriptor that libzmq owns: to libzmq the other side has closed it. Does nothing if the
 /// descriptor belongs to another connection by now.

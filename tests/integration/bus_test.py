@@ -12,10 +12,12 @@ import time
 import unittest
 
 import zmq
+import zmq.utils.z85
 
 import support
 import trb_fleet
 import wire
+from raw_peer import RawPeer
 from router_client import PLAIN_GREETING, WAIT, make_context, to_z85
 
 BLOCK = 136
@@ -241,6 +243,25 @@ class Bus(unittest.TestCase):
         self.addCleanup(events.close)
         self.watch.wait_counted("cut.no_service", prefixes=("cut.",), timeout=8)
         self.assertTrue(events.poll(WAIT * 1000), "the silent connection was not cut")
+
+    def test_parts_of_a_message_without_end(self):
+        """By a program with a key of this bus."""
+        public, secret = (zmq.utils.z85.decode(key) for key in self.pair("probe"))
+        address = (self.fleet.address("cloud"), PORT)
+        peer = RawPeer(socket.create_connection(address, WAIT), public, secret, b"DEALER",
+                       zmq.utils.z85.decode(self.server_key))
+        self.addCleanup(peer.close)
+        self.assertTrue(peer.send_parts(1 << 20, 1 << 30)[1], "its connection was not ended")
+        self.watch.wait_counted("cut.incomplete", prefixes=("cut.",))
+
+    def test_megabytes_are_complete(self):
+        """Faster than the router takes them, and before the Hello, which has four seconds."""
+        client = self.service(self.server_key, self.pair("scheduler"))
+        for _ in range(64):
+            client.send("picture", "cloud", "cloud", id=1, data=bytes(1_000_000))
+        for _ in range(64):
+            self.assertEqual(client.receive().subtype, "hello_wanted")
+        self.assertNotIn("cut.incomplete", self.watch.rise(("cut.",)))
 
     def test_a_flood(self):
         """Many silent connections: the bus's services go on, and descriptors stay bounded."""

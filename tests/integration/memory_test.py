@@ -123,6 +123,10 @@ class Memory(unittest.TestCase):
         self.begin = resident(self.pid)
         self.most = self.begin
 
+    def tearDown(self):
+        """However much waits, it is complete: nobody is cut for messages without a last part."""
+        self.assertNotIn("cut.incomplete", self.watch.rise(("cut.",)))
+
     def joined(self, name, narrow=False):
         member = Member(Narrow(self.context) if narrow else self.context, self.fleet, name)
         self.addCleanup(member.close)

@@ -31,6 +31,8 @@ constexpr Cause kCauses[] = {
     {"no_name", "no_name", "", "until then it is not dialled; everything else goes on"},
     {"profile_too_large", "profile_too_large", "",
      "if it is yours: name fewer skills, places and sensors in its robot's description; if not: trb fleet revoke"},
+    {"incomplete", "incomplete", "it sent parts of a message without end, and was cut",
+     "no node of this fleet does that: look at that computer; if its keys were stolen: trb fleet revoke"},
     {"one_way", "one_way", "what this node sends does not arrive there, what it sends does",
      "look for a firewall rule or a broken fibre in that direction; ping both ways"},
     {"not_heard", "silent", "nothing was received from it for 10 s, its lease", "look at its power and cable; ping it"},

@@ -53,7 +53,7 @@ void DoorCall::call(const std::string& address, const Bytes& word, Done done) {
 }
 
 void DoorCall::on_event(LinkEvent event) {
-  if (!until_) return;
+  if (!until_ || event == LinkEvent::reached) return;
   if (event == LinkEvent::connected) {
     connected_ = true;
     return send_message();

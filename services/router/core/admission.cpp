@@ -20,7 +20,12 @@ bool Admission::admit(BytesView key, Now now, Effects& out) {
   }
   // Members, and peers of node.json that were never met: no crowd of strangers keeps them out.
   if (!table_.is_expected(key)) return admit_stranger(key, now.mono, out);
-  if (Peer* peer = table_.by_key(key)) peer->comes_until = now.mono + node_.config().timing.handshake;
+  Peer* peer = table_.by_key(key);
+  if (peer != nullptr && now.mono < peer->out_until) {
+    out.count("refused.noisy_key");
+    return false;
+  }
+  if (peer != nullptr) peer->comes_until = now.mono + node_.config().timing.handshake;
   return true;
 }
 

@@ -17,6 +17,7 @@ namespace trb::router {
 /// candidate | 2 s (expired)                             | denied for 10 s
 /// member    | connects                                  | member, admitted
 /// member    | sends Hello too often                     | noisy: out for 10 s
+/// member    | parts of a message without end (Links)    | out for 10 s
 /// any       | an invitation names it                    | invited: admitted until that is over
 /// any       | is revoked                                | refused while it is on the list
 class Admission {

@@ -112,6 +112,11 @@ bool Handshake::proves_name(const Link& link, const Message& message, const Hell
 bool Handshake::may_send_hello(LinkId id, BytesView key, Now now, Effects& out) {
   Peer* peer = table_.by_key(key);
   if (peer == nullptr) return true;
+  if (now.mono < peer->out_until) {
+    out.count("refused.noisy_key");
+    send(id, Goodbye{"its key is out for a while"}, out);
+    return false;
+  }
   if (!peer->hellos.take(now.mono)) {
     out.count("refused.too_many_hellos");
     out.log(LogLevel::warning, "too_many_hellos",

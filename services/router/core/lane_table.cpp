@@ -97,6 +97,16 @@ void LaneTable::on_ended(LinkId link, LinkEndReason how, Now now, Effects& out) 
   dials_.set(link, lane->dial_at, now.mono + lane->wait);
 }
 
+void LaneTable::on_incomplete(LinkId link, Effects& out) {
+  Lane* lane = row(link);
+  if (lane == nullptr) return;
+  lane->connected.reset();
+  out.count("cut.incomplete");
+  out.log(LogLevel::warning, "incomplete",
+          table_.link(link)->peer +
+              ": its lane sent parts of a message without end: not listened to until its link has ended");
+}
+
 // ---- this node's lane
 
 Link* LaneTable::listener(BytesView key) {
@@ -131,9 +141,13 @@ void LaneTable::on_listener_gone(LinkId link) {
 
 void LaneTable::bar(BytesView key, Effects& out) {
   out.count("refused.lane_word");
-  const Link* link = table_.linked_by_key(key);
+  if (const Link* link = table_.linked_by_key(key)) bar(link->id, out);
+}
+
+void LaneTable::bar(LinkId id, Effects& out) {
+  const Link* link = table_.link(id);
   if (link == nullptr) return;
-  Lane& lane = rows_[link->id];
+  Lane& lane = rows_[id];
   lane.barred = true;
   lane.listens = false;
   out.log(LogLevel::warning, "lane_word",

@@ -33,6 +33,7 @@ struct Lane {
 /// waiting      | its time (expired)        | dialled (DialLane)
 /// dialled      | connected                 | received
 /// any          | ended                     | waiting: 0.2 s to 30 s, doubled; from 0.2 s if it lasted a lease
+/// any          | parts without end         | -, until the link has ended
 /// any          | the link ends             | -
 ///
 /// own lane     | event                     | next
@@ -51,6 +52,8 @@ class LaneTable {
   void open(const Link& link, const Hello& hello, Now now);
   void on_connected(LinkId link, Now now);
   void on_ended(LinkId link, LinkEndReason how, Now now, Effects& out);
+  /// It sent parts of a message without end: not dialled again beside this link.
+  void on_incomplete(LinkId link, Effects& out);
 
   // ---- this node's lane
 
@@ -61,6 +64,8 @@ class LaneTable {
   void on_listener_gone(LinkId link);
   /// The connection sent something that is not a subscription.
   void bar(BytesView key, Effects& out);
+  /// The listener of this link sent more than subscriptions.
+  void bar(LinkId link, Effects& out);
   [[nodiscard]] bool listens(LinkId link) const;
 
   /// The default for an unknown link.

@@ -65,3 +65,25 @@ TEST_CASE("only the peer of a link may listen, to its own topic, until it misuse
   CHECK_FALSE(lanes.lanes.listens(lanes.link.id));
   CHECK_FALSE(lanes.lanes.admit(lanes.key, lanes.out));
 }
+
+TEST_CASE("given a lane that sent parts of a message without end, then it is not dialled again beside its link") {
+  Lanes lanes;
+  lanes.open();
+  lanes.pass(kLaneAfter);
+  REQUIRE(lanes.dials() == 1);
+  lanes.lanes.on_connected(lanes.link.id, lanes.now);
+  lanes.lanes.on_incomplete(lanes.link.id, lanes.out);
+  CHECK(lanes.counted("cut.incomplete") == 1);
+  CHECK_FALSE(lanes.lanes.of(lanes.link.id).connected);
+  CHECK_FALSE(lanes.lanes.next_deadline());
+  lanes.pass(2 * kLaneMost);
+  CHECK(lanes.dials() == 0);
+}
+
+TEST_CASE("given a listener that sent more than subscriptions, then it is barred until its link has ended") {
+  Lanes lanes;
+  CHECK(lanes.lanes.on_listen(lanes.key, topic_of("bee"), lanes.out) == lanes.link.id);
+  lanes.lanes.bar(lanes.link.id, lanes.out);
+  CHECK_FALSE(lanes.lanes.listens(lanes.link.id));
+  CHECK_FALSE(lanes.lanes.admit(lanes.key, lanes.out));
+}

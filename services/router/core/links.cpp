@@ -133,6 +133,27 @@ void Links::on_second_link(LinkId id, Now now, Effects& out) {
   drop(id, "a second link on one connection", true, now, out);
 }
 
+void Links::on_incomplete(LinkId id, Now now, Effects& out) {
+  const Link* link = table_.link(id);
+  if (link == nullptr) return;
+  out.count("cut.incomplete");
+  const std::string why = "it sent parts of a message without end";
+  out.log(LogLevel::warning, "incomplete",
+          (link->peer.empty() ? link->address : link->peer) + ": " + why + "; its key stays out for a while");
+  errors_.note_link(id, "incomplete", why, now);
+  const Bytes key = link->key;
+  drop(id, why, false, now, out);
+  keep_out(key, now);
+}
+
+void Links::keep_out(BytesView key, Now now) {
+  const MonotonicTime until = now.mono + node_.config().timing.denied;
+  if (Peer* peer = table_.by_key(key)) peer->out_until = until;
+  for (Seed& seed : table_.seeds()) {
+    if (seed.key == key && seed.redial.at) seed.redial.at = until;
+  }
+}
+
 void Links::break_seal(LinkId id, const std::string& peer, SealFault fault, Now now, Effects& out) {
   const Link* link = table_.link(id);
   const std::string reason(name_of(fault));
@@ -266,6 +287,8 @@ void Links::dial_peer(Peer& peer, bool may_dial, Now now, Effects& out) {
   const Bytes& key = peer.certificate.link_key.bytes;
   if (!may_dial) {
     peer.redial.at = now.mono + node_.config().timing.redial_most;
+  } else if (now.mono < peer.out_until) {
+    peer.redial.at = peer.out_until;
   } else if (now.mono < peer.comes_until || table_.is_dialling(key)) {
     // After an outage both sides dial: two handshakes for one link, where the second could wait for the end of the
     // first.
@@ -285,6 +308,8 @@ void Links::dial_seed(Seed& seed, bool may_dial, Now now, Effects& out) {
              table_.is_dialling(seed.key)) {
     // The link exists, or is being dialled at another address; look again later, in case that address is lost.
     seed.redial.at = now.mono + node_.config().timing.redial_most;
+  } else if (peer != nullptr && now.mono < peer->out_until) {
+    seed.redial.at = peer->out_until;
   } else {
     dial(seed.redial, {seed.address, seed.key, ""}, now, out);
   }

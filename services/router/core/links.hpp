@@ -39,6 +39,7 @@ class LinkWatcher {
 /// up      | nothing received, or not confirmed, for a lease    | -; the peer's lease runs from its last sign of life
 /// up      | a gap in the sequence, a wrong seal (invalid)      | -
 /// up      | its certificate ends (expired)                     | -
+/// any     | parts of a message without end (invalid)           | -; its peer stays out for 10 s
 ///
 /// peer    | its link is gone                                   | lost
 /// lost    | a link is up                                       | met
@@ -73,6 +74,8 @@ class Links {
   void on_bad_frame(LinkId link, const Error& error, Now now, Effects& out);
   /// A connection that carries this link names another one. One connection is one link: it ends.
   void on_second_link(LinkId link, Now now, Effects& out);
+  /// Parts of a message came by it without end, which no bound of libzmq's stops. Its key stays out for a while.
+  void on_incomplete(LinkId link, Now now, Effects& out);
   /// A seal of this link is missing or wrong: an alarm.
   void break_seal(LinkId link, const std::string& peer, SealFault fault, Now now, Effects& out);
 
@@ -112,6 +115,7 @@ class Links {
   void dial_peer(Peer& peer, bool may_dial, Now now, Effects& out);
   void dial_seed(Seed& seed, bool may_dial, Now now, Effects& out);
   void redial_failed(const Link& gone, Now now);
+  void keep_out(BytesView key, Now now);
   void lose(Peer& peer, const Link& gone, Now now, Effects& out);
   [[nodiscard]] std::optional<Lapse> lapse_of(const Link& link, Now now) const;
   void keep_alive(Link& link, Now now, Effects& out);

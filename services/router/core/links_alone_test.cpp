@@ -1,6 +1,8 @@
 // Links by themselves: sequence, keep-alives, leases, and when a peer is dialled again.
 #include "services/router/core/links.hpp"
 
+#include "services/router/core/admission.hpp"
+
 #include "services/router/test/test_parts.hpp"
 
 using namespace trb;
@@ -63,4 +65,37 @@ TEST_CASE(
   parts.links.tick(true, parts.now, parts.out);
   REQUIRE(parts.all<Dial>().size() == 1);
   CHECK(parts.all<Dial>()[0].link == 4711);
+}
+
+TEST_CASE("who sends parts of a message without end is cut and listed, and neither dialled nor let in for a while") {
+  Parts parts;
+  Admission admission(parts.node, parts.table, parts.trust);
+  parts.link_with(parts.bee);
+  parts.table.find("bee")->address = "10.0.0.2:45000";
+  const Bytes key = parts.bee.link.public_key;
+  parts.links.on_incomplete(7, parts.now, parts.out);
+  CHECK(parts.counted("cut.incomplete") == 1);
+  CHECK(parts.all<CloseLink>().size() == 1);
+  CHECK(parts.errors.table("ant", parts.now.mono).errors.at(0).code == "incomplete");
+  const Duration denied = parts.node.config().timing.denied;
+  const auto is_dialled = [&] {
+    parts.links.tick(true, parts.now, parts.out);
+    return !parts.all<Dial>().empty();
+  };
+  parts.pass(denied - std::chrono::milliseconds(1));
+  parts.links.redial_all(parts.now);
+  CHECK_FALSE(is_dialled());
+  CHECK_FALSE(admission.admit(key, parts.now, parts.out));
+  CHECK(parts.counted("refused.noisy_key") == 1);
+  parts.pass(std::chrono::milliseconds(1));
+  CHECK(admission.admit(key, parts.now, parts.out));
+  parts.table.find("bee")->comes_until = {};
+  CHECK(is_dialled());
+}
+
+TEST_CASE("of a link that is gone already, nothing happens for parts without end") {
+  Parts parts;
+  parts.links.on_incomplete(7, parts.now, parts.out);
+  CHECK(parts.out.list.empty());
+  CHECK(parts.out.counts.empty());
 }

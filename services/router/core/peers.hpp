@@ -96,6 +96,7 @@ struct Peer {
   MonotonicTime last_heard;
   Redial redial;
   MonotonicTime comes_until{};  ///< its own dial has arrived: until when its Hello may come
+  MonotonicTime out_until{};    ///< it is neither dialled nor let in: it sent parts of a message without end
   Spare spare;
   RowDue due;
 };

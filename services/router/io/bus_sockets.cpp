@@ -55,17 +55,36 @@ void BusSockets::drain(Server& server) {
   Frame routing_id;
   Frame frame;
   std::size_t bytes = 0;
+  std::size_t messages = 0;
   for (int i = 0; i < kTurnMessages && bytes < kTurnBytes; ++i) {
-    if (!server.socket.receive(routing_id)) return;
+    if (!server.socket.receive(routing_id)) {
+      if (guard_ != nullptr) guard_->on_empty();
+      return;
+    }
     if (!routing_id.more() || !server.socket.receive(frame)) continue;
     bytes += frame.size();
+    ++messages;
     if (frame.more()) {
-      server.socket.skip_rest(frame);
+      add_bytes(0, frame, server.socket.skip_rest(frame));
       shell_.count("refused.malformed");
       continue;
     }
     i += on_frame(server, view_of(routing_id), frame) - 1;
   }
+  if (guard_ != nullptr) guard_->on_turn(messages);
+}
+
+void BusSockets::look() {
+  if (guard_ != nullptr && guard_->look()) drain(*servers_.at("tcp"));
+}
+
+/// Of a bus over TCP, whatever becomes of the frame. `from` 0: a connection that is not known by its routing id.
+void BusSockets::add_bytes(ConnectionId from, const Frame& frame, std::uint64_t more) {
+  if (guard_ == nullptr) return;
+  const auto at = connections_.find(from);
+  const auto incomplete = at == connections_.end() ? guard_->incomplete_of(frame) : at->second.incomplete;
+  incomplete->add(frame.size());
+  incomplete->add_on_wire(more);
 }
 
 /// Returns for how many frames it counts in this turn.
@@ -73,15 +92,19 @@ int BusSockets::on_frame(Server& server, BytesView routing_id, Frame& frame) {
   const auto header = decode_frame(view_of(frame));
   const std::string name = whom_it_proves(server, frame);
   if (!header || name.empty()) {
+    add_bytes(0, frame);
     shell_.count(header ? "refused.bus_key" : "refused." + std::string(errc_name(header.error().code)));
     return 1;
   }
   ConnectionId from = connection_of(server, routing_id, name);
   if (header->subtype == ServiceHello::kSubtype) {
     if (from == 0) from = add_connection(server, routing_id, name);
+    if (guard_ != nullptr) connections_.at(from).incomplete = guard_->incomplete_of(frame);
+    add_bytes(from, frame);
     on_hello_frame(server, from, name, *header, frame);
     return 1;
   }
+  add_bytes(from, frame);
   if (!shell_.core().bus().knows(from)) {
     request_hello(server, routing_id);
     return 1;
@@ -111,7 +134,7 @@ ConnectionId BusSockets::connection_of(const Server& server, BytesView routing_i
 ConnectionId BusSockets::add_connection(Server& server, BytesView routing_id, const std::string& name) {
   const ConnectionId id = ++next_connection_;
   server.connections.emplace(Bytes(routing_id), id);
-  connections_[id] = {&server, Bytes(routing_id), name, shell_.new_budget()};
+  connections_[id] = {&server, Bytes(routing_id), name, shell_.new_budget(), nullptr};
   return id;
 }
 

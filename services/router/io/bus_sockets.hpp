@@ -27,6 +27,8 @@ class BusSockets {
   bool admit(BytesView key) { return guard_ != nullptr && guard_->admit(key); }
   /// `unroutable`: that connection is gone, and the core was notified.
   SendResult send(ConnectionId to, Frame&& frame);
+  /// Now and then, of a bus over TCP: ends connections on which messages without a last part pile up.
+  void look();
 
  private:
   struct Server {
@@ -39,6 +41,7 @@ class BusSockets {
     Bytes routing_id;
     std::string name;  ///< the service it proves
     std::shared_ptr<ByteBudget> budget;
+    std::shared_ptr<IncompleteBytes> incomplete;  ///< on a bus over TCP
   };
 
   Status open_folder();
@@ -46,6 +49,7 @@ class BusSockets {
   void add_server(const std::string& key, Socket socket, const std::string& name);
   void drain(Server& server);
   int on_frame(Server& server, BytesView routing_id, Frame& frame);
+  void add_bytes(ConnectionId from, const Frame& frame, std::uint64_t more = 0);
   [[nodiscard]] std::string whom_it_proves(const Server& server, const Frame& frame) const;         ///< empty: nobody
   ConnectionId connection_of(const Server& server, BytesView routing_id, const std::string& name);  ///< 0: none
   ConnectionId add_connection(Server& server, BytesView routing_id, const std::string& name);

@@ -42,7 +42,7 @@ Status DialledLinks::open(const Dial& dial, const std::string& scope, const std:
   dialled.budget = shell_.new_budget();
   dialled.name = name;
   const Status added = dialled_.add(link, std::move(dialled), std::move(*made),
-                                    [this, link](LinkEvent event, int) { on_event(link, event); });
+                                    [this, link](LinkEvent event, int fd) { on_event(link, event, fd); });
   if (!added) return added;
   Socket& socket = *dialled_.find(link)->socket;
   shell_.loop().add_socket(
@@ -53,7 +53,8 @@ Status DialledLinks::open(const Dial& dial, const std::string& scope, const std:
   return Done{};
 }
 
-void DialledLinks::on_event(LinkId link, LinkEvent event) {
+void DialledLinks::on_event(LinkId link, LinkEvent event, int fd) {
+  if (event == LinkEvent::reached) return dialled_.reached(link, fd);
   Effects effects;
   if (const auto end = to_end_reason(event)) {
     shell_.core().links().on_ended(link, *end, read_clocks(), effects);
@@ -87,16 +88,29 @@ void DialledLinks::drain(LinkId link) {
   Frame frame;
   std::size_t bytes = 0;
   for (int i = 0; i < kTurnMessages && bytes < kTurnBytes; ++i) {
-    const Dialled* dialled = dialled_.find(link);
-    if (dialled == nullptr || !dialled->socket->receive(frame)) return;
+    Dialled* dialled = dialled_.find(link);
+    if (dialled == nullptr) return;
+    if (!dialled->socket->receive(frame)) return on_empty(link, *dialled);
     bytes += frame.size();
+    dialled->incomplete.add(frame.size());
     if (frame.more()) {
-      dialled->socket->skip_rest(frame);
+      dialled->incomplete.add_on_wire(dialled->socket->skip_rest(frame));
       shell_.count("refused.malformed");
       continue;
     }
     on_frame(link, frame);
   }
+}
+
+void DialledLinks::look() {
+  for (const LinkId link : dialled_.look()) drain(link);
+}
+
+void DialledLinks::on_empty(LinkId link, Dialled& dialled) {
+  if (!dialled_.ends_incomplete(dialled)) return;
+  Effects effects;
+  shell_.core().links().on_incomplete(link, read_clocks(), effects);
+  shell_.carry_out(effects);
 }
 
 void DialledLinks::on_frame(LinkId link, Frame& frame) {

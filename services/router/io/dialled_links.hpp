@@ -21,6 +21,8 @@ class DialledLinks {
   /// descriptor was left to begin with; this was counted and logged.
   bool dial(const Dial& dial, const std::string& scope);
   void close(LinkId link);
+  /// Now and then: ends links on which messages without a last part pile up.
+  void look();
   /// Between turns.
   void free_closed() { dialled_.free_closed(); }
 
@@ -36,7 +38,8 @@ class DialledLinks {
 
   bool dial_numbers(const Dial& dial, const std::string& scope, const std::string& name);
   Status open(const Dial& dial, const std::string& scope, const std::string& name);
-  void on_event(LinkId link, LinkEvent event);
+  void on_event(LinkId link, LinkEvent event, int fd);
+  void on_empty(LinkId link, Dialled& dialled);
   void drain(LinkId link);
   void on_frame(LinkId link, Frame& frame);
   void on_undecoded(LinkId link, const Frame& frame, const Error& error);

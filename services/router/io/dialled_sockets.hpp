@@ -1,4 +1,4 @@
-// The sockets that this node has dialled, one for a link, each with its monitor.
+// The sockets that this node has dialled, one for a link, each with its monitor and the descriptor of its connection.
 #pragma once
 
 #include <map>
@@ -6,7 +6,9 @@
 #include <utility>
 #include <vector>
 
+#include "common/transport/incomplete_bytes.hpp"
 #include "common/transport/monitor.hpp"
+#include "common/transport/source_filter.hpp"
 #include "services/router/io/shell_context.hpp"
 
 namespace trb::router {
@@ -14,6 +16,9 @@ namespace trb::router {
 struct DialledSocket {
   std::unique_ptr<Socket> socket;
   std::unique_ptr<SocketMonitor> monitor;
+  int fd = -1;  ///< of its connection, once there is one
+  RemoteEnd end;
+  IncompleteBytes incomplete;  ///< its owner adds what it receives
 };
 
 /// `Row`: a DialledSocket, with what else its owner keeps of it.
@@ -27,6 +32,10 @@ class DialledSockets {
     const auto at = rows_.find(link);
     return at == rows_.end() ? nullptr : &at->second;
   }
+  [[nodiscard]] Row* find(LinkId link) {
+    const auto at = rows_.find(link);
+    return at == rows_.end() ? nullptr : &at->second;
+  }
   /// Watches the socket; its owner adds it to the loop, and dials. Errors: io_error (no descriptor is left).
   Status add(LinkId link, Row row, Socket socket, SocketMonitor::OnEvent on_event) {
     row.socket = std::make_unique<Socket>(std::move(socket));
@@ -35,6 +44,33 @@ class DialledSockets {
     row.monitor = std::move(*monitor);
     rows_[link] = std::move(row);
     return Done{};
+  }
+  /// Its connection has this descriptor.
+  void reached(LinkId link, int fd) {
+    Row* row = find(link);
+    const auto end = remote_end(fd);
+    if (row == nullptr || !end) return;
+    row->fd = fd;
+    row->end = *end;
+  }
+  /// Those that may send messages without a last part: to be read until they are empty, for ends_incomplete().
+  [[nodiscard]] std::vector<LinkId> look() {
+    std::vector<LinkId> suspected;
+    for (auto& [link, row] : rows_) {
+      const auto read = row.fd < 0 ? std::nullopt : bytes_read(row.fd);
+      if (read && row.incomplete.look(*read)) suspected.push_back(link);
+    }
+    // Another connection may have had the descriptor by then: this one's end is reported first.
+    for (const LinkId link : suspected) {
+      if (Row* row = find(link)) row->monitor->catch_up();
+    }
+    return suspected;
+  }
+  /// The socket had no message left. True: it sent messages without a last part, and was cut.
+  bool ends_incomplete(Row& row) {
+    if (!row.incomplete.on_empty() || !is_connection(row.fd, row.end)) return false;
+    cut_connection(row.fd, row.end);
+    return true;
   }
   void close(LinkId link) {
     const auto at = rows_.find(link);

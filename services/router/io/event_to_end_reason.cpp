@@ -5,6 +5,7 @@ namespace trb::router {
 std::optional<LinkEndReason> to_end_reason(LinkEvent event) {
   switch (event) {
     case LinkEvent::connected:
+    case LinkEvent::reached:
     case LinkEvent::listening:
     case LinkEvent::accepted:
     case LinkEvent::accept_failed:

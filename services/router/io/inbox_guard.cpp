@@ -2,6 +2,11 @@
 
 #include <sys/resource.h>
 
+#include <algorithm>
+#include <utility>
+
+#include "common/transport/socket.hpp"
+
 namespace trb::router {
 
 InboxGuard::InboxGuard(Loop& loop, PendingConnectionLimits limits, std::function<void(const std::string&)> on_blocked,
@@ -30,9 +35,11 @@ void InboxGuard::on_event(LinkEvent event, int fd) {
 void InboxGuard::on_accepted(int fd) {
   // The connection may be gone already: then the next event of this descriptor is its end.
   const auto end = remote_end(fd);
-  const PendingConnectionId id = pending_connections_.accepted(end ? end->source : "", read_clocks().mono);
+  const MonotonicTime now = read_clocks().mono;
+  const PendingConnectionId id = pending_connections_.accepted(end ? end->source : "", now);
   by_fd_[fd] = id;
-  connections_[id] = {fd, end.value_or(RemoteEnd{})};
+  connections_[id] = {fd, end.value_or(RemoteEnd{}), now, nullptr, false};
+  if (all_carry_) (void)carries(id);
   carry_out();
 }
 
@@ -44,6 +51,7 @@ void InboxGuard::reset() {
   }
   by_fd_.clear();
   connections_.clear();
+  enough_ = 0;
   filter_ = SourceFilter();
   set_filter();
 }
@@ -62,8 +70,68 @@ void InboxGuard::linked(PendingConnectionId pending) {
   carry_out();
 }
 
+std::shared_ptr<IncompleteBytes> InboxGuard::carries(PendingConnectionId pending) {
+  const auto at = connections_.find(pending);
+  if (at == connections_.end()) return std::make_shared<IncompleteBytes>();  // it is gone already
+  auto& incomplete = at->second.incomplete;
+  if (incomplete == nullptr) incomplete = std::make_shared<IncompleteBytes>();
+  return incomplete;
+}
+
 void InboxGuard::leave(PendingConnectionId pending) {
+  // What it still sends is not read as a link's any more; its end is near.
+  if (const auto at = connections_.find(pending); at != connections_.end()) at->second.leaving = true;
   pending_connections_.leave(pending, read_clocks().mono);
+}
+
+bool InboxGuard::look(std::uint64_t own_words) {
+  const MonotonicTime now = read_clocks().mono;
+  std::vector<PendingConnectionId> unproven;
+  const bool calm = enough_ == 0;
+  for (auto& [id, connection] : connections_) {
+    if (connection.leaving || (connection.incomplete != nullptr && !calm)) continue;
+    const auto read = bytes_read(connection.fd);
+    if (!read) continue;
+    const double words_in_all = static_cast<double>(own_words) * to_seconds(now - connection.accepted);
+    const std::uint64_t words = std::min(*read, static_cast<std::uint64_t>(words_in_all));
+    if (connection.incomplete == nullptr) {
+      if (*read - words > kMostUnproven) unproven.push_back(id);
+    } else if (connection.incomplete->look(*read - words)) {
+      // libzmq takes a message of each connection in turn, and each has so many complete ones at most. Twice that, as
+      // connections may come meanwhile.
+      enough_ = 2 * (connections_.size() + 1) * kLinkReceiveHighWaterMark;
+    }
+  }
+  cut_incomplete(unproven);
+  return enough_ != 0;
+}
+
+void InboxGuard::on_empty() {
+  if (std::exchange(enough_, 0) == 0) return;
+  std::vector<PendingConnectionId> over;
+  for (auto& [id, connection] : connections_) {
+    if (connection.incomplete != nullptr && connection.incomplete->on_empty() && !connection.leaving)
+      over.push_back(id);
+  }
+  cut_incomplete(over);
+}
+
+void InboxGuard::on_turn(std::size_t messages) {
+  if (enough_ == 0) return;
+  if (messages >= enough_) return on_empty();
+  enough_ -= messages;
+}
+
+void InboxGuard::cut_incomplete(const std::vector<PendingConnectionId>& all) {
+  for (const PendingConnectionId id : all) {
+    const auto at = connections_.find(id);
+    // The descriptor may be another connection's by now, and the end of this one not yet reported.
+    if (at == connections_.end() || !is_connection(at->second.fd, at->second.end)) continue;
+    const std::string address = at->second.end.address;
+    cut_connection(at->second.fd, at->second.end);
+    leave(id);
+    if (on_incomplete_) on_incomplete_(id, address);
+  }
 }
 
 void InboxGuard::set_filter() {

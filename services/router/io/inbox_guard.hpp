@@ -1,10 +1,13 @@
-// Applies core/pending_connections.hpp to the descriptors of the inbox's pending connections.
+// Applies core/pending_connections.hpp and incomplete_bytes.hpp to the descriptors of the inbox's connections.
 #pragma once
 
 #include <functional>
 #include <map>
+#include <memory>
 #include <string>
+#include <vector>
 
+#include "common/transport/incomplete_bytes.hpp"
 #include "common/transport/loop.hpp"
 #include "common/transport/monitor.hpp"
 #include "common/transport/source_filter.hpp"
@@ -32,22 +35,47 @@ class InboxGuard {
   /// Provides the sources that are let in while the inbox is closed to everybody else.
   void set_friends(std::function<std::vector<std::string>()> friends) { friends_ = std::move(friends); }
 
+  // ---- messages without a last part
+
+  /// The connection carries messages: each frame received from it is added to what this returns. Any other may send
+  /// kMostUnproven bytes in all.
+  std::shared_ptr<IncompleteBytes> carries(PendingConnectionId pending);
+  /// Each connection carries messages from the beginning.
+  void all_carry() { all_carry_ = true; }
+  /// Gets each connection that is cut because it sent too much that is not complete.
+  using OnIncomplete = std::function<void(PendingConnectionId pending, const std::string& address)>;
+  void set_on_incomplete(OnIncomplete on_incomplete) { on_incomplete_ = std::move(on_incomplete); }
+  /// Looks at all connections, now and then; libzmq's own words between two programs may take `own_words` bytes of each
+  /// in a second. True: the socket must be read until it is empty, for on_empty().
+  bool look(std::uint64_t own_words = 0);
+  /// The socket had no message left.
+  void on_empty();
+  /// So many messages were received from the socket in one turn, and it may have more.
+  void on_turn(std::size_t messages);
+
  private:
   struct Connection {
     int fd = -1;
     RemoteEnd end;
+    MonotonicTime accepted;
+    std::shared_ptr<IncompleteBytes> incomplete;  ///< of one that carries messages
+    bool leaving = false;
   };
   void on_accepted(int fd);
   void carry_out();
+  void cut_incomplete(const std::vector<PendingConnectionId>& all);
   void set_filter();
 
   std::function<void(const std::string&)> on_blocked_;
   std::function<void(const std::string&)> on_cut_;
   std::function<std::vector<std::string>()> friends_;
+  OnIncomplete on_incomplete_;
+  bool all_carry_ = false;
   PendingConnections pending_connections_;
   SourceFilter filter_;
   std::map<int, PendingConnectionId> by_fd_;
   std::map<PendingConnectionId, Connection> connections_;
+  std::size_t enough_ = 0;  ///< messages to be received until every queue of the last look was empty; 0: none suspected
 };
 
 /// Raises the limit of descriptors as far as the system allows, and returns it.

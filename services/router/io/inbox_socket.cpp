@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "common/base/hex.hpp"
+#include "common/base/on_wire.hpp"
 #include "common/transport/socket.hpp"
 #include "services/router/io/frame_forwarder.hpp"
 #include "services/router/io/own_frame.hpp"
@@ -38,6 +39,8 @@ InboxSocket::InboxSocket(ShellContext& shell, FrameForwarder& forwarder, CurveKe
                        "the connection of " + address + " has become no link in time and was cut");
           }) {
   guard_.set_friends([this] { return sources_of_peers(shell_.core().table()); });
+  guard_.set_on_incomplete(
+      [this](PendingConnectionId pending, const std::string& address) { on_incomplete(pending, address); });
 }
 
 void InboxSocket::close() {
@@ -67,7 +70,8 @@ Status InboxSocket::open(const std::string& endpoint) {
 }
 
 void InboxSocket::accept(LinkId link) {
-  accepted_[link] = {origin_.routing_id, origin_.user, origin_.pending, shell_.new_budget()};
+  accepted_[link] = {origin_.routing_id, origin_.user, origin_.pending, shell_.new_budget(),
+                     guard_.carries(origin_.pending)};
   guard_.linked(origin_.pending);
 }
 
@@ -106,17 +110,53 @@ void InboxSocket::drain() {
   Frame routing_id;
   Frame frame;
   std::size_t bytes = 0;
+  std::size_t messages = 0;
   for (int i = 0; i < kTurnMessages && bytes < kTurnBytes; ++i) {
-    if (!socket_->receive(routing_id)) return;
+    if (!socket_->receive(routing_id)) return guard_.on_empty();
     if (!routing_id.more() || !socket_->receive(frame)) continue;
     bytes += frame.size();
+    ++messages;
     if (frame.more()) {
-      socket_->skip_rest(frame);
-      shell_.count("refused.malformed");
-      continue;
+      on_parts(view_of(routing_id), frame);
+    } else {
+      on_frame(view_of(routing_id), frame);
     }
-    on_frame(view_of(routing_id), frame);
   }
+  guard_.on_turn(messages);
+}
+
+void InboxSocket::on_parts(BytesView routing_id, const Frame& first) {
+  shell_.count("refused.malformed");
+  Accepted* from = sender(routing_id, first);
+  const std::uint64_t bytes = on_wire(first.size()) + socket_->skip_rest(first);
+  if (from != nullptr) from->incomplete->add_on_wire(bytes);
+}
+
+/// The link whose connection the frame came on, whatever link it names.
+InboxSocket::Accepted* InboxSocket::sender(BytesView routing_id, const Frame& frame) {
+  const auto at = std::find_if(accepted_.begin(), accepted_.end(), [&](const auto& row) {
+    return row.second.routing_id == routing_id && row.second.user == user_id(frame);
+  });
+  return at == accepted_.end() ? nullptr : &at->second;
+}
+
+void InboxSocket::look() {
+  if (!socket_) return;
+  monitor_->catch_up();
+  if (guard_.look()) drain();
+}
+
+void InboxSocket::on_incomplete(PendingConnectionId pending, const std::string& address) {
+  const auto at =
+      std::find_if(accepted_.begin(), accepted_.end(), [&](const auto& row) { return row.second.pending == pending; });
+  if (at == accepted_.end()) {
+    shell_.count("cut.incomplete");
+    return shell_.log(Level::warning, "incomplete",
+                      "the connection of " + address + " sent much before it became a link, and was cut");
+  }
+  Effects effects;
+  shell_.core().links().on_incomplete(at->first, read_clocks(), effects);
+  shell_.carry_out(effects);
 }
 
 PendingConnectionId InboxSocket::pending_of(const Frame& frame) {
@@ -130,7 +170,11 @@ void InboxSocket::on_frame(BytesView routing_id, Frame& frame) {
   const auto link = accepted_.find(header->link);
   const bool proven =
       link != accepted_.end() && link->second.routing_id == routing_id && link->second.user == user_id(frame);
-  if (proven) return forwarder_.from_link(header->link, *header, frame);
+  if (proven) {
+    link->second.incomplete->add(frame.size());
+    return forwarder_.from_link(header->link, *header, frame);
+  }
+  if (Accepted* from = sender(routing_id, frame)) from->incomplete->add(frame.size());
   on_unproven(routing_id, *header, frame);
 }
 

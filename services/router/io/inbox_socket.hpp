@@ -38,6 +38,8 @@ class InboxSocket {
   void refuse(const RefuseCandidate& refuse);
   /// The link has ended: cuts its connection after a delay, so that the last message can be read.
   void close_link(LinkId link);
+  /// Now and then: ends connections on which messages without a last part pile up.
+  void look();
 
   /// Nothing if no such link was accepted here.
   [[nodiscard]] std::optional<bool> has_room(LinkId link, std::size_t bytes) const;
@@ -50,6 +52,7 @@ class InboxSocket {
     Bytes user;  ///< User-Id: the key, in hexadecimal
     PendingConnectionId pending = 0;
     std::shared_ptr<ByteBudget> budget;
+    std::shared_ptr<IncompleteBytes> incomplete;
   };
   /// Where the frame now being handled came from, for accept() and refuse().
   struct Origin {
@@ -59,6 +62,9 @@ class InboxSocket {
   };
 
   void drain();
+  void on_incomplete(PendingConnectionId pending, const std::string& address);
+  void on_parts(BytesView routing_id, const Frame& first);
+  Accepted* sender(BytesView routing_id, const Frame& frame);
   void on_frame(BytesView routing_id, Frame& frame);
   void on_undecoded(BytesView routing_id, const Frame& frame, const Error& error);
   void on_other_version(BytesView routing_id, const Frame& frame);

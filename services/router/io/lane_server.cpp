@@ -42,6 +42,8 @@ LaneServer::LaneServer(Context& context, Loop& loop, LaneTable& lanes, CounterTa
             count("cut.no_listener", "no_listener", "the connection of " + address + " did not listen in time");
           }) {
   inbox_guard_.set_friends(owner_.friends);
+  inbox_guard_.set_on_incomplete(
+      [this](PendingConnectionId pending, const std::string& address) { on_incomplete(pending, address); });
 }
 
 void LaneServer::close() {
@@ -106,6 +108,22 @@ void LaneServer::link_closed(LinkId link) {
   if (at == listeners_.end()) return;
   inbox_guard_.leave(at->second.pending);
   listeners_.erase(at);
+}
+
+void LaneServer::look() {
+  if (!socket_) return;
+  monitor_->catch_up();
+  inbox_guard_.look();
+}
+
+void LaneServer::on_incomplete(PendingConnectionId pending, const std::string& address) {
+  count("cut.incomplete", "incomplete", "the connection of " + address + " to the lane sent more than a subscription");
+  const auto at = std::find_if(listeners_.begin(), listeners_.end(),
+                               [&](const auto& row) { return row.second.pending == pending; });
+  if (at == listeners_.end()) return;
+  Effects effects;
+  lanes_.bar(at->first, effects);
+  owner_.carry_out(effects);
 }
 
 void LaneServer::drain() {

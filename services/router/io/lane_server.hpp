@@ -41,6 +41,8 @@ class LaneServer {
   SendResult publish(LinkId link, BytesView topic, Frame&& frame);
   /// The link is closed: its peer's lane connection is cut.
   void link_closed(LinkId link);
+  /// Now and then: cuts connections that send much where only a subscription is expected.
+  void look();
 
  private:
   struct Listener {
@@ -53,6 +55,7 @@ class LaneServer {
   void on_request(const Frame& frame);
   void listen(LinkId link, PendingConnectionId pending, BytesView topic);
   PendingConnectionId pending_on(int fd);
+  void on_incomplete(PendingConnectionId pending, const std::string& address);
   void on_event(LinkEvent event, int fd);
   void count(const std::string& name, const char* event, const std::string& text);
 

@@ -50,7 +50,7 @@ Status LaneSockets::open(const DialLane& dial, const std::string& scope) {
   if (!made) return made.error();
   const LinkId link = dial.link;
   const Status added =
-      dialled_.add(link, {}, std::move(*made), [this, link](LinkEvent event, int) { on_event(link, event); });
+      dialled_.add(link, {}, std::move(*made), [this, link](LinkEvent event, int fd) { on_event(link, event, fd); });
   if (!added) return added;
   Socket& socket = *dialled_.find(link)->socket;
   shell_.loop().add_background_socket(
@@ -58,7 +58,8 @@ Status LaneSockets::open(const DialLane& dial, const std::string& scope) {
   return socket.dial("tcp://" + with_scope(dial.address, scope));
 }
 
-void LaneSockets::on_event(LinkId link, LinkEvent event) {
+void LaneSockets::on_event(LinkId link, LinkEvent event, int fd) {
+  if (event == LinkEvent::reached) return dialled_.reached(link, fd);
   if (event == LinkEvent::connected) return shell_.core().lanes().on_connected(link, read_clocks());
   const auto end = to_end_reason(event);
   if (!end || dialled_.find(link) == nullptr) return;
@@ -72,6 +73,20 @@ void LaneSockets::ended(LinkId link, LinkEndReason how) {
   shell_.carry_out(effects);
 }
 
+void LaneSockets::look() {
+  own_.look();
+  for (const LinkId link : dialled_.look()) drain(link);
+}
+
+void LaneSockets::on_empty(LinkId link, DialledSocket& dialled) {
+  if (!dialled_.ends_incomplete(dialled)) return;
+  dialled_.close(link);
+  Effects effects;
+  shell_.core().lanes().on_incomplete(link, effects);
+  shell_.core().errors().note_link(link, "incomplete", "its lane sent parts of a message without end", read_clocks());
+  shell_.carry_out(effects);
+}
+
 void LaneSockets::close_link(LinkId link) {
   own_.link_closed(link);
   dialled_.close(link);
@@ -81,13 +96,16 @@ void LaneSockets::drain(LinkId link) {
   Frame topic;
   Frame frame;
   for (int i = 0; i < kLaneBatch; ++i) {
-    const DialledSocket* dialled = dialled_.find(link);
-    if (dialled == nullptr || !dialled->socket->receive(topic)) return;
-    const bool whole = topic.more() && dialled->socket->receive(frame) && !frame.more();
-    if (whole) {
+    DialledSocket* dialled = dialled_.find(link);
+    if (dialled == nullptr) return;
+    if (!dialled->socket->receive(topic)) return on_empty(link, *dialled);
+    dialled->incomplete.add(topic.size());
+    const bool second = topic.more() && dialled->socket->receive(frame);
+    if (second) dialled->incomplete.add(frame.size());
+    if (second && !frame.more()) {
       forwarder_.from_lane(link, frame);
     } else {
-      dialled->socket->skip_rest(topic.more() ? frame : topic);
+      if (second) dialled->incomplete.add_on_wire(dialled->socket->skip_rest(frame));
       shell_.count("refused.lane_malformed");
     }
   }

@@ -24,14 +24,17 @@ class LaneSockets {
   void dial(const DialLane& dial, const std::string& scope);
   /// The link is over: ends its lanes in both directions.
   void close_link(LinkId link);
+  /// Now and then: ends lanes on which messages without a last part pile up.
+  void look();
   /// Between turns.
   void free_closed() { dialled_.free_closed(); }
 
  private:
   Status open(const DialLane& dial, const std::string& scope);
-  void on_event(LinkId link, LinkEvent event);
+  void on_event(LinkId link, LinkEvent event, int fd);
   void ended(LinkId link, LinkEndReason how);
   void drain(LinkId link);
+  void on_empty(LinkId link, DialledSocket& dialled);
 
   ShellContext& shell_;
   FrameForwarder& forwarder_;

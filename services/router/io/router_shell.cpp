@@ -13,6 +13,9 @@ namespace trb::router {
 namespace {
 
 constexpr int kStartAgain = 75;  ///< the supervisor starts the router again at once
+/// Between two looks at what connections send without completing it: in this time an attacker fills what its network,
+/// or the thread that decrypts, carries.
+constexpr Duration kLook = std::chrono::milliseconds(250);
 
 }  // namespace
 
@@ -100,6 +103,7 @@ int RouterShell::run() {
                    core_.tick(now, due);
                    carry_out(due);
                  });
+  loop.add_timer([this] { return std::optional(next_look_); }, [this](Now now) { look(now); });
   while (loop.turn()) {
     dialled_.free_closed();
     lanes_.free_closed();
@@ -141,6 +145,14 @@ void RouterShell::carry_out(CloseLink& close) {
   proof_.close_link(close.link);
   held_.close_link(close.link);
   dialled_.close(close.link);
+}
+
+void RouterShell::look(Now now) {
+  next_look_ = now.mono + kLook;
+  inbox_.look();
+  dialled_.look();
+  lanes_.look();
+  bus_.look();
 }
 
 void RouterShell::report_unsent() {

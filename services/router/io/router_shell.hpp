@@ -46,6 +46,8 @@ class RouterShell {
   void carry_out(StoreUtc& store) { files_.store(store); }
   void carry_out(Log& line) { shell_.log(static_cast<Level>(line.level), line.event, line.text); }
   void report_unsent();
+  /// At what connections send without completing it.
+  void look(Now now);
   [[nodiscard]] std::string metrics();
 
   RouterCore core_;
@@ -68,6 +70,7 @@ class RouterShell {
   TrustFiles files_;
   std::optional<MetricsAddress> metrics_at_;
   MetricsPort metrics_;
+  MonotonicTime next_look_{};
 };
 
 }  // namespace trb::router

@@ -17,6 +17,7 @@ TEST_CASE("a seal that is none ends its link, once the thread has looked at it")
 
 TEST_CASE("an event of a connection that is not its end is none") {
   CHECK_FALSE(to_end_reason(LinkEvent::connected));
+  CHECK_FALSE(to_end_reason(LinkEvent::reached));
   CHECK_FALSE(to_end_reason(LinkEvent::accept_failed));
   CHECK(to_end_reason(LinkEvent::refused_key) == LinkEndReason::refused_key);
   CHECK(to_end_reason(LinkEvent::disconnected) == LinkEndReason::disconnected);

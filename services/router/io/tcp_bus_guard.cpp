@@ -5,6 +5,9 @@
 namespace trb::router {
 namespace {
 
+/// Heartbeats both ways every 2 s, 42 bytes each; see Socket::bus_server().
+constexpr std::uint64_t kHeartbeats = 64;
+
 /// A node has few services and probes, and on one machine they all come from one address.
 PendingConnectionLimits bus_limits() {
   PendingConnectionLimits limits;
@@ -29,7 +32,15 @@ TcpBusGuard::TcpBusGuard(ShellContext& shell, std::map<Bytes, std::string, std::
             shell_.count("cut.no_service");
             shell_.log(Level::warning, "no_service",
                        "the connection of " + address + " to the bus has become no service in time and was cut");
-          }) {}
+          }) {
+  // After a restart of the router a service may go on before it is asked for its Hello.
+  guard_.all_carry();
+  guard_.set_on_incomplete([this](PendingConnectionId, const std::string& address) {
+    shell_.count("cut.incomplete");
+    shell_.log(Level::warning, "incomplete",
+               "the connection of " + address + " to the bus sent parts of a message without end, and was cut");
+  });
+}
 
 Status TcpBusGuard::watch(Socket& bus, Socket& tap) {
   if (Status watched = watch(bus, false); !watched) return watched;
@@ -60,11 +71,23 @@ std::string TcpBusGuard::name_of(const Frame& frame) const {
 }
 
 void TcpBusGuard::on_hello(const Frame& frame, bool accepted) {
-  const int fd = connection_fd(frame);
-  monitors_.front()->catch_up();  // another connection may have had this descriptor a moment ago
-  const PendingConnectionId pending = guard_.pending(fd);
+  const PendingConnectionId pending = pending_of(frame);
   if (accepted) return guard_.linked(pending);
   guard_.leave(pending);  // refused; it reads the reason first
+}
+
+PendingConnectionId TcpBusGuard::pending_of(const Frame& frame) {
+  monitors_.front()->catch_up();  // another connection may have had this descriptor a moment ago
+  return guard_.pending(connection_fd(frame));
+}
+
+std::shared_ptr<IncompleteBytes> TcpBusGuard::incomplete_of(const Frame& frame) {
+  return guard_.carries(pending_of(frame));
+}
+
+bool TcpBusGuard::look() {
+  for (const auto& monitor : monitors_) monitor->catch_up();
+  return guard_.look(kHeartbeats);
 }
 
 void TcpBusGuard::on_event(LinkEvent event, int fd, bool proves) {

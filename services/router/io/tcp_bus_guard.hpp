@@ -27,8 +27,15 @@ class TcpBusGuard {
   /// A Hello came on the frame's connection, which was `accepted` or refused.
   void on_hello(const Frame& frame, bool accepted);
 
+  /// See InboxGuard: what was received of the frame's connection; messages without a last part.
+  std::shared_ptr<IncompleteBytes> incomplete_of(const Frame& frame);
+  bool look();
+  void on_empty() { guard_.on_empty(); }
+  void on_turn(std::size_t messages) { guard_.on_turn(messages); }
+
  private:
   Status watch(Socket& socket, bool proves);
+  PendingConnectionId pending_of(const Frame& frame);
   void on_event(LinkEvent event, int fd, bool proves);
   void refused(const char* name, const char* text);
 
