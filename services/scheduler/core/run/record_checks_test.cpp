@@ -121,6 +121,32 @@ TEST_CASE("a robot's numbers end before a cloud's: what a cloud holds beyond the
   CHECK_FALSE(checks.outranks_robots("stranger"));
 }
 
+TEST_CASE("only the judge holds a run for what was done twice, and no robot's order says that somebody has looked") {
+  const KnownRun known(chain({"ur3", "drone"}));
+  const RecordChecks& checks = known.run().checks();
+  const auto hold = [&](std::vector<std::string> doubles, const std::string& by) {
+    return checks.received_pause(known.pause(1, true, std::move(doubles), by));
+  };
+  const auto resume = [&](std::vector<std::string> doubles, const std::string& by) {
+    return checks.received_pause(known.pause(1, false, std::move(doubles), by));
+  };
+  CHECK(hold({"task-0", "task-1"}, "cloud").ok());
+  CHECK(code_of(hold({"task-0"}, "cloud2")) == Errc::not_permitted);
+  CHECK(code_of(hold({"task-0"}, "ur3")) == Errc::not_permitted);
+  CHECK(hold({}, "ur3").ok());
+  CHECK(resume({"task-0"}, "cloud").ok());
+  CHECK(resume({"task-0"}, "cloud2").ok());
+  CHECK(code_of(resume({"task-0"}, "ur3")) == Errc::not_permitted);
+  CHECK(resume({"task-0"}, "ur3").error().hint == "look at the robots, then say it on node 'cloud'");
+  CHECK(resume({}, "ur3").ok());
+  CHECK(code_of(hold({"x"}, "cloud")) == Errc::bad_value);
+  CHECK(code_of(resume({"task-0", "task-0"}, "cloud")) == Errc::bad_value);
+  CHECK(code_of(checks.received_pause(known.pause(0, true))) == Errc::bad_value);
+  // A journal of an earlier version may have such an order.
+  CHECK(checks.pause(known.pause(1, true, {"x"}, "ur3")).ok());
+  CHECK(checks.order(known.pause(1, true, {"task-0"}, "ur3")).error().code == Errc::not_permitted);
+}
+
 TEST_CASE("only the judge says that a run has FINISHED") {
   const KnownRun known(chain({"ur3"}));
   CHECK(known.run().checks().end(known.end()).ok());

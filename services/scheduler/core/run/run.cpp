@@ -149,7 +149,8 @@ Status Run::apply(const JournalAbort& fact) {
 Status Run::apply(const JournalPause& fact) {
   auto order = checks_.pause(fact.order);
   if (!order) return order.error();
-  if (!orders_.is_newer(*order)) return Done{};
+  // An earlier version has journaled doubles of any member's.
+  if (!checks_.check_doubles(*order) || !orders_.is_newer(*order)) return Done{};
   orders_.adopt(fact.order, std::move(*order));
   ++version_;
   work_.signatures().drop(PendingSignatures::RunRecord::hold);
