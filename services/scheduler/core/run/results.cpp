@@ -80,6 +80,18 @@ const HeldResult* ResultSet::of(TaskIndex task) const {
                             [&](const HeldResult& a, const HeldResult& b) { return age(a) < age(b); });
 }
 
+std::vector<const HeldResult*> ResultSet::proof_of(TaskIndex task, const std::string& robot) const {
+  const HeldResult* counts = of(task);
+  if (counts == nullptr) return {};
+  const HeldResult* other = nullptr;
+  for (const HeldResult& held : by_task_.at(task)) {
+    if (&held == counts || held.result.outcome != TaskOutcome::finished) continue;
+    if (other == nullptr || (held.result.robot == robot && other->result.robot != robot)) other = &held;
+  }
+  if (other == nullptr) return {counts};
+  return {counts, other};
+}
+
 bool ResultSet::has_final(TaskIndex task) const {
   const HeldResult* held = of(task);
   return held != nullptr && is_final(held->result.outcome);

@@ -35,6 +35,9 @@ class ResultSet {
   /// The result that counts: the first FINISHED one, else the first SKIPPED one (what was done was not left out,
   /// whoever thought so), else the latest epoch's latest attempt's; nullptr if there is none.
   [[nodiscard]] const HeldResult* of(TaskIndex task) const;
+  /// What proves to others how a task ended: the result that counts and, if it was done twice, another FINISHED one,
+  /// that robot's rather than a third's; none if there is no result.
+  [[nodiscard]] std::vector<const HeldResult*> proof_of(TaskIndex task, const std::string& robot) const;
   [[nodiscard]] bool has_final(TaskIndex task) const;
   [[nodiscard]] bool is_skipped(TaskIndex task) const;
   /// True if there is that robot's result of the attempt: who was replaced may have counted on.

@@ -71,11 +71,12 @@ bool Run::add(HeldResult held) {
   if (!facts_.add(task, std::move(held))) return false;
   ++version_;
   const bool is_final = results().has_final(task);
-  if (!was_double && results().finished_twice(task)) orders_.note_double(tasks()[task].id);
+  const bool is_double = !was_double && results().finished_twice(task);
+  if (is_double) orders_.note_double(tasks()[task].id);
   if (is_final) work_.awaited().drop_result(task);
   if (by_its_robot || is_final) reports_.forget_progress(task);
   if (facts_.current(task) != nullptr) work_.withheld().drop_failing(task);
-  if (own) deliveries_.owe_own_result(task);
+  if (own || is_double) deliveries_.owe_result(task);
   deliveries_.owe_late_result(task);
   if (!was_final && is_final && !orders_.is_aborted()) deliveries_.owe_batons_after(task);
   return true;
