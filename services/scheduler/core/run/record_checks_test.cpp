@@ -74,6 +74,22 @@ TEST_CASE("one robot's results of a run take 4 MiB: more is not received, others
   CHECK(known.run().received_result(result_of(69, "ridgeback")).ok());
 }
 
+TEST_CASE("a robot that signs one attempt again and again, each time smaller, has 4 MiB as well") {
+  KnownRun known(chain({"ur3", "drone"}));
+  const auto signed_anew = [&](int number) {
+    return known.result("task-1", "drone", TaskOutcome::failed, 1, std::to_string(number) + std::string(65'000, 'x'));
+  };
+  int number = 999;
+  while (number > 800 && known.run().received_result(signed_anew(number)).ok()) known.add(signed_anew(number--));
+  CHECK(999 - number == 65);
+  CHECK(code_of(known.run().received_result(signed_anew(number))) == Errc::too_large);
+  // What is held, or changes nothing, comes with others' batons: it is no reason to refuse them.
+  CHECK(known.run().received_result(signed_anew(number + 1)).ok());
+  CHECK(known.run().received_result(signed_anew(999)).ok());
+  CHECK(code_of(known.run().received_result(known.result("task-1", "drone", TaskOutcome::finished))) ==
+        Errc::too_large);
+}
+
 TEST_CASE("a cloud node can skip a task that a decision gives it, and do nothing else") {
   KnownRun known(chain({"ur3"}));
   known.decide({{"task-0", Ruling::skip, "cloud", 2, Evidence::word}});

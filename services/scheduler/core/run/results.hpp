@@ -28,6 +28,8 @@ class ResultSet {
   /// What one robot's results of one run may take: more of it is not received, and its own node leaves the data out.
   static constexpr std::size_t kMostBytes = 4U << 20U;
 
+  /// False: the set has it, or of its attempt as many as are kept and are preferred to it.
+  [[nodiscard]] bool grows_by(TaskIndex task, const HeldResult& result) const;
   /// True if the set has grown.
   bool add(TaskIndex task, HeldResult result);
   void join(const ResultSet& other);
@@ -44,7 +46,7 @@ class ResultSet {
   [[nodiscard]] bool holds(TaskIndex task, const AttemptKey& key, const std::string& robot) const;
   /// The last attempt of which there is that robot's result of that epoch or a later one; 0: none.
   [[nodiscard]] std::uint32_t last_attempt(TaskIndex task, const std::string& robot, std::uint32_t epoch) const;
-  /// What that robot's results take.
+  /// What that robot's results have taken, with those that others of their attempt have pushed out: each was journaled.
   [[nodiscard]] std::size_t bytes_of(const std::string& robot) const;
   /// Robots with a result of it that says failed, retriable or interrupted, by id.
   [[nodiscard]] std::vector<std::string> failed_by(TaskIndex task) const;
@@ -58,8 +60,6 @@ class ResultSet {
   bool operator==(const ResultSet& other) const;
 
  private:
-  void count(const HeldResult& held, bool is_new);
-
   std::map<std::string, std::size_t> bytes_;              ///< by robot
   std::map<TaskIndex, std::vector<HeldResult>> by_task_;  ///< each list by iteration, attempt, then as they are kept
 };

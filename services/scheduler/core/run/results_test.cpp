@@ -97,3 +97,12 @@ TEST_CASE("an endless signer fills nothing") {
   CHECK(set.add(0, held(2, TaskOutcome::finished)));
   CHECK(set.has_final(0));
 }
+
+TEST_CASE("what has pushed out others of its attempt takes room like them: each was journaled") {
+  ResultSet set;
+  constexpr int kEach = 10'000;
+  for (int i = 99; i > 0; --i) {
+    CHECK(set.add(0, held(1, TaskOutcome::failed, std::to_string(100 + i) + std::string(kEach, 'x'))));
+  }
+  CHECK(set.bytes_of("") > 99 * kEach);
+}
