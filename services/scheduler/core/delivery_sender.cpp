@@ -22,6 +22,29 @@ void add_choice(const Run& run, TaskIndex task, std::vector<SignedRecord>& choic
   if (is_new) choices.push_back(held->record);
 }
 
+/// As many of the tasks as fit. `proof_of`: the results to send of a task.
+template <class ProofOf>
+Results pack(const Run& run, const std::vector<TaskIndex>& tasks, const ProofOf& proof_of) {
+  Results out{run.id(), {}, {}};
+  std::size_t size = 0;
+  for (const TaskIndex task : std::set<TaskIndex>(tasks.begin(), tasks.end())) {
+    const std::vector<const HeldResult*> proof = proof_of(task);
+    if (proof.empty()) continue;
+    for (const HeldResult* held : proof) size += size_of(held->record);
+    if (const HeldChoice* choice = run.facts().choice_on(task)) size += size_of(choice->record);
+    const bool fits = size <= kMaxPacked && out.results.size() + proof.size() <= kMaxTasks;
+    if (!fits && !out.results.empty()) break;
+    for (const HeldResult* held : proof) out.results.push_back(held->record);
+    add_choice(run, task, out.choices);
+  }
+  return out;
+}
+
+/// What is owed of results: where a task was done twice, both, because the judge has to know.
+Results pack_proofs(const Run& run, const std::vector<TaskIndex>& tasks) {
+  return pack(run, tasks, [&](TaskIndex task) { return run.results().proof_of(task, run.epochs().self()); });
+}
+
 Baton baton_for(const Run& run, const std::vector<TaskIndex>& tasks) {
   Baton baton;
   baton.run = run.id();
@@ -53,7 +76,7 @@ void send(const Run& run, const PendingDelivery& delivery, Step step) {
     case DeliveryKind::baton:
       return send(run, delivery, baton_for(run, delivery.tasks), step);
     case DeliveryKind::results:
-      return send(run, delivery, pack_results(run, delivery.tasks), step);
+      return send(run, delivery, pack_proofs(run, delivery.tasks), step);
     case DeliveryKind::abort:
       return step.out.command(delivery.to, RunAbort{run.orders().abort_record()});
     case DeliveryKind::decision:
@@ -74,18 +97,10 @@ void pass_overdue(Run& run, Step step) {
 }  // namespace
 
 Results pack_results(const Run& run, const std::vector<TaskIndex>& tasks) {
-  Results out{run.id(), {}, {}};
-  std::size_t size = 0;
-  for (const TaskIndex task : std::set<TaskIndex>(tasks.begin(), tasks.end())) {
+  return pack(run, tasks, [&](TaskIndex task) {
     const HeldResult* held = run.results().of(task);
-    if (held == nullptr) continue;
-    size += size_of(held->record);
-    if (const HeldChoice* choice = run.facts().choice_on(task)) size += size_of(choice->record);
-    if (size > kMaxPacked && !out.results.empty()) break;
-    out.results.push_back(held->record);
-    add_choice(run, task, out.choices);
-  }
-  return out;
+    return held == nullptr ? std::vector<const HeldResult*>{} : std::vector<const HeldResult*>{held};
+  });
 }
 
 void send_due(Run& run, Step step) {

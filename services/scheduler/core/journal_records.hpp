@@ -117,7 +117,7 @@ struct JournalEnd {
 struct JournalArchive {
   static constexpr std::string_view kKind = "journal_archive";
   RunView view;
-  std::vector<SignedRecord> results;  ///< the results that count, one a task
+  std::vector<SignedRecord> results;  ///< those that count, then the others of what was done twice
   std::vector<SignedRecord> choices;
   std::vector<SignedRecord> decisions;
   std::vector<SignedRecord> orders;

@@ -124,7 +124,7 @@ Status RunJournal::keep_abort(Run& run, const SignedRecord& order, bool here, St
 }
 
 Status RunJournal::keep_pause(Run& run, const SignedRecord& order, bool here, Step step) {
-  const auto is = run.checks().pause(order);
+  const auto is = run.checks().received_pause(order);
   if (!is) return is.error();
   run.outbid(*is);
   if (!run.orders().is_newer(*is)) return Done{};

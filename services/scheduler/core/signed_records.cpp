@@ -18,12 +18,17 @@ void append(std::vector<SignedRecord>& out, const std::vector<SignedRecord>& mor
 
 void put_signed_records(const Run& run, JournalArchive& into) {
   into.start = run.definition().record();
+  std::vector<SignedRecord> others;  // of tasks that were done twice
   for (const TaskIndex task : run.results().tasks()) {
-    into.results.push_back(run.results().of(task)->record);
+    const std::vector<const HeldResult*> proof = run.results().proof_of(task, run.epochs().self());
+    into.results.push_back(proof.front()->record);
+    if (proof.size() > 1) others.push_back(proof.back()->record);
     const HeldChoice* choice = run.facts().choice_on(task);
     const bool is_new = choice != nullptr && std::ranges::find(into.choices, choice->record) == into.choices.end();
     if (is_new) into.choices.push_back(choice->record);
   }
+  others.resize(std::min<std::size_t>(others.size(), kMaxTasks - into.results.size()));  // as many as a record has
+  append(into.results, others);
   into.decisions = run.epochs().records();
   into.orders = run.orders().records();
   if (run.orders().has_ended()) into.end = run.orders().end_record();

@@ -75,7 +75,7 @@ TaskView task_view(const Run& run, const Executor& executor, TaskIndex task, Kno
   if (!run.epochs().is_unbound(task)) view.robot = run.epochs().robot_of(task);
   view.skill = is.skill;
   view.failed_by = run.results().failed_by(task);
-  view.twice = std::ranges::find(run.orders().doubles(), is.id) != run.orders().doubles().end();
+  view.twice = run.orders().is_double(is.id);
   view.due = run.work().timers().is_due(task);
   if (view.due) view.waits_for = cut_utf8(due_text(run, executor, task), kDefaultMaxSize);
   view.after = is.after;

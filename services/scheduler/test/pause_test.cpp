@@ -13,8 +13,9 @@ struct Held {
     add_demonstration(fleet);
     fleet.ask("cloud", MessageType::command, RunSubmit{start_without(fleet, nine_tasks(), {})});
   }
-  SignedRecord order(std::uint32_t number, bool paused, const std::string& by = "cloud") {
-    return fleet.sign(by, kSignedRunPause, encode(PauseOrder{kStoryRun, number, paused, by, "lunch", 0}));
+  SignedRecord order(std::uint32_t number, bool paused, const std::string& by = "cloud",
+                     const std::vector<std::string>& doubles = {}) {
+    return fleet.sign(by, kSignedRunPause, encode(PauseOrder{kStoryRun, number, paused, by, "lunch", 0, doubles}));
   }
   void say(std::uint32_t number, bool paused, const std::string& by = "cloud") {
     fleet.ask(by, MessageType::command, RunPause{order(number, paused, by)});
@@ -108,6 +109,17 @@ TEST_CASE("a robot's order lets go what a cloud node holds once; held again, it 
   story.say(story.number("ur3") + 1, true, "ur3");
   REQUIRE(story.fleet.until([&] { return story.fleet.view("cloud", kStoryRun).paused_by == "ur3"; }, seconds(5)));
   story.say(story.number("cloud") + 1, false);
+  CHECK(story.fleet.until([&] { return story.fleet.view("cloud", kStoryRun).state == RunState::finished; }));
+}
+
+TEST_CASE("a member that says what was done twice holds nothing, and the run goes on") {
+  Held story;
+  REQUIRE(story.fleet.until([&] { return story.fleet.view("conveyor", kStoryRun).run == kStoryRun; }));
+  for (const char* node : {"cloud", "conveyor"}) {
+    CHECK(story.tell(node, "ur3", story.order(1, true, "ur3", {"x"})) == "not_permitted");
+    CHECK(story.tell(node, "ur3", story.order(2, false, "ur3")).empty());
+    CHECK(story.tell(node, "ur3", story.order(3, false, "ur3", {"bring_box"})) == "not_permitted");
+  }
   CHECK(story.fleet.until([&] { return story.fleet.view("cloud", kStoryRun).state == RunState::finished; }));
 }
 

@@ -140,6 +140,33 @@ TEST_CASE("who replaces a robot that had finished after all is told before it be
   CHECK(story.fleet.counted["double_execution"] == 0);
 }
 
+TEST_CASE(
+    "a task is done twice, and the second robot hears of the first result while it works: the judge hears of both") {
+  ReplacedStory story({"ur3", "drone", "pioneer"});
+  REQUIRE(story.fleet.until([&] { return story.task(0).state == TaskState::running; }));
+  story.fleet["ur3"].cut = true;
+  story.fleet["pioneer"].adapter.skill_time = seconds(60);
+  REQUIRE(story.decide({move("task-0", "pioneer", 2)}) == "accepted");
+  REQUIRE(story.fleet.until([&] { return story.begun("pioneer", "task-0") == 1; }));
+  story.fleet.pass(seconds(10));
+  story.fleet["ur3"].cut = false;
+  const auto is_told = [&] { return story.task(0, "pioneer").state == TaskState::finished; };
+  REQUIRE(story.fleet.until(is_told, seconds(20)));
+  REQUIRE(story.fleet.until([&] { return story.task(0).twice; }, seconds(100)));
+  story.fleet.pass(seconds(60));
+  CHECK(story.fleet.view("pioneer", kStoryRun).paused_by == "cloud");
+  CHECK(story.begun("pioneer", "task-2") == 0);
+  const std::uint32_t next = story.fleet.view("cloud", kStoryRun).pause_number + 1;
+  const PauseOrder order{kStoryRun, next, false, "cloud", "looked at", 0, {"task-0"}};
+  story.fleet.ask("cloud", MessageType::command, RunPause{story.fleet.sign("cloud", kSignedRunPause, encode(order))});
+  CHECK(story.until(RunState::finished));
+  CHECK(story.begun("pioneer", "task-2") == 1);
+  story.fleet.pass(seconds(120));
+  CHECK(story.fleet["pioneer"].archive->over(kStoryRun)->state == RunState::finished);
+  const auto results = story.fleet["cloud"].archive->record(kStoryRun)->results;
+  CHECK(results.size() == 4);
+}
+
 TEST_CASE("a robot dies between its result and the baton: whoever takes over its other tasks does not wait for it") {
   ReplacedStory story({"ur3", "drone", "ur3"});
   story.fleet["drone"].cut = true;  // the baton does not arrive

@@ -108,6 +108,27 @@ TEST_CASE("the judge holds a run in which a task was done twice, until a person 
   CHECK(sent<SignRequest>(judge.at_end_of_step()).empty());
 }
 
+TEST_CASE("a judge that has lost what was done twice holds the run anew by its own earlier order") {
+  Ordering judge("cloud");
+  REQUIRE(judge.known.run().apply(JournalPause{judge.known.pause(1, true, {"task-0"}), false}).ok());
+  judge.known.send(judge.pauses, "drone", RunPause{judge.known.pause(2, false, {}, "drone")});
+  const SignedRecord order = signed_by(judge.known.signers, "cloud", judge.at_end_of_step());
+  const auto again = decode<PauseOrder>(order.payload.bytes);
+  CHECK(again->number == 3);
+  CHECK(again->doubles == Names{"task-0"});
+  CHECK(again->reason == "task 'task-0' has two different results (double_execution)");
+}
+
+TEST_CASE("what an earlier version has journaled of a member that may not say what was done twice does not count") {
+  Ordering judge("cloud");
+  REQUIRE(judge.known.run().apply(JournalPause{judge.known.pause(1, true, {"x"}, "drone"), false}).ok());
+  REQUIRE(judge.known.run().apply(JournalPause{judge.known.pause(2, false, {"task-0"}, "drone"), false}).ok());
+  CHECK(judge.orders().pause() == nullptr);
+  judge.finish_twice();
+  CHECK(decode<PauseOrder>(signed_by(judge.known.signers, "cloud", judge.at_end_of_step()).payload.bytes)->doubles ==
+        Names{"task-0"});
+}
+
 TEST_CASE("who is no judge holds nothing by itself") {
   Ordering member("ur3");
   member.finish_twice();

@@ -30,7 +30,7 @@ void PauseHandler::handle(const RunPause& body, const Inbound& from, Step step) 
   if (!claimed) return refuse(from, claimed.error(), step);
   Run* run = lookup_.find_or_defer(claimed->run, {}, from, step);
   if (run == nullptr) return;
-  if (auto order = run->checks().pause(body.order); !order) return refuse(from, order.error(), step);
+  if (auto order = run->checks().received_pause(body.order); !order) return refuse(from, order.error(), step);
   const bool here = from.source == node_;
   const Status open = here ? check_state(*run, step) : Done{};
   if (!open) return refuse(from, open.error(), step);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 
 #include "services/scheduler/core/delivery_sender.hpp"
 #include "services/scheduler/core/refusal.hpp"
@@ -31,6 +32,15 @@ void settle_requests(Run& run, const Results& answer, const std::vector<AttemptK
   AwaitedRecords& awaited = run.work().awaited();
   for (const AttemptKey& key : kept) awaited.settle_result(*run.index_of(key.task), from.source);
   if (answer.results.empty()) awaited.settle_without_result(from.source, now);
+}
+
+/// Has everything that is owed of the task been journaled there? What another attempt's result has replaced, or joined,
+/// since it was sent is still owed.
+bool is_proven(const Run& run, TaskIndex task, const std::vector<AttemptKey>& keys) {
+  const std::vector<const HeldResult*> proof = run.results().proof_of(task, run.epochs().self());
+  return !proof.empty() && std::ranges::all_of(proof, [&](const HeldResult* held) {
+    return std::ranges::find(keys, held->result.key) != keys.end();
+  });
 }
 
 /// The result of an earlier attempt says nothing about this one.
@@ -94,21 +104,19 @@ void ResultHandler::handle(const Results& body, const Inbound& from, Step step) 
 }
 
 void ResultHandler::handle(const ResultsJournaled& body, const Inbound& from, Step step) {
-  std::map<std::string, std::vector<TaskIndex>> by_run;
+  std::map<std::string, std::set<TaskIndex>> by_run;
   for (const AttemptKey& key : body.keys) {
     Run* run = runs_.find(key.run);
     if (run != nullptr) run->deliveries().note_reads_short(from.source, body.reads_short);
     const auto task = run == nullptr ? std::nullopt : run->index_of(key.task);
-    // A result that was replaced by another attempt's since it was sent is still owed.
-    const bool current = task && run->results().of(*task) != nullptr && run->results().of(*task)->result.key == key;
-    if (current) {
-      by_run[key.run].push_back(*task);
+    if (task && is_proven(*run, *task, body.keys)) {
+      by_run[key.run].insert(*task);
     } else {
       step.out.count("late.results_journaled");
     }
   }
-  for (auto& [id, tasks] : by_run) {
-    journal_.keep_delivery(*runs_.find(id), DeliveryKind::results, from, std::move(tasks), 1, step);
+  for (const auto& [id, tasks] : by_run) {
+    journal_.keep_delivery(*runs_.find(id), DeliveryKind::results, from, {tasks.begin(), tasks.end()}, 1, step);
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include "services/scheduler/core/delivery_sender.hpp"
 #include "services/scheduler/test/known_run.hpp"
 
 using namespace trb;
@@ -104,6 +105,32 @@ TEST_CASE("what another node has journaled is owed no more, unless it was anothe
   CHECK(collecting.known.run().deliveries().pending().owes(DeliveryKind::results, "cloud"));
   CHECK(confirm(1).journal.size() == 1);
   CHECK_FALSE(collecting.known.run().deliveries().pending().owes(DeliveryKind::results, "cloud"));
+}
+
+TEST_CASE("of a task that was done twice both results are owed, whoever knows it") {
+  for (const char* self : {"ur3", "conveyor"}) {
+    CAPTURE(self);
+    Collecting collecting(self);
+    KnownRun& known = collecting.known;
+    const SignedRecord late = collecting.finished("task-0", "drone");
+    known.decide({{"task-0", Ruling::move, "ur3", 2, Evidence::word}});
+    known.add(late);
+    known.add(known.result("task-0", "ur3", TaskOutcome::finished, 2));
+    Outbox out;
+    send_due(known.run(), known.step(out));
+    REQUIRE(targets<Results>(out) == Names{"cloud", "cloud2"});
+    CHECK(sent<Results>(out)[0].results.size() == 2);
+    const auto confirm = [&](std::vector<std::uint32_t> attempts) {
+      ResultsJournaled body;
+      for (const std::uint32_t attempt : attempts) body.keys.push_back({kKnownRun, "task-0", 1, attempt});
+      return known.send(collecting.handler, "cloud", body).journal.size();
+    };
+    CHECK(confirm({1}) == 0);
+    CHECK(confirm({2}) == 0);
+    CHECK(known.run().deliveries().pending().owes(DeliveryKind::results, "cloud"));
+    CHECK(confirm({1, 2}) == 1);
+    CHECK_FALSE(known.run().deliveries().pending().owes(DeliveryKind::results, "cloud"));
+  }
 }
 
 TEST_CASE("progress is shown of the task's robot alone, until its result comes") {

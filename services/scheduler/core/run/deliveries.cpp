@@ -33,7 +33,7 @@ void Deliveries::owe_first_batons() {
   }
 }
 
-void Deliveries::owe_own_result(TaskIndex task) {
+void Deliveries::owe_result(TaskIndex task) {
   std::vector<std::string> to = members_.clouds_without(epochs_.self());
   const std::string& submitter = definition_.start().submitter;
   if (to.empty() && submitter != epochs_.self()) to.push_back(submitter);

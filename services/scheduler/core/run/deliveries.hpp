@@ -29,8 +29,9 @@ class Deliveries {
   [[nodiscard]] bool submitted_here() const { return submitted_here_; }
   /// To the actors of the tasks that wait for nothing, and to the cloud, so that it knows the run.
   void owe_first_batons();
-  /// A result of this node: to the cloud, or to the submitter if there is none.
-  void owe_own_result(TaskIndex task);
+  /// A result of this node, or that a task was done twice, which its judge may not know: to the cloud, or to the
+  /// submitter if there is none.
+  void owe_result(TaskIndex task);
   /// A robot that was replaced had finished after all: whoever took its task over need not begin it.
   void owe_late_result(TaskIndex task);
   /// The batons that a task's being final makes due.

@@ -85,7 +85,7 @@ AbortOrder abort_order(const Run& run, TaskIndex failed, UtcTime now) {
 }
 
 PauseOrder hold_order(const Run& run, UtcTime now) {
-  const std::vector<std::string>& doubles = run.orders().doubles();
+  const std::vector<std::string> doubles = run.orders().doubles();  // never none: only they make the judge hold it
   const std::string why = "task '" + doubles.front() + "' has two different results (double_execution)";
   return {run.id(), run.orders().next_hold(run.pause_number()), true, run.epochs().self(), cut_utf8(why, 255), now.ns,
           doubles};

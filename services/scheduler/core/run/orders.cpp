@@ -1,6 +1,7 @@
 #include "services/scheduler/core/run/orders.hpp"
 
 #include <algorithm>
+#include <iterator>
 
 namespace trb::scheduler {
 namespace {
@@ -40,6 +41,19 @@ std::uint32_t Orders::next_hold(std::uint32_t known) const {
 
 void Orders::note_double(const std::string& task) {
   if (!seen_doubles_.contains(task)) doubles_.push_back(task);
+}
+
+std::vector<std::string> Orders::doubles() const {
+  std::vector<std::string> out = doubles_;
+  if (!is_held_for_doubles()) return out;
+  const auto is_new = [&](const std::string& task) { return std::ranges::find(doubles_, task) == doubles_.end(); };
+  std::ranges::copy_if(pause_->doubles, std::back_inserter(out), is_new);
+  return out;
+}
+
+bool Orders::is_double(const std::string& task) const {
+  const bool known = std::ranges::find(doubles_, task) != doubles_.end();
+  return known || (is_held_for_doubles() && names(*pause_, task));
 }
 
 bool Orders::has_new_double() const {

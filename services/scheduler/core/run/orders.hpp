@@ -37,8 +37,11 @@ class Orders {
 
   /// A task was done twice. No effect if a person has looked at it already.
   void note_double(const std::string& task);
-  /// Tasks that were done twice, and of which no order to let the run go on says that a person has looked.
-  [[nodiscard]] const std::vector<std::string>& doubles() const { return doubles_; }
+  /// Tasks that were done twice, and of which no order to let the run go on says that a person has looked: those that
+  /// are known here, and those for which the run is held, because a judge that has lost its journal knows no others.
+  [[nodiscard]] std::vector<std::string> doubles() const;
+  /// The task is one of doubles().
+  [[nodiscard]] bool is_double(const std::string& task) const;
   /// There is one that the order which counts does not name.
   [[nodiscard]] bool has_new_double() const;
   /// It is held because of tasks that were done twice.

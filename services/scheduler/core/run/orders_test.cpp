@@ -50,6 +50,18 @@ TEST_CASE("a run that is held for doubles goes on only by an order that names th
   CHECK(orders.doubles().empty());
 }
 
+TEST_CASE("what a run is held for as done twice counts as that also where only the order is known") {
+  Orders orders;
+  orders.note_double("pick");
+  orders.adopt(record("pause"), order(1, true, {"pick", "put"}));
+  CHECK(orders.doubles() == std::vector<std::string>{"pick", "put"});
+  CHECK(orders.is_double("put"));
+  CHECK_FALSE(orders.has_new_double());
+  orders.adopt(record("pause"), order(2, false, {"pick", "put"}));
+  CHECK(orders.doubles().empty());
+  CHECK_FALSE(orders.is_double("put"));
+}
+
 TEST_CASE("the judge's holds are numbered up to a bound, so that one more order can let the run go on") {
   const Orders orders;
   CHECK(orders.next_hold(kMaxPauses - 1) == kMaxPauses);

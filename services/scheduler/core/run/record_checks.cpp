@@ -1,5 +1,7 @@
 #include "services/scheduler/core/run/record_checks.hpp"
 
+#include <set>
+
 #include "common/scenario/condition.hpp"
 #include "common/security/keys.hpp"
 #include "proto/body.hpp"
@@ -127,6 +129,30 @@ Result<PauseOrder> RecordChecks::pause(const SignedRecord& record) const {
   return order;
 }
 
+Result<PauseOrder> RecordChecks::received_pause(const SignedRecord& record) const {
+  auto order = pause(record);
+  if (!order) return order;
+  if (auto named = check_doubles(*order); !named) return named.error();
+  return order;
+}
+
+Status RecordChecks::check_doubles(const PauseOrder& order) const {
+  if (order.doubles.empty()) return Done{};
+  const std::string& judge = definition_.rule().judge();
+  const std::string name = "run " + definition_.id() + ": the order of '" + order.by + "' to " +
+                           (order.paused ? "hold it" : "let it go on") + ": ";
+  if (!(order.paused ? order.by == judge : outranks_robots(order.by))) {
+    return fail(Errc::not_permitted, name + "which tasks were done twice is not said by '" + order.by + "'",
+                "look at the robots, then say it on node '" + judge + "'");
+  }
+  std::set<std::string_view> tasks;
+  for (const std::string& task : order.doubles) {
+    if (definition_.index_of(task) && tasks.insert(task).second) continue;
+    return fail(Errc::bad_value, name + "task '" + task + "', done twice, is no task or is named twice");
+  }
+  return Done{};
+}
+
 bool RecordChecks::outranks_robots(const std::string& node) const {
   const Certificate* member = members_.find(node);
   return node == definition_.rule().judge() || (member != nullptr && member->role == Role::cloud);
@@ -155,7 +181,7 @@ Status RecordChecks::order(const SignedRecord& record) const {
     const auto checked = abort(record);
     return checked ? Status(Done{}) : checked.error();
   }
-  const auto checked = pause(record);
+  const auto checked = received_pause(record);
   return checked ? Status(Done{}) : checked.error();
 }
 

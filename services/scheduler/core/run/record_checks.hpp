@@ -27,6 +27,12 @@ class RecordChecks {
   /// An order to hold the run or to let it go on. Errors: not_permitted, conflict, source_mismatch, bad_value and those
   /// of open_record.
   [[nodiscard]] Result<PauseOrder> pause(const SignedRecord& record) const;
+  /// An order that another node sends or a person gives: besides, only the judge holds the run for tasks that were done
+  /// twice, only who outranks robots says that somebody has looked at them, and each is a task of the run, named once.
+  /// A journal of an earlier version may have others. Errors: those of pause().
+  [[nodiscard]] Result<PauseOrder> received_pause(const SignedRecord& record) const;
+  /// What received_pause() checks beside pause(). Errors: not_permitted, bad_value.
+  [[nodiscard]] Status check_doubles(const PauseOrder& order) const;
   /// Its orders to hold the run or to let it go on have numbers beyond those of robots: a cloud node, or the judge.
   [[nodiscard]] bool outranks_robots(const std::string& node) const;
   /// An order to abort the run. Errors: not_permitted, conflict, source_mismatch and those of open_record.

@@ -74,6 +74,22 @@ TEST_CASE("one robot's results of a run take 4 MiB: more is not received, others
   CHECK(known.run().received_result(result_of(69, "ridgeback")).ok());
 }
 
+TEST_CASE("a robot that signs one attempt again and again, each time smaller, has 4 MiB as well") {
+  KnownRun known(chain({"ur3", "drone"}));
+  const auto signed_anew = [&](int number) {
+    return known.result("task-1", "drone", TaskOutcome::failed, 1, std::to_string(number) + std::string(65'000, 'x'));
+  };
+  int number = 999;
+  while (number > 800 && known.run().received_result(signed_anew(number)).ok()) known.add(signed_anew(number--));
+  CHECK(999 - number == 65);
+  CHECK(code_of(known.run().received_result(signed_anew(number))) == Errc::too_large);
+  // What is held, or changes nothing, comes with others' batons: it is no reason to refuse them.
+  CHECK(known.run().received_result(signed_anew(number + 1)).ok());
+  CHECK(known.run().received_result(signed_anew(999)).ok());
+  CHECK(code_of(known.run().received_result(known.result("task-1", "drone", TaskOutcome::finished))) ==
+        Errc::too_large);
+}
+
 TEST_CASE("a cloud node can skip a task that a decision gives it, and do nothing else") {
   KnownRun known(chain({"ur3"}));
   known.decide({{"task-0", Ruling::skip, "cloud", 2, Evidence::word}});
@@ -119,6 +135,32 @@ TEST_CASE("a robot's numbers end before a cloud's: what a cloud holds beyond the
   // Also a cloud node that is not the judge outranks robots; a stranger outranks nobody.
   CHECK(checks.pause(known.pause(kMaxRobotHold + 1, true, {}, "cloud2")).ok());
   CHECK_FALSE(checks.outranks_robots("stranger"));
+}
+
+TEST_CASE("only the judge holds a run for what was done twice, and no robot's order says that somebody has looked") {
+  const KnownRun known(chain({"ur3", "drone"}));
+  const RecordChecks& checks = known.run().checks();
+  const auto hold = [&](std::vector<std::string> doubles, const std::string& by) {
+    return checks.received_pause(known.pause(1, true, std::move(doubles), by));
+  };
+  const auto resume = [&](std::vector<std::string> doubles, const std::string& by) {
+    return checks.received_pause(known.pause(1, false, std::move(doubles), by));
+  };
+  CHECK(hold({"task-0", "task-1"}, "cloud").ok());
+  CHECK(code_of(hold({"task-0"}, "cloud2")) == Errc::not_permitted);
+  CHECK(code_of(hold({"task-0"}, "ur3")) == Errc::not_permitted);
+  CHECK(hold({}, "ur3").ok());
+  CHECK(resume({"task-0"}, "cloud").ok());
+  CHECK(resume({"task-0"}, "cloud2").ok());
+  CHECK(code_of(resume({"task-0"}, "ur3")) == Errc::not_permitted);
+  CHECK(resume({"task-0"}, "ur3").error().hint == "look at the robots, then say it on node 'cloud'");
+  CHECK(resume({}, "ur3").ok());
+  CHECK(code_of(hold({"x"}, "cloud")) == Errc::bad_value);
+  CHECK(code_of(resume({"task-0", "task-0"}, "cloud")) == Errc::bad_value);
+  CHECK(code_of(checks.received_pause(known.pause(0, true))) == Errc::bad_value);
+  // A journal of an earlier version may have such an order.
+  CHECK(checks.pause(known.pause(1, true, {"x"}, "ur3")).ok());
+  CHECK(checks.order(known.pause(1, true, {"task-0"}, "ur3")).error().code == Errc::not_permitted);
 }
 
 TEST_CASE("only the judge says that a run has FINISHED") {

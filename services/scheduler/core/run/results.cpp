@@ -29,28 +29,27 @@ bool is_final(TaskOutcome outcome) {
   return outcome == TaskOutcome::finished || outcome == TaskOutcome::skipped;
 }
 
-bool ResultSet::add(TaskIndex task, HeldResult result) {
-  auto& list = by_task_[task];
+bool ResultSet::grows_by(TaskIndex task, const HeldResult& result) const {
+  const auto found = by_task_.find(task);
+  if (found == by_task_.end()) return true;
+  const auto& list = found->second;
   const auto place = std::lower_bound(list.begin(), list.end(), result, before);
   if (place != list.end() && preference(*place) == preference(result)) return false;
-  const auto same = [key = result.result.key](const HeldResult& held) { return held.result.key == key; };
-  const auto first = std::find_if(list.begin(), list.end(), same);
-  const auto index = place - first;
-  if (first != list.end() && index >= static_cast<std::ptrdiff_t>(kMaxPerAttempt)) return false;
-  count(result, true);
-  list.insert(place, std::move(result));
-  if (static_cast<std::size_t>(std::count_if(list.begin(), list.end(), same)) > kMaxPerAttempt) {
-    const auto last = std::prev(std::find_if(list.rbegin(), list.rend(), same).base());
-    count(*last, false);
-    list.erase(last);
-  }
-  return true;
+  const auto same = [&](const HeldResult& held) { return held.result.key == result.result.key; };
+  const auto preferred = std::count_if(list.begin(), place, same);
+  return preferred < static_cast<std::ptrdiff_t>(kMaxPerAttempt);
 }
 
-void ResultSet::count(const HeldResult& held, bool is_new) {
-  const std::size_t size = held.record.payload.bytes.size() + sizeof(HeldResult);
-  std::size_t& bytes = bytes_[held.result.robot];
-  bytes = is_new ? bytes + size : bytes - size;
+bool ResultSet::add(TaskIndex task, HeldResult result) {
+  if (!grows_by(task, result)) return false;
+  auto& list = by_task_[task];
+  const auto place = std::lower_bound(list.begin(), list.end(), result, before);
+  const auto same = [key = result.result.key](const HeldResult& held) { return held.result.key == key; };
+  bytes_[result.result.robot] += result.record.payload.bytes.size() + sizeof(HeldResult);
+  list.insert(place, std::move(result));
+  if (static_cast<std::size_t>(std::count_if(list.begin(), list.end(), same)) > kMaxPerAttempt)
+    list.erase(std::prev(std::find_if(list.rbegin(), list.rend(), same).base()));
+  return true;
 }
 
 std::size_t ResultSet::bytes_of(const std::string& robot) const {
@@ -78,6 +77,18 @@ const HeldResult* ResultSet::of(TaskIndex task) const {
   };
   return &*std::max_element(list.begin(), list.end(),
                             [&](const HeldResult& a, const HeldResult& b) { return age(a) < age(b); });
+}
+
+std::vector<const HeldResult*> ResultSet::proof_of(TaskIndex task, const std::string& robot) const {
+  const HeldResult* counts = of(task);
+  if (counts == nullptr) return {};
+  const HeldResult* other = nullptr;
+  for (const HeldResult& held : by_task_.at(task)) {
+    if (&held == counts || held.result.outcome != TaskOutcome::finished) continue;
+    if (other == nullptr || (held.result.robot == robot && other->result.robot != robot)) other = &held;
+  }
+  if (other == nullptr) return {counts};
+  return {counts, other};
 }
 
 bool ResultSet::has_final(TaskIndex task) const {

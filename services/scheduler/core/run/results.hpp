@@ -28,6 +28,8 @@ class ResultSet {
   /// What one robot's results of one run may take: more of it is not received, and its own node leaves the data out.
   static constexpr std::size_t kMostBytes = 4U << 20U;
 
+  /// False: the set has it, or of its attempt as many as are kept and are preferred to it.
+  [[nodiscard]] bool grows_by(TaskIndex task, const HeldResult& result) const;
   /// True if the set has grown.
   bool add(TaskIndex task, HeldResult result);
   void join(const ResultSet& other);
@@ -35,13 +37,16 @@ class ResultSet {
   /// The result that counts: the first FINISHED one, else the first SKIPPED one (what was done was not left out,
   /// whoever thought so), else the latest epoch's latest attempt's; nullptr if there is none.
   [[nodiscard]] const HeldResult* of(TaskIndex task) const;
+  /// What proves to others how a task ended: the result that counts and, if it was done twice, another FINISHED one,
+  /// that robot's rather than a third's; none if there is no result.
+  [[nodiscard]] std::vector<const HeldResult*> proof_of(TaskIndex task, const std::string& robot) const;
   [[nodiscard]] bool has_final(TaskIndex task) const;
   [[nodiscard]] bool is_skipped(TaskIndex task) const;
   /// True if there is that robot's result of the attempt: who was replaced may have counted on.
   [[nodiscard]] bool holds(TaskIndex task, const AttemptKey& key, const std::string& robot) const;
   /// The last attempt of which there is that robot's result of that epoch or a later one; 0: none.
   [[nodiscard]] std::uint32_t last_attempt(TaskIndex task, const std::string& robot, std::uint32_t epoch) const;
-  /// What that robot's results take.
+  /// What that robot's results have taken, with those that others of their attempt have pushed out: each was journaled.
   [[nodiscard]] std::size_t bytes_of(const std::string& robot) const;
   /// Robots with a result of it that says failed, retriable or interrupted, by id.
   [[nodiscard]] std::vector<std::string> failed_by(TaskIndex task) const;
@@ -55,8 +60,6 @@ class ResultSet {
   bool operator==(const ResultSet& other) const;
 
  private:
-  void count(const HeldResult& held, bool is_new);
-
   std::map<std::string, std::size_t> bytes_;              ///< by robot
   std::map<TaskIndex, std::vector<HeldResult>> by_task_;  ///< each list by iteration, attempt, then as they are kept
 };

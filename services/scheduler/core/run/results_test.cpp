@@ -38,6 +38,31 @@ TEST_CASE(
   CHECK(set.finished_twice(0));
 }
 
+TEST_CASE("what proves a task's end: the result that counts, and another FINISHED one, the own rather than a third's") {
+  const auto by = [](const std::string& robot, std::uint32_t attempt, TaskOutcome outcome) {
+    HeldResult out = held(attempt, outcome);
+    out.result.robot = robot;
+    out.record.payload.bytes = encode(out.result);
+    return out;
+  };
+  const auto attempts = [](const std::vector<const HeldResult*>& proof) {
+    std::vector<std::uint32_t> out;
+    for (const HeldResult* one : proof) out.push_back(one->result.key.attempt);
+    return out;
+  };
+  using Attempts = std::vector<std::uint32_t>;
+  ResultSet set;
+  CHECK(set.proof_of(0, "ur3").empty());
+  set.add(0, by("ur3", 1, TaskOutcome::retriable));
+  CHECK(attempts(set.proof_of(0, "ur3")) == Attempts{1});
+  set.add(0, by("drone", 2, TaskOutcome::finished));
+  CHECK(attempts(set.proof_of(0, "ur3")) == Attempts{2});
+  set.add(0, by("pioneer", 3, TaskOutcome::finished));
+  set.add(0, by("ur3", 4, TaskOutcome::finished));
+  CHECK(attempts(set.proof_of(0, "ur3")) == Attempts{2, 4});
+  CHECK(attempts(set.proof_of(0, "drone")) == Attempts{2, 3});
+}
+
 TEST_CASE("what was FINISHED is not SKIPPED, whoever said that first") {
   for (const bool skipped_first : {true, false}) {
     ResultSet set;
@@ -71,4 +96,13 @@ TEST_CASE("an endless signer fills nothing") {
   CHECK_FALSE(set.add(0, held(1, TaskOutcome::failed, "150")));
   CHECK(set.add(0, held(2, TaskOutcome::finished)));
   CHECK(set.has_final(0));
+}
+
+TEST_CASE("what has pushed out others of its attempt takes room like them: each was journaled") {
+  ResultSet set;
+  constexpr int kEach = 10'000;
+  for (int i = 99; i > 0; --i) {
+    CHECK(set.add(0, held(1, TaskOutcome::failed, std::to_string(100 + i) + std::string(kEach, 'x'))));
+  }
+  CHECK(set.bytes_of("") > 99 * kEach);
 }

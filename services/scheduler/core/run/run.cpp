@@ -71,11 +71,12 @@ bool Run::add(HeldResult held) {
   if (!facts_.add(task, std::move(held))) return false;
   ++version_;
   const bool is_final = results().has_final(task);
-  if (!was_double && results().finished_twice(task)) orders_.note_double(tasks()[task].id);
+  const bool is_double = !was_double && results().finished_twice(task);
+  if (is_double) orders_.note_double(tasks()[task].id);
   if (is_final) work_.awaited().drop_result(task);
   if (by_its_robot || is_final) reports_.forget_progress(task);
   if (facts_.current(task) != nullptr) work_.withheld().drop_failing(task);
-  if (own) deliveries_.owe_own_result(task);
+  if (own || is_double) deliveries_.owe_result(task);
   deliveries_.owe_late_result(task);
   if (!was_final && is_final && !orders_.is_aborted()) deliveries_.owe_batons_after(task);
   return true;
@@ -149,7 +150,8 @@ Status Run::apply(const JournalAbort& fact) {
 Status Run::apply(const JournalPause& fact) {
   auto order = checks_.pause(fact.order);
   if (!order) return order.error();
-  if (!orders_.is_newer(*order)) return Done{};
+  // An earlier version has journaled doubles of any member's.
+  if (!checks_.check_doubles(*order) || !orders_.is_newer(*order)) return Done{};
   orders_.adopt(fact.order, std::move(*order));
   ++version_;
   work_.signatures().drop(PendingSignatures::RunRecord::hold);
@@ -183,7 +185,8 @@ Result<HeldResult> Run::received_result(const SignedRecord& record) const {
   auto held = checks_.received_result(record);
   if (!held || results().bytes_of(held->result.robot) <= ResultSet::kMostBytes) return held;
   const TaskIndex task = *index_of(held->result.key.task);
-  if (results().holds(task, held->result.key, held->result.robot)) return held;
+  // What others hold of that robot comes with their batons: it does no harm if nothing is journaled of it.
+  if (!results().grows_by(task, *held)) return held;
   return fail(Errc::too_large, "run " + id() + ": '" + held->result.robot + "' has results of over 4 MiB in it",
               "let its skills answer with less data");
 }
