@@ -53,8 +53,8 @@ void AlertBook::follow() {
   std::erase_if(open_, [](const Alert* alert) { return !is_open(*alert); });
 }
 
-Alert* AlertBook::add(Alert alert) {
-  if (!(alert.run.empty() ? has_room_for_lone(alert.robot) : has_room_of_run(alert.robot))) return nullptr;
+Alert* AlertBook::add(Alert alert, bool trusted) {
+  if (!(alert.run.empty() ? has_room_for_lone(alert.robot) : has_room_of_run(alert, trusted))) return nullptr;
   do {
     const std::string of =
         alert.run + '\n' + alert.robot + '\n' + std::to_string(alert.time) + '\n' + std::to_string(++count_);
@@ -97,12 +97,22 @@ bool AlertBook::has_room_for_lone(const std::string& robot) {
   return open_.size() < kMaxOpen && lone < kMaxLone && own < kMaxLoneOfRobot;
 }
 
-bool AlertBook::has_room_of_run(const std::string& robot) {
+std::string_view AlertBook::submitter_of(const std::string& run) const {
+  return submitter_of_ ? submitter_of_(run) : std::string_view();
+}
+
+/// A robot's share is of one submitter's runs: another's do not use it up. Alerts of a trusted submitter's tasks whose
+/// robot is yet to be chosen are nobody's share.
+bool AlertBook::has_room_of_run(const Alert& fresh, bool trusted) {
   follow();
-  // Those of tasks whose robot is yet to be chosen are nobody's share.
-  const auto own = std::ranges::count_if(
-      open_, [&](const Alert* alert) { return !robot.empty() && !alert->run.empty() && alert->robot == robot; });
-  return open_.size() < kMaxOpen && static_cast<std::size_t>(own) < kMaxOfRobot;
+  if (open_.size() >= kMaxOpen) return false;
+  if (trusted && fresh.robot.empty()) return true;
+  const std::string_view submitter = submitter_of(fresh.run);
+  const auto count = std::ranges::count_if(open_, [&](const Alert* alert) {
+    const bool counts = !alert->run.empty() && (!trusted || alert->robot == fresh.robot);
+    return counts && submitter_of(alert->run) == submitter;
+  });
+  return static_cast<std::size_t>(count) < (trusted ? kMaxOfRobot : kMaxOfSubmitter);
 }
 
 std::vector<Alert*> AlertBook::open() {

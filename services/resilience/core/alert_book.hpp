@@ -1,9 +1,11 @@
 // Keeps every alert.
 #pragma once
 
+#include <functional>
 #include <map>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "common/base/result.hpp"
@@ -20,17 +22,22 @@ class AlertBook {
   static constexpr std::size_t kMaxOpen = 256;
   static constexpr std::size_t kMaxLone = 64;         ///< of those, without a run
   static constexpr std::size_t kMaxLoneOfRobot = 16;  ///< of those, one robot's: it may report any number of faults
-  static constexpr std::size_t kMaxOfRobot = 64;      ///< one robot's of runs: it may submit any number that fail
+  static constexpr std::size_t kMaxOfRobot = 64;      ///< one robot's of runs that one node has submitted
+  static constexpr std::size_t kMaxOfSubmitter = 64;  ///< of one member's runs: they may name anybody, or nobody
   static constexpr std::size_t kMaxDone = 200;        ///< DECIDED and CLOSED: the oldest are removed
   static constexpr std::size_t kMaxTable = 256;
 
-  AlertBook() = default;
+  /// Who has submitted that run; empty: not known.
+  using SubmitterOf = std::function<std::string_view(const std::string& run)>;
+
+  explicit AlertBook(SubmitterOf submitter_of = {}) : submitter_of_(std::move(submitter_of)) {}
   AlertBook(const AlertBook&) = delete;  ///< a copy's pointers would lead into the original
   AlertBook& operator=(const AlertBook&) = delete;
 
   void restore(Alert alert) { put(std::move(alert)); }
-  /// Gives it an id. nullptr: there is no room: kMaxOpen are open, or kMaxLone of its kind, or its robot has its share.
-  Alert* add(Alert alert);
+  /// Gives it an id. `trusted`: the runs of its run's submitter may have any number. nullptr: there is no room:
+  /// kMaxOpen are open, or kMaxLone of its kind, or its robot or its run's submitter has its share.
+  Alert* add(Alert alert, bool trusted = true);
   /// Removes an alert that was never recorded.
   void drop(const std::string& id);
   [[nodiscard]] Alert* find(std::string_view id);
@@ -47,11 +54,13 @@ class AlertBook {
 
  private:
   void put(Alert alert);
-  [[nodiscard]] bool has_room_of_run(const std::string& robot);
+  [[nodiscard]] bool has_room_of_run(const Alert& fresh, bool trusted);
+  [[nodiscard]] std::string_view submitter_of(const std::string& run) const;
 
   /// Removes the alerts that are no longer open from open_.
   void follow();
 
+  SubmitterOf submitter_of_;
   std::map<std::string, Alert, std::less<>> alerts_;
   std::vector<Alert*> open_;  ///< by time, then id: each view is compared with these only
   std::uint64_t count_ = 0;

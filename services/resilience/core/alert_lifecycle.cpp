@@ -58,11 +58,24 @@ std::optional<MonotonicTime> AlertLifecycle::next(Now now) const {
   return out;
 }
 
+std::string_view AlertLifecycle::submitter_of(const std::string& run) const {
+  const WatchedRun* is = situation_.runs().find(run);
+  return is == nullptr || !is->start ? std::string_view() : std::string_view(is->start->submitter);
+}
+
+/// Was the run submitted on its decider's node? There are the people who run the fleet; any other member signs as many
+/// runs as it wants.
+bool AlertLifecycle::is_trusted(const std::string& run) const {
+  const WatchedRun* is = situation_.runs().find(run);
+  return is == nullptr || !is->start || is->start->submitter == is->decider();
+}
+
 Alert* AlertLifecycle::raise(Alert fresh, Now now, Outbox& out) {
   fresh.policy = "ask";
   fresh.expires = fresh.run.empty() ? 0 : (now.utc + situation_.settings().resilience.expires).ns;
   const std::string robot = fresh.robot;
-  Alert* alert = book_.add(std::move(fresh));
+  const bool trusted = is_trusted(fresh.run);
+  Alert* alert = book_.add(std::move(fresh), trusted);
   if (alert == nullptr) {
     out.count("dropped.alerts");
     out.log(LogLevel::error, "too_many_alerts",

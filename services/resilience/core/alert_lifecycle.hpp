@@ -50,7 +50,8 @@ struct DecisionOver {
 
 class AlertLifecycle {
  public:
-  explicit AlertLifecycle(Situation& situation) : situation_(situation) {}
+  explicit AlertLifecycle(Situation& situation)
+      : situation_(situation), book_([this](const std::string& run) { return submitter_of(run); }) {}
 
   void restore(std::vector<Alert> alerts, const std::vector<StoredDecision>& decisions);
   /// Records a signed decision. The database takes no other one of that run and epoch.
@@ -85,6 +86,8 @@ class AlertLifecycle {
 
  private:
   void record_end(const Alert& alert, DecisionEnd end, Outbox& out);
+  [[nodiscard]] std::string_view submitter_of(const std::string& run) const;
+  [[nodiscard]] bool is_trusted(const std::string& run) const;
 
   Situation& situation_;
   AlertBook book_;

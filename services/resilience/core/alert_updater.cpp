@@ -16,9 +16,11 @@ void AlertUpdater::look(Alert& alert, Now now, Outbox& out) {
   if (!run->is_known()) return;
   if (!may_be_ruled(alert)) return look_at_notice(alert, *run, now);
   proposer_.refresh(alert, *run, now, out);
-  expire(alert, now, out);
+  const bool expired = is_expired(alert, now);
+  if (expired) expire(alert, out);
   alert.waits_for = waits_for(alert, *run);
-  if (alert.state == AlertState::open) policy_.try_decide(alert, now, out);
+  // The proposals of an alert that had expired may be new: a robot has come, or another one has failed.
+  if (!expired) policy_.try_decide(alert, now, out);
 }
 
 /// A notice only informs; there is nothing to propose.
@@ -29,8 +31,15 @@ void AlertUpdater::look_at_notice(Alert& alert, const WatchedRun& run, Now now) 
                         : "trb scenario resume " + id + " once somebody has looked, or trb scenario abort " + id;
 }
 
-void AlertUpdater::expire(Alert& alert, Now now, Outbox& out) {
-  if (alert.state != AlertState::open || alert.expires > now.utc.ns) return;
+/// By the monotonic clock, whatever becomes of UTC: Alert::expires is only shown.
+bool AlertUpdater::is_expired(const Alert& alert, Now now) const {
+  const AlertWork* work = alerts_.find_work(alert.id);
+  const auto made_at = work == nullptr ? std::nullopt : work->inquiry.ranked_at();
+  return made_at && now.mono - *made_at >= situation_.settings().resilience.expires;
+}
+
+void AlertUpdater::expire(Alert& alert, Outbox& out) {
+  if (alert.state != AlertState::open) return;
   alert.state = AlertState::expired;
   out.record(alert);
   out.log(LogLevel::warning, "alert_expired", alert.id + ": nobody has decided; its run stays paused");

@@ -16,7 +16,8 @@ class AlertUpdater {
 
  private:
   static void look_at_notice(Alert& alert, const WatchedRun& run, Now now);
-  static void expire(Alert& alert, Now now, Outbox& out);
+  [[nodiscard]] bool is_expired(const Alert& alert, Now now) const;
+  static void expire(Alert& alert, Outbox& out);
   [[nodiscard]] std::string waits_for(const Alert& alert, const WatchedRun& run) const;
 
   Situation& situation_;

@@ -115,6 +115,7 @@ void Detection::look_at(const WatchedRun& run, Now now, Outbox& out) {
   }
   close_over(run, found, out);
   skip_unbegun(run, now, out);
+  if (overdue_.wants_view(run, situation_.fleet(), now)) situation_.runs().refresh(run.summary.run);
   const std::optional<MonotonicTime> at = next_moment(run, now);
   situation_.due_runs().schedule(run.summary.run, all_raised ? at : earlier(at, now.mono + kSendAgain));
 }
@@ -172,7 +173,7 @@ std::vector<RunProblem> Detection::overdue_problems(const WatchedRun& run, Now n
   }
   overdue_.follow(run, covered, now);
   std::vector<RunProblem> out;
-  for (Overdue::Late& late : overdue_.late(run, situation_.fleet(), now)) {
+  for (Overdue::Late& late : overdue_.late(run, situation_.fleet())) {
     if (covered_otherwise.contains(run.view->tasks[late.task].id)) continue;
     add_late(out, run, std::move(late), situation_.fleet());
   }
@@ -182,9 +183,15 @@ std::vector<RunProblem> Detection::overdue_problems(const WatchedRun& run, Now n
 /// The robot is gone and cannot report that it did not begin in time: the scenario defines what follows.
 void Detection::skip_unbegun(const WatchedRun& run, Now now, Outbox& out) {
   if (run.decider() != situation_.node()) return;
-  for (const std::size_t index : overdue_.to_skip(run, now)) {
+  for (const std::size_t index : overdue_.to_skip(run)) {
     const TaskView& task = run.view->tasks[index];
-    if (situation_.liveness().find(task.robot, now) == nullptr) continue;
+    const Liveness::Gone* gone = situation_.liveness().find(task.robot, now);
+    if (gone == nullptr) continue;
+    // Its report that it has begun may have come shortly before it was gone.
+    if (run.view_as_of < gone->since + Liveness::kGrace) {
+      situation_.runs().refresh(run.summary.run);
+      continue;
+    }
     overdue_.ruled(run, index);
     AlertDecide verdict;
     verdict.verdict = Verdict::skip;

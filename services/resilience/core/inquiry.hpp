@@ -21,6 +21,8 @@ class Inquiry {
   /// The proposals were just made anew.
   void on_ranked(Now now);
   [[nodiscard]] bool may_rank(Now now) const { return !ranked_at_ || now.mono - *ranked_at_ >= kAgain; }
+  /// When the proposals were last made anew; nothing: not since the start.
+  [[nodiscard]] std::optional<MonotonicTime> ranked_at() const { return ranked_at_; }
   /// Robots that only a bound keeps from being proposed, by id.
   void set_bounded(std::vector<std::string> robots) { bounded_ = std::move(robots); }
   [[nodiscard]] const std::vector<std::string>& bounded() const { return bounded_; }

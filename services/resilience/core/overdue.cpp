@@ -72,28 +72,37 @@ std::string Overdue::text_of(const WatchedRun& run, std::size_t index, const Ent
          (task.waits_for.empty() ? "" : ": it waits for " + task.waits_for);
 }
 
-std::vector<Overdue::Late> Overdue::late(const WatchedRun& run, const Fleet& fleet, Now now) const {
+std::vector<Overdue::Late> Overdue::late(const WatchedRun& run, const Fleet& fleet) const {
   std::vector<Late> out;
   const auto entries = runs_.find(run.summary.run);
   if (entries == runs_.end() || is_held(run)) return out;
   for (const auto& [index, entry] : entries->second) {
     const auto most = limit(run, index, entry, fleet);
-    const bool is_late = most && (entry.told || now.mono - entry.since >= *most);
+    const bool is_late = most && (entry.told || run.view_as_of - entry.since >= *most);
     if (is_late) out.push_back({index, text_of(run, index, entry, *most)});
   }
   return out;
 }
 
-std::vector<std::size_t> Overdue::to_skip(const WatchedRun& run, Now now) const {
+std::vector<std::size_t> Overdue::to_skip(const WatchedRun& run) const {
   std::vector<std::size_t> out;
   const auto entries = runs_.find(run.summary.run);
   if (entries == runs_.end() || is_held(run)) return out;
   for (const auto& [index, entry] : entries->second) {
     const Task& task = run.start->scenario.tasks[index];
     if (entry.phase != Phase::due || entry.ruled || !(task.start_within_s > 0) || !does_without(task)) continue;
-    if (now.mono - entry.since >= seconds(task.start_within_s) + kRule) out.push_back(index);
+    if (run.view_as_of - entry.since >= seconds(task.start_within_s) + kRule) out.push_back(index);
   }
   return out;
+}
+
+bool Overdue::wants_view(const WatchedRun& run, const Fleet& fleet, Now now) const {
+  const auto entries = runs_.find(run.summary.run);
+  if (entries == runs_.end() || is_held(run)) return false;
+  return std::ranges::any_of(entries->second, [&](const auto& one) {
+    const auto most = limit(run, one.first, one.second, fleet);
+    return most && now.mono - one.second.since >= *most && run.view_as_of - one.second.since < *most;
+  });
 }
 
 void Overdue::ruled(const WatchedRun& run, std::size_t task) {

@@ -26,10 +26,12 @@ class Overdue {
   void follow(const WatchedRun& run, const std::set<std::string>& told, Now now);
   void forget(std::string_view run);
 
-  /// What is overdue now, in the order of the tasks; nothing of a run that is held.
-  [[nodiscard]] std::vector<Late> late(const WatchedRun& run, const Fleet& fleet, Now now) const;
+  /// What the view shows as overdue, in the order of the tasks; nothing of a run that is held.
+  [[nodiscard]] std::vector<Late> late(const WatchedRun& run, const Fleet& fleet) const;
   /// Due, not begun within its `start_within_s`, and its scenario allows to skip it (on_failure skip or continue).
-  [[nodiscard]] std::vector<std::size_t> to_skip(const WatchedRun& run, Now now) const;
+  [[nodiscard]] std::vector<std::size_t> to_skip(const WatchedRun& run) const;
+  /// Would something be overdue now if it still is as the view shows it? Only a view requested from now on can tell.
+  [[nodiscard]] bool wants_view(const WatchedRun& run, const Fleet& fleet, Now now) const;
   /// It was decided: it is not reported again while it stays as it is.
   void ruled(const WatchedRun& run, std::size_t task);
   /// When the run's next task will be overdue.

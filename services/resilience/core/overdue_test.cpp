@@ -37,7 +37,16 @@ struct Hall {
   TaskView& t1() { return run.view->tasks[0]; }
   Task& task() { return run.start->scenario.tasks[0]; }
   void see(double s) { overdue.follow(run, {}, hall_time(s)); }
-  bool late(double s) { return !overdue.late(run, fleet, hall_time(s)).empty(); }
+  /// By a view of that time.
+  bool late(double s) { return !late_at(s).empty(); }
+  std::vector<Overdue::Late> late_at(double s) {
+    run.view_as_of = hall_time(s).mono;
+    return overdue.late(run, fleet);
+  }
+  std::vector<std::size_t> to_skip(double s) {
+    run.view_as_of = hall_time(s).mono;
+    return overdue.to_skip(run);
+  }
 };
 
 }  // namespace
@@ -81,7 +90,7 @@ TEST_CASE("a task that is due for 30 s is late; one that is not due, or of a run
   hall.see(1000);
   CHECK_FALSE(hall.late(1029));
   REQUIRE(hall.late(1030));
-  CHECK(hall.overdue.late(hall.run, hall.fleet, hall_time(1030))[0].text ==
+  CHECK(hall.late_at(1030)[0].text ==
         "task 't1' is due for 30 s and r1 has not begun it: it waits for run 17 to give r1 back");
   hall.run.view->paused_by = "ann";
   hall.see(1031);
@@ -107,15 +116,32 @@ TEST_CASE("a task that did not begin in time is to be skipped once, if its scena
   hall.t1().due = true;
   hall.task().start_within_s = 20;
   hall.see(0);
-  CHECK(hall.overdue.to_skip(hall.run, hall_time(100)).empty());  // on_failure resilience: people decide
+  CHECK(hall.to_skip(100).empty());  // on_failure resilience: people decide
   for (const OnFailure way : {OnFailure::skip, OnFailure::continue_}) {
     hall.task().on_failure = way;
-    CHECK(hall.overdue.to_skip(hall.run, hall_time(24)).empty());
-    CHECK(hall.overdue.to_skip(hall.run, hall_time(25)) == std::vector<std::size_t>{0});
+    CHECK(hall.to_skip(24).empty());
+    CHECK(hall.to_skip(25) == std::vector<std::size_t>{0});
   }
   hall.task().on_failure = OnFailure::abort;
-  CHECK(hall.overdue.to_skip(hall.run, hall_time(25)).empty());
+  CHECK(hall.to_skip(25).empty());
   hall.task().on_failure = OnFailure::skip;
   hall.overdue.ruled(hall.run, 0);
-  CHECK(hall.overdue.to_skip(hall.run, hall_time(100)).empty());
+  CHECK(hall.to_skip(100).empty());
+}
+
+TEST_CASE("what is late by an older view is so only if a new one shows it, too") {
+  Hall hall;
+  hall.t1().due = true;
+  hall.task().start_within_s = 20;
+  hall.task().on_failure = OnFailure::skip;
+  hall.see(0);
+  CHECK_FALSE(hall.overdue.wants_view(hall.run, hall.fleet, hall_time(24)));
+  hall.run.view_as_of = hall_time(24).mono;
+  CHECK(hall.overdue.wants_view(hall.run, hall.fleet, hall_time(25)));
+  CHECK(hall.overdue.late(hall.run, hall.fleet).empty());
+  CHECK(hall.overdue.to_skip(hall.run).empty());
+  hall.run.view_as_of = hall_time(25).mono;
+  CHECK_FALSE(hall.overdue.wants_view(hall.run, hall.fleet, hall_time(30)));
+  CHECK(hall.overdue.late(hall.run, hall.fleet).size() == 1);
+  CHECK(hall.overdue.to_skip(hall.run).size() == 1);
 }

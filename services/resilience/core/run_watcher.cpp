@@ -89,6 +89,10 @@ void RunWatcher::on(const RunView& view) {
   if (is_over(view.state)) return forget(view.run, view.state);
   at->second.view = view;
   Asking& asking = asking_[view.run];
+  if (!asking.unanswered.empty()) {
+    at->second.view_as_of = asking.unanswered.front();
+    asking.unanswered.pop_front();
+  }
   asking.view_asked = false;
   if (asking.view_wanted) asking.view.restart();
   changed_.insert(view.run);
@@ -135,6 +139,8 @@ void RunWatcher::tick(Now now, Outbox& out) {
         asking.view.on_sent(now.mono);
         asking.view_wanted = false;
         asking.view_asked = true;
+        std::erase_if(asking.unanswered, [&](MonotonicTime at) { return at + kAnswerLost < now.mono; });
+        asking.unanswered.push_back(now.mono);
         out.request(node_, RunQuery{id});
       }
     }

@@ -34,7 +34,7 @@ class RunWatcher {
   [[nodiscard]] std::optional<RunState> ended(std::string_view run) const;
   /// Has a table come since the welcome? Then a run that is not in runs() is over, or not known to this scheduler.
   [[nodiscard]] bool has_table() const { return has_table_; }
-  /// Requests the run anew: something was sent to the scheduler.
+  /// Requests the run's view anew: something was sent to the scheduler, or the view is too old to act on.
   void refresh(std::string_view run);
   /// The runs that are new, have changed or have ended since the last call.
   std::set<std::string> take_changed() { return std::exchange(changed_, {}); }
@@ -46,9 +46,12 @@ class RunWatcher {
     bool view_wanted = true;
     bool view_asked = false;  ///< requested and not yet answered
     ResendTimer view = resend_timer();
+    std::deque<MonotonicTime> unanswered;  ///< when a view was requested, the oldest first: answers keep their order
     ResendTimer definition = resend_timer();
   };
   static constexpr std::size_t kMaxEnded = 256;
+  /// An answer to an older request has been lost by then.
+  static constexpr Duration kAnswerLost = std::chrono::seconds(10);
   void take(const RunSummary& summary, Now now);
   void forget(const std::string& run, std::optional<RunState> state);
   [[nodiscard]] bool wants_definition(const WatchedRun& run) const { return run.view && !run.is_current(); }

@@ -19,6 +19,7 @@ constexpr std::uint32_t kMaxDecisions = 64;
 struct WatchedRun {
   RunSummary summary;
   std::optional<RunView> view;
+  MonotonicTime view_as_of;              ///< when the view was requested: it shows the run of then, or later
   std::optional<RunStart> start;         ///< nothing before the scheduler has sent the definition
   std::vector<Decision> decisions;       ///< from epoch 2 on, as in the definition
   std::optional<MonotonicTime> ends_at;  ///< the end of its life; nothing: the scheduler does not report it

@@ -85,6 +85,10 @@ void Fixture::wait(Duration time) {
   }
 }
 
+void Fixture::put_clock(double ahead_s) {
+  clock_.set({.ahead_s = ahead_s});
+}
+
 void Fixture::answer(const std::string& from, Body body) {
   post({MessageType::information, from, "cloud", ++count_, 1, 0, 1000, std::move(body)});
 }

@@ -84,6 +84,8 @@ class Fixture {
   // ---- time
   void settle();  ///< until no message is left
   void wait(Duration time);
+  /// This computer's UTC is ahead by so much from now on.
+  void put_clock(double ahead_s);
   void restart();
 
   [[nodiscard]] Now now() const { return clock_.now(); }

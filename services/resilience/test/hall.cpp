@@ -119,6 +119,7 @@ void Fixture::begin_run() {
                            {"ridgeback", "load_out", R"({"side": "l"})"}};
   start.run = kRun;
   start.digest.bytes = Bytes(32, 'd');
+  start.submitter = "cloud";
   start.members = {{"cloud", certificate("cloud", Role::cloud)}};
   for (const char* id : {"ridgeback", "turtlebot", "ur3"}) start.members.push_back({id, certificate(id, Role::robot)});
   view.run = kRun;

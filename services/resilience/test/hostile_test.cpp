@@ -3,6 +3,7 @@
 
 #include "proto/message.hpp"
 #include "services/resilience/core/alert_book.hpp"
+#include "services/resilience/test/add_task.hpp"
 #include "services/resilience/test/fixture.hpp"
 
 using namespace trb;
@@ -105,4 +106,42 @@ TEST_CASE("robots that tell of very many faults leave room for the alerts of run
   };
   for (int i = 0; i < 500; ++i) CHECK(add("", i) == (i < static_cast<int>(AlertBook::kMaxLone)));
   CHECK(add(kRun, 0));
+}
+
+TEST_CASE("one member's runs leave room for the alerts of others', whomever they name, or nobody") {
+  // A run's first letter is its submitter.
+  AlertBook book([](const std::string& run) { return std::string_view(run).substr(0, 1); });
+  const auto add = [&](const std::string& run, const std::string& robot, bool trusted) {
+    Alert alert;
+    alert.run = run;
+    alert.robot = robot;
+    return book.add(alert, trusted) != nullptr;
+  };
+  for (std::size_t i = 0; i < 300; ++i) {
+    const std::string robot = i % 2 == 0 ? "" : "victim" + std::to_string(i % 4);
+    CHECK(add("m" + std::to_string(i), robot, false) == (i < AlertBook::kMaxOfSubmitter));
+  }
+  for (std::size_t i = 0; i < AlertBook::kMaxOfRobot; ++i) CHECK(add("c1", "victim1", true));
+  CHECK_FALSE(add("c1", "victim1", true));
+  CHECK(add("c1", "", true));
+  CHECK(add("n1", "victim1", false));
+  CHECK(add("", "victim1", true));
+}
+
+TEST_CASE("a run of very many tasks that no robot can do, of a robot's node, leaves room for the others' alerts") {
+  auto fixture = paper();
+  fixture->start.submitter = "turtlebot";
+  for (int i = 0; i < 300; ++i) {
+    Task task;
+    task.id = "x" + std::to_string(i);
+    task.skill = "swim";
+    task.requires_ = {"swim"};
+    add_task(std::move(task), fixture->start, fixture->view);
+    fixture->view.tasks.back().outcome = TaskOutcome::released;
+    fixture->view.tasks.back().attempt = 1;
+  }
+  fixture->restart();
+  fixture->changed();
+  fixture->wait(seconds(10));
+  CHECK(fixture->alerts().size() == AlertBook::kMaxOfSubmitter);
 }

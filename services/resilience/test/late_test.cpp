@@ -143,6 +143,23 @@ TEST_CASE("nobody can do it: the alert stays open, is decided when somebody come
   CHECK(fixture->alerts().empty());
 }
 
+TEST_CASE("a clock that is wrong for some seconds does not keep a task from the robot that comes later") {
+  auto fixture = hall(default_resilience(), [](Scenario& is) { is.tasks[5].requires_.emplace_back("swim"); });
+  wants_robot(*fixture, {"t6"});
+  fixture->wait(seconds(60));
+  fixture->put_clock(3600);
+  fixture->wait(seconds(3));
+  fixture->put_clock(0);
+  fixture->wait(seconds(60));
+  CHECK(fixture->alert().state == AlertState::open);
+  NodeProfile otter = mobile_robot();
+  otter.capabilities.emplace_back("swim");
+  fixture->add("otter", otter, 50, 0, 0);
+  fixture->wait(seconds(6));
+  REQUIRE(fixture->taken.size() == 1);
+  CHECK(rulings(fixture->taken[0]) == "t6>otter");
+}
+
 TEST_CASE("where people want to be asked they choose, skip or leave it; there is nothing to try again") {
   for (const Verdict verdict : {Verdict::accept, Verdict::override_, Verdict::skip}) {
     auto fixture = hall(asking());

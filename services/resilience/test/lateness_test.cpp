@@ -143,6 +143,26 @@ TEST_CASE("a task that is due and not begun is an alert after 30 s, with what it
   CHECK(fixture->alerts().empty());
 }
 
+TEST_CASE(
+    "a task that has begun meanwhile, of which nothing was heard, is not late: the view is requested anew before") {
+  auto fixture = paper();
+  make_due(*fixture, "t7");
+  fixture->task("t7").state = TaskState::running;
+  fixture->wait(seconds(60));
+  CHECK(fixture->alerts(true).empty());
+}
+
+TEST_CASE("nothing is late by what the scheduler showed before it fell silent") {
+  auto fixture = paper();
+  make_due(*fixture, "t7");
+  fixture->deaf = true;
+  fixture->wait(seconds(60));
+  CHECK(fixture->alerts().empty());
+  fixture->deaf = false;
+  fixture->wait(seconds(6));
+  CHECK(fixture->alert().cause == "task_overdue");
+}
+
 TEST_CASE("on a robot's node it is told, too, and where it is decided") {
   auto fixture = timed(40);
   fixture->settings.role = Role::robot;
@@ -174,6 +194,28 @@ TEST_CASE("its robot is gone and it did not begin in time: the decider skips it,
     fixture->wait(seconds(60));
     CHECK(fixture->taken.size() == 1);
   }
+}
+
+TEST_CASE("a task that its robot began before it was gone is not skipped, though nothing was heard of its beginning") {
+  auto fixture = paper();
+  task_of(*fixture, "t7").start_within_s = 20;
+  task_of(*fixture, "t7").on_failure = OnFailure::continue_;
+  fixture->restart();
+  fixture->wait(seconds(6));
+  make_due(*fixture, "t7");
+  SUBCASE("long before") {
+    fixture->task("t7").state = TaskState::running;
+    fixture->wait(seconds(10));
+    fixture->silence("ridgeback");
+  }
+  SUBCASE("when it was late already") {
+    fixture->wait(seconds(26));
+    fixture->task("t7").state = TaskState::running;
+    fixture->silence("ridgeback");
+  }
+  fixture->wait(seconds(60));
+  CHECK(fixture->heard["run_decision"] == 0);
+  CHECK(fixture->run_alert().cause == "peer_expired");
 }
 
 TEST_CASE("a cloud node that does not decide the run skips nothing in it") {

@@ -2,6 +2,7 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <set>
 
 #include "services/resilience/test/wheels_fail.hpp"
 
@@ -116,6 +117,21 @@ TEST_CASE("nobody decides in time: the run stays paused, and can still be decide
   CHECK(robots_of(fixture->alert()).front() == "pioneer2");
   CHECK(fixture->decide(Verdict::accept) == "accepted");
   CHECK(rulings(fixture->taken.at(0)) == "t4>pioneer2 t7>pioneer2");
+}
+
+TEST_CASE(
+    "nobody has decided in time: new proposals that meet the policy's conditions are decided on without a person") {
+  auto fixture = paper(automatic(0, 0.5));
+  wheels_fail(*fixture);
+  fixture->wait(seconds(620));
+  CHECK(fixture->run_alert().state == AlertState::expired);
+  CHECK(fixture->taken.empty());
+  fixture->fault("pioneer2", "mobile");
+  fixture->fault("turtlebot", "mobile");  // pioneer1 is left
+  fixture->wait(seconds(20));
+  std::set<std::string> decided;
+  for (const Decision& one : fixture->taken) decided.insert(rulings(one) + one.person);
+  CHECK(decided == std::set<std::string>{"t4>pioneer1 t7>pioneer1", "t6>pioneer1"});  // turtlebot's task, too
 }
 
 TEST_CASE("a robot that falls silent: its tasks move on a person's word alone") {

@@ -64,3 +64,31 @@ TEST_CASE("a run lives as long as it is played: a day, or longer") {
   CHECK(life_s(0) == 24 * 3600);
   CHECK(life_s(kMaxUntil) == kMaxUntil);
 }
+
+namespace {
+
+const std::map<std::string, Alert>& alerts_of(const World& world) {
+  return world.nodes().at("cloud")->disk().alerts.alerts();
+}
+
+}  // namespace
+
+TEST_CASE("tasks that run for a minute are no alert: their robots have begun them") {
+  WorldPlan plan = plan_of(2, 4);
+  plan.task.mean_s = 60;
+  World world(plan);
+  check_all_done(world.play(), 4);
+  CHECK(alerts_of(world).empty());
+}
+
+TEST_CASE("a task that was begun in time is not skipped because its robot is gone, whatever the scenario allows") {
+  WorldPlan plan = plan_of(2, 2, {{20, FaultKind::cut, "r0", ""}, {60, FaultKind::heal, "r0", ""}});
+  plan.task.mean_s = 40;
+  plan.fleet = paper_robots(2);
+  plan.scenario = in_turn(2, plan.fleet);
+  plan.scenario.tasks[0].on_failure = OnFailure::continue_;
+  plan.scenario.tasks[0].start_within_s = 5;
+  World world(plan);
+  check_all_done(world.play(), 2);
+  for (const auto& [id, alert] : alerts_of(world)) CHECK(alert.verdict == Verdict::none);
+}

@@ -97,6 +97,10 @@ TEST_CASE("who watches is told of what changes, once, until the lease ends") {
   showing.known.finish("task-0");
   CHECK(targets<RunChanged>(showing.at_end_of_step()) == std::vector<std::string>{"drone"});
   CHECK(showing.at_end_of_step().sends.empty());
+  showing.known.run().reports().note_progress(1, TaskState::running);
+  CHECK(targets<RunChanged>(showing.at_end_of_step()) == std::vector<std::string>{"drone"});
+  showing.known.run().reports().note_progress(1, TaskState::running);  // the same again
+  CHECK(showing.at_end_of_step().sends.empty());
   showing.known.pass(11);
   showing.known.finish("task-1");
   CHECK(showing.at_end_of_step().sends.empty());

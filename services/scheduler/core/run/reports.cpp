@@ -1,5 +1,7 @@
 #include "services/scheduler/core/run/reports.hpp"
 
+#include <utility>
+
 namespace trb::scheduler {
 
 void Reports::add(const std::vector<bool>& final_tasks, const std::vector<bool>& skipped_tasks) {
@@ -10,13 +12,27 @@ void Reports::add(const std::vector<bool>& final_tasks, const std::vector<bool>&
 }
 
 void Reports::note_progress(TaskIndex task, TaskState state, const std::string& wait) {
-  progress_[task] = state;
-  waits_.erase(task);
-  if (!wait.empty()) waits_[task] = wait;
+  note_wait(task, wait);
+  const auto [known, is_new] = progress_.try_emplace(task, state);
+  if (std::exchange(known->second, state) != state || is_new) note_change(task);
+}
+
+void Reports::note_wait(TaskIndex task, const std::string& what) {
+  std::string& known = waits_[task];
+  if (known == what) return;
+  known = what;
+  note_change(task);
+}
+
+void Reports::note_change(TaskIndex task) {
+  if (told_[task] == kMostChanges) return;
+  ++told_[task];
+  ++changes_;
 }
 
 /// What its condition waits for stays: it is about the time before an attempt.
 void Reports::forget_progress(TaskIndex task) {
+  told_.erase(task);
   if (progress_.erase(task) != 0) waits_.erase(task);
 }
 

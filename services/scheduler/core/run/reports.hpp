@@ -1,6 +1,7 @@
 // What others report on a run without proof: it is shown, and a restart forgets it.
 #pragma once
 
+#include <cstdint>
 #include <map>
 #include <optional>
 #include <string>
@@ -13,6 +14,8 @@ namespace trb::scheduler {
 
 class Reports {
  public:
+  static constexpr unsigned kMostChanges = 64;
+
   explicit Reports(std::size_t tasks) : final_(tasks, false), skipped_(tasks, false) {}
 
   /// What a baton states of each task.
@@ -27,16 +30,24 @@ class Reports {
   void forget_progress(TaskIndex task);
 
   /// What its condition waits for; empty: for nothing any more.
-  void note_wait(TaskIndex task, const std::string& what) { waits_[task] = what; }
+  void note_wait(TaskIndex task, const std::string& what);
   void forget_wait(TaskIndex task) { waits_.erase(task); }
   /// What the first task waits for, of those reported; empty: none waits.
   [[nodiscard]] std::string first_wait() const;
 
+  /// Rises when what is shown of a task changes: kMostChanges times for each attempt, so that no robot floods those who
+  /// watch the run.
+  [[nodiscard]] std::uint64_t changes() const { return changes_; }
+
  private:
+  void note_change(TaskIndex task);
+
   std::vector<bool> final_;
   std::vector<bool> skipped_;
   std::map<TaskIndex, TaskState> progress_;
   std::map<TaskIndex, std::string> waits_;
+  std::map<TaskIndex, unsigned> told_;  ///< changes of its attempt
+  std::uint64_t changes_ = 0;
 };
 
 }  // namespace trb::scheduler

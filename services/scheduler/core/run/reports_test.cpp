@@ -43,3 +43,37 @@ TEST_CASE("what a condition waits for is not forgotten with an attempt that nobo
   reports.forget_progress(1);
   CHECK(reports.first_wait() == "the sensor cannot be reached");
 }
+
+TEST_CASE("what is shown changes with a state or with what is waited for, not if the same is reported again") {
+  Reports reports(2);
+  const auto changes_of = [&](const auto& report) {
+    const std::uint64_t before = reports.changes();
+    report();
+    return reports.changes() - before;
+  };
+  CHECK(changes_of([&] { reports.note_wait(1, "the sensor cannot be reached"); }) == 1);
+  CHECK(changes_of([&] { reports.note_wait(1, "the sensor cannot be reached"); }) == 0);
+  CHECK(changes_of([&] { reports.note_progress(1, TaskState::initializing, "the robot is OFFLINE"); }) > 0);
+  CHECK(changes_of([&] { reports.note_progress(1, TaskState::initializing, "the robot is OFFLINE"); }) == 0);
+  CHECK(changes_of([&] { reports.note_progress(1, TaskState::initializing); }) == 1);
+  CHECK(changes_of([&] { reports.note_progress(1, TaskState::running); }) == 1);
+  CHECK(changes_of([&] { reports.note_progress(1, TaskState::running); }) == 0);
+}
+
+TEST_CASE("a robot that reports one state after the other soon changes nothing that watchers are told of") {
+  Reports reports(2);
+  const auto flicker = [&](TaskIndex task) {
+    for (int i = 0; i < 1000; ++i) {
+      reports.note_progress(task, TaskState::paused);
+      reports.note_progress(task, TaskState::running);
+    }
+  };
+  flicker(0);
+  CHECK(reports.changes() == Reports::kMostChanges);
+  CHECK(reports.progress_of(0) == TaskState::running);
+  flicker(1);  // the other task has its own
+  CHECK(reports.changes() == 2 * Reports::kMostChanges);
+  reports.forget_progress(0);
+  reports.note_progress(0, TaskState::running);  // another attempt
+  CHECK(reports.changes() == 2 * Reports::kMostChanges + 1);
+}

@@ -90,8 +90,8 @@ class Run {
   /// This node has nothing left to do: its tasks are final, or one has failed and none could begin; and nothing is owed
   /// or waited for.
   [[nodiscard]] bool is_idle() const;
-  /// Rises with every fact.
-  [[nodiscard]] std::uint64_t version() const { return version_; }
+  /// Rises with every fact, and with what others report anew.
+  [[nodiscard]] std::uint64_t version() const { return version_ + reports_.changes(); }
 
  private:
   Run(RunDefinition definition, Members members, const std::shared_ptr<Certificates>& certificates,
