@@ -245,6 +245,9 @@ Status Socket::dial_again(const std::string& endpoint) {
 Result<Socket> Socket::tap_server(Context& context, const std::string& endpoint, const CurveKeys* curve) {
   return or_error<Result<Socket>>(bound(endpoint), [&] {
     zmq::socket_t socket = make(context, zmq::socket_type::xpub);
+    // Each subscription is received, and so each subscriber known: a second one changes nothing for XPUB itself.
+    const int on = 1;
+    if (zmq_setsockopt(socket.handle(), ZMQ_XPUB_VERBOSER, &on, sizeof on) != 0) throw zmq::error_t();
     be_bus_server(socket, endpoint, curve);
     return Socket(std::move(socket));
   });

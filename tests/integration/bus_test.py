@@ -244,6 +244,22 @@ class Bus(unittest.TestCase):
         self.watch.wait_counted("cut.no_service", prefixes=("cut.",), timeout=8)
         self.assertTrue(events.poll(WAIT * 1000), "the silent connection was not cut")
 
+    def test_who_listens_to_the_tap_is_not_cut(self):
+        """It says nothing after the handshake but what it subscribes to; another one that says nothing is cut."""
+        tap = self.context.socket(zmq.SUB)
+        self.addCleanup(tap.close, 0)
+        tap.curve_serverkey = self.server_key
+        tap.curve_publickey, tap.curve_secretkey = self.pair("probe")
+        events = tap.get_monitor_socket(zmq.EVENT_DISCONNECTED)
+        self.addCleanup(tap.disable_monitor)
+        self.addCleanup(events.close)
+        tap.setsockopt(zmq.SUBSCRIBE, b"")
+        tap.connect(f"tcp://{self.fleet.address('cloud')}:{PORT + 1}")
+        self.assertTrue(tap.poll(WAIT * 1000), "the tap shows nothing")
+        self.service(self.server_key, self.pair("scheduler"))
+        self.watch.wait_counted("cut.no_service", prefixes=("cut.",), timeout=8)
+        self.assertFalse(events.poll(0), "the tap's listener was cut")
+
     def test_parts_of_a_message_without_end(self):
         """By a program with a key of this bus."""
         public, secret = (zmq.utils.z85.decode(key) for key in self.pair("probe"))

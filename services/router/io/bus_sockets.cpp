@@ -39,6 +39,7 @@ Status BusSockets::open_tcp() {
   add_server("tcp", std::move(*socket), "");
   Socket& bus = servers_.at("tcp")->socket;
   if (Status watched = guard_->watch(bus, tap_.socket()); !watched) return watched;
+  tap_.set_on_listener([this](int fd) { guard_->on_tap_listener(fd); });
   if (Status bound = bus.bind(tcp_.endpoint); !bound) return bound;
   if (Status bound = tap_.socket().bind(tcp_.tap); !bound) return bound;
   log_event(Level::info, "bus", tcp_.endpoint + ", " + std::to_string(tcp_.names.size()) + " keys");

@@ -27,6 +27,7 @@ void Tap::drain() {
     if (subscription.empty()) continue;
     if (subscription[0] == 1) {
       ++listeners_;
+      if (on_listener_) on_listener_(subscriber_fd(frame));
     } else if (listeners_ > 0) {
       --listeners_;
     }

@@ -1,6 +1,7 @@
 // The tap: what passes this node, for `trb tap`.
 #pragma once
 
+#include <functional>
 #include <optional>
 
 #include "services/router/io/shell_context.hpp"
@@ -18,6 +19,8 @@ class Tap {
   Status open(const std::string& endpoint, const CurveKeys* curve = nullptr);
   /// Only once it is open.
   [[nodiscard]] Socket& socket() { return *socket_; }
+  /// Gets the descriptor of each connection that subscribes.
+  void set_on_listener(std::function<void(int fd)> on_listener) { on_listener_ = std::move(on_listener); }
   void show(char direction, BytesView frame) {
     if (listeners_ > 0) send(direction, frame);
   }
@@ -29,6 +32,7 @@ class Tap {
   ShellContext& shell_;
   std::shared_ptr<ByteBudget> budget_;  ///< of all listeners: they share each message
   std::optional<Socket> socket_;
+  std::function<void(int fd)> on_listener_;
   unsigned listeners_ = 0;
 };
 

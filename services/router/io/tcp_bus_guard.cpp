@@ -43,14 +43,13 @@ TcpBusGuard::TcpBusGuard(ShellContext& shell, std::map<Bytes, std::string, std::
 }
 
 Status TcpBusGuard::watch(Socket& bus, Socket& tap) {
-  if (Status watched = watch(bus, false); !watched) return watched;
-  return watch(tap, true);
+  if (Status watched = watch(bus); !watched) return watched;
+  return watch(tap);
 }
 
-/// `proves`: on this socket a connection needs no proof beyond the handshake.
-Status TcpBusGuard::watch(Socket& socket, bool proves) {
+Status TcpBusGuard::watch(Socket& socket) {
   auto monitor = SocketMonitor::watch(shell_.zmq(), shell_.loop(), socket,
-                                      [this, proves](LinkEvent event, int fd) { on_event(event, fd, proves); });
+                                      [this](LinkEvent event, int fd) { on_event(event, fd); });
   if (!monitor) return monitor.error();
   monitors_.push_back(std::move(*monitor));
   return Done{};
@@ -76,6 +75,11 @@ void TcpBusGuard::on_hello(const Frame& frame, bool accepted) {
   guard_.leave(pending);  // refused; it reads the reason first
 }
 
+void TcpBusGuard::on_tap_listener(int fd) {
+  monitors_.back()->catch_up();
+  guard_.linked(guard_.pending(fd));
+}
+
 PendingConnectionId TcpBusGuard::pending_of(const Frame& frame) {
   monitors_.front()->catch_up();  // another connection may have had this descriptor a moment ago
   return guard_.pending(connection_fd(frame));
@@ -90,13 +94,9 @@ bool TcpBusGuard::look() {
   return guard_.look(kHeartbeats);
 }
 
-void TcpBusGuard::on_event(LinkEvent event, int fd, bool proves) {
-  const PendingConnectionId pending = guard_.pending(fd);
+void TcpBusGuard::on_event(LinkEvent event, int fd) {
   guard_.on_event(event, fd);
   switch (event) {
-    case LinkEvent::connected:
-      if (proves) guard_.linked(pending);
-      return;
     case LinkEvent::accept_failed:
       return shell_.count("refused.no_descriptor");
     case LinkEvent::no_curve:

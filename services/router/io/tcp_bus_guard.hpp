@@ -26,6 +26,8 @@ class TcpBusGuard {
   [[nodiscard]] std::string name_of(const Frame& frame) const;
   /// A Hello came on the frame's connection, which was `accepted` or refused.
   void on_hello(const Frame& frame, bool accepted);
+  /// The tap's connection with this descriptor listens: whoever has a key of this node may.
+  void on_tap_listener(int fd);
 
   /// See InboxGuard: what was received of the frame's connection; messages without a last part.
   std::shared_ptr<IncompleteBytes> incomplete_of(const Frame& frame);
@@ -34,9 +36,9 @@ class TcpBusGuard {
   void on_turn(std::size_t messages) { guard_.on_turn(messages); }
 
  private:
-  Status watch(Socket& socket, bool proves);
+  Status watch(Socket& socket);
   PendingConnectionId pending_of(const Frame& frame);
-  void on_event(LinkEvent event, int fd, bool proves);
+  void on_event(LinkEvent event, int fd);
   void refused(const char* name, const char* text);
 
   ShellContext& shell_;
