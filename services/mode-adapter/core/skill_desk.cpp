@@ -312,10 +312,11 @@ void SkillDesk::on_stopped(const Driver* mode) {
 
 void SkillDesk::interrupt(const std::string& reason, Now now, Outbox& out) {
   if (!running_) return;
-  if (!running_->halting) return end(TaskOutcome::interrupted, reason, {}, now, out);
+  // It may go on with it: whatever comes next would find it in motion.
   owed_ = Owed{running_->mode, running_->token};
-  end(TaskOutcome::interrupted,
-      running_->halting->reason + ", and nobody knows whether the robot was halted: " + reason, {}, now, out);
+  const std::string before =
+      running_->halting ? running_->halting->reason + ", and nobody knows whether the robot was halted: " : "";
+  end(TaskOutcome::interrupted, before + reason, {}, now, out);
 }
 
 std::optional<MonotonicTime> SkillDesk::timed_end() const {

@@ -23,7 +23,7 @@ namespace trb::adapter {
 /// the robot has the halt                  | -                            | failed
 /// silence_bound() and 1 s have passed     | -                            | failed: a lost link would have shown
 /// the robot refuses the halt              | -                            | interrupted: nobody knows
-/// a stop; the link is lost                | interrupted: nobody knows    | interrupted, and the halt is owed
+/// a stop; the link is lost                | interrupted: nobody knows, and a halt is owed
 ///
 /// A state that a robot tells by itself may belong to the time before the command (Driver::values_lag). It ends the
 /// skill once it has changed since the robot has the command, or has stayed as it is for 2 s, or half the skill's

@@ -184,6 +184,18 @@ TEST_CASE("a robot that does not acknowledge the halt: its connection is closed,
   CHECK(fixture.answer(fixture.execute(2)) == "running");
 }
 
+TEST_CASE("a robot whose link is lost while a skill runs may go on: it is halted before anything else begins") {
+  ArmFixture fixture;
+  fixture.begin();
+  fixture.down(Channel::monitor, "connection timed out");
+  CHECK(fixture.one<Outcome>().outcome == TaskOutcome::interrupted);
+  fixture.link_returns({.running = true});
+  CHECK(fixture.sent() == "stop program\n");
+  CHECK(fixture.answer(fixture.execute(2)) == "nack busy");
+  fixture.live(0.4);
+  CHECK(fixture.answer(fixture.execute(2)) == "running");
+}
+
 TEST_CASE("what an earlier process had begun is halted before anything else begins") {
   FieldsFixture fixture;
   const CancelExecution order{attempt(), "begun by an earlier process of the mode-adapter", "home"};
