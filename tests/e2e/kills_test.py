@@ -192,8 +192,8 @@ class RunFleet(support.FleetTest):
         self.assertEqual((outcome["state"], outcome["outcome"]), ("RETRIABLE", "interrupted"))
 
     def wait_still(self, mark, robot):
-        """The robot is not stopped when its node has forgotten the task; it ends by itself."""
-        ends = ("done", "failed") if robot != "ur3" else ("text trb",)
+        """The robot is halted by the new process, which did not begin what it does: its next task would find it in motion."""
+        ends = ("failed run stopped",) if robot != "ur3" else ("stopped",)
         self.fleet.wait("the robot stands",
                         lambda: any(line.startswith(ends) for line in self.lines_since(mark, robot)), support.LONG_S)
 
