@@ -132,7 +132,7 @@ class Late(support.FleetTest):
         self.assertEqual(view["state"], "PAUSED")
         self.assertIn("'convey' was interrupted on 'conveyor'", view["waits_for"])
         self.wait_robot_state("conveyor", "ONLINE")
-        self.wait_robot(mark, "conveyor", "done run")  # it has not been stopped; its report comes too late now
+        self.wait_robot(mark, "conveyor", "failed run stopped")  # it went on: halted before anything else may begin
         self.assertTrue(self.works("conveyor"))
         self.assertEqual(self.view(run)["state"], "PAUSED")
         self.assertEqual(self.commanded(mark, "conveyor"), ["run"])
