@@ -91,9 +91,11 @@ export async function sourcesSilent(browser, settings, people) {
   await person.go('#/alerts');
   await page.waitForSelector('.count:has-text("not known which alerts")');
   if (await page.$('text="There was no alert."')) person.faults.push('it says that there was no alert');
+  await look(person, 'silent-alerts', { short: true });
   await person.go('#/runs');
   await page.waitForSelector('[role=status]:has-text("not known what is under way")', { timeout: 60000 });
   if (await page.$('text="No run is under way."')) person.faults.push('it says that no run is under way');
+  await look(person, 'silent-runs', { short: true });
   await order('let_tables_go');
   await said.waitFor({ state: 'detached', timeout: 60000 });
   await page.waitForSelector('[role=status]:has-text("not known what is under way")', { state: 'detached', timeout: 60000 });
