@@ -32,7 +32,8 @@ class RapidFixture : public Fixture {
   void service(const std::string& text) { hear(Channel::monitor, text); }
   /// Advances time; the service task and the values are answered at once, the program's other requests are kept.
   void live(double time_s) {
-    for (double t = 0; t < time_s - 1e-9; t += 0.05) {
+    const auto steps = static_cast<int>(time_s / 0.05 + 0.999);
+    for (int i = 0; i < steps; ++i) {
       serve();
       wait(0.05);
       serve();
