@@ -1,7 +1,10 @@
 #include "services/scheduler/core/watchers.hpp"
 
 #include <algorithm>
-#include <ranges>
+#include <functional>
+#include <iterator>
+#include <string>
+#include <vector>
 
 #include "common/base/gives_way.hpp"
 
@@ -26,7 +29,11 @@ Status Watchers::add(const Inbound& from, double lease_s, Now now) {
 bool Watchers::make_room(const Inbound& from) {
   const bool own = from.source == from.target;
   const auto is_foreign = [&](const Watcher& one) { return one.source != from.target; };
-  const std::string source = gives_way(watchers_ | std::views::filter(is_foreign), from.source, &Watcher::source);
+  std::vector<std::string> foreign;
+  for (const Watcher& one : watchers_) {
+    if (is_foreign(one)) foreign.push_back(one.source);
+  }
+  const std::string source = gives_way(foreign, from.source, std::identity());
   if (!own && source == from.source) return false;
   auto newest = std::find_if(watchers_.rbegin(), watchers_.rend(),
                              [&](const Watcher& one) { return one.source == source && is_foreign(one); });
