@@ -6,6 +6,7 @@ import concurrent.futures
 import contextlib
 import gzip
 import http.client
+import itertools
 import os
 import signal
 import sqlite3
@@ -47,15 +48,17 @@ class Gateway(GatewayCase):
 
     def wait_refused(self, guess, wrong, at_least=0):
         """Guesses as soon as it may, until it has to wait, for so many seconds."""
-        for i in range(30):
+        tries = itertools.count()
+
+        def has_to_wait():
+            i = next(tries)
             answer = guess(i)
             if i < FREE or answer.status != 429:
                 self.assertEqual(answer.status, wrong)
-            elif (wait := int(answer.headers["Retry-After"] or 0)) >= at_least:
-                return
-            else:
-                time.sleep(wait)
-        self.fail("guessing need not wait")
+                return False
+            return int(answer.headers["Retry-After"] or 0) >= at_least  # what is refused so is no try
+
+        self.fleet.wait("guessing has to wait", has_to_wait, WAIT_S)
 
     def test_an_unknown_user_is_refused_as_a_wrong_password_is(self):
         wrong, unknown = self.client().sign_in("olga", "wrong wrong wrong"), self.client().sign_in("nobody", "wrong wrong wrong")
@@ -78,14 +81,19 @@ class Gateway(GatewayCase):
         for _ in range(16):
             connection, _ = self.admin.begin("PUT", "/api/v1/users/vic/password", {"password": GOOD})
             self.addCleanup(connection.close)
+        self.addCleanup(lambda: self.viewer.sign_in("vic", GOOD))
+
+    def eva(self, role):
+        """A user for one test, signed in."""
+        self.admin.ask("POST", "/api/v1/users", {"name": "eva", "role": role, "password": GOOD})
+        self.addCleanup(self.admin.ask, "DELETE", "/api/v1/users/eva")
+        client = self.client()
+        client.sign_in("eva", GOOD)
+        return client
 
     def test_who_has_taken_over_a_session_does_not_undo_the_admins_reset(self):
         new = GOOD + " by the admin"
-        self.admin.ask("POST", "/api/v1/users", {"name": "eva", "role": "operator", "password": GOOD})
-        self.addCleanup(self.admin.ask, "DELETE", "/api/v1/users/eva")
-        thief = self.client()
-        thief.sign_in("eva", GOOD)
-        self.addCleanup(lambda: self.viewer.sign_in("vic", GOOD))
+        thief = self.eva("operator")
         self.keep_hashing()
         connection, _ = thief.begin("PUT", "/api/v1/me/password", {"old": GOOD, "new": GOOD + " by the thief"})
         self.addCleanup(connection.close)
@@ -94,11 +102,7 @@ class Gateway(GatewayCase):
         self.assertEqual(self.client().sign_in("eva", new).status, 201)
 
     def test_an_admin_who_is_disabled_adds_nobody_with_what_he_has_sent_before(self):
-        self.admin.ask("POST", "/api/v1/users", {"name": "eva", "role": "admin", "password": GOOD})
-        self.addCleanup(self.admin.ask, "DELETE", "/api/v1/users/eva")
-        eva = self.client()
-        eva.sign_in("eva", GOOD)
-        self.addCleanup(lambda: self.viewer.sign_in("vic", GOOD))
+        eva = self.eva("admin")
         self.keep_hashing()
         connection, _ = eva.begin("POST", "/api/v1/users", {"name": "door", "role": "admin", "password": GOOD})
         self.addCleanup(connection.close)

@@ -46,7 +46,7 @@ class C3Command {
   explicit C3Command(const std::vector<C3Assignment>& assignments);
   /// Errors: bad_value, not_escapable. A list must have exactly the items that the assignments use.
   [[nodiscard]] Result<std::vector<C3Step>> fill(BytesView data) const;
-  /// Every value with its placeholders empty; for assignments without data.
+  /// The steps of assignments that take no data.
   [[nodiscard]] std::vector<C3Step> steps() const;
 
  private:

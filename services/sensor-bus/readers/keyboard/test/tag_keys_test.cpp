@@ -3,16 +3,26 @@
 #include <doctest/doctest.h>
 #include <linux/input-event-codes.h>
 
+#include <optional>
+#include <string>
+
 using namespace trb;
 using namespace trb::sensor;
 
+namespace {
+
+/// The key goes down and up again; the tag, if it was Enter.
+std::optional<std::string> press_on(TagKeys& keys, std::uint16_t code) {
+  const auto tag = keys.add(code, 1);
+  keys.add(code, 0);
+  return tag;
+}
+
+}  // namespace
+
 TEST_CASE("keys become a tag at Enter") {
   TagKeys keys;
-  const auto press = [&](std::uint16_t code) {
-    const auto tag = keys.add(code, 1);
-    keys.add(code, 0);
-    return tag;
-  };
+  const auto press = [&](std::uint16_t code) { return press_on(keys, code); };
   for (const int code : {KEY_0, KEY_4, KEY_F}) CHECK_FALSE(press(static_cast<std::uint16_t>(code)).has_value());
   keys.add(KEY_LEFTSHIFT, 1);
   press(KEY_A);
@@ -31,11 +41,7 @@ TEST_CASE("keys become a tag at Enter") {
 
 TEST_CASE("of keys that were lost no tag is made") {
   TagKeys keys;
-  const auto press = [&](std::uint16_t code) {
-    const auto tag = keys.add(code, 1);
-    keys.add(code, 0);
-    return tag;
-  };
+  const auto press = [&](std::uint16_t code) { return press_on(keys, code); };
   SUBCASE("the tag under way is void until its Enter, the next one is whole") {
     press(KEY_4);
     keys.lose();
