@@ -1,6 +1,8 @@
 #include "common/operator/order_robots.hpp"
 
+#include <algorithm>
 #include <memory>
+#include <ranges>
 
 namespace trb::op {
 namespace {
@@ -58,6 +60,23 @@ void order_robots(Session& session, const std::vector<std::string>& robots, cons
   const auto orders = std::make_shared<Orders>(std::move(done));
   for (const std::string& robot : robots) orders->send(session, robot, body, wait);
   orders->gather(session);
+}
+
+std::string outcome_in_words(const std::vector<RobotOrder>& orders) {
+  constexpr std::size_t kMost = 96 - 5;  // with ", ..."
+  if (orders.empty()) return "not confirmed: no robot is known";
+  const auto is_open = [](const RobotOrder& one) { return one.state != "confirmed"; };
+  const auto open = std::ranges::count_if(orders, is_open);
+  if (open == 0) return "done";
+  std::string out = "not confirmed by " + std::to_string(open) + " of " + std::to_string(orders.size());
+  const char* before = ": ";
+  for (const RobotOrder& one : orders | std::views::filter(is_open)) {
+    const std::string next = before + one.robot + " " + one.state;
+    if (out.size() + next.size() > kMost) return out + ", ...";
+    out += next;
+    before = ", ";
+  }
+  return out;
 }
 
 }  // namespace trb::op

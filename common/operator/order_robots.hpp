@@ -21,4 +21,7 @@ struct RobotOrder {
 void order_robots(Session& session, const std::vector<std::string>& robots, const Body& body, Duration wait,
                   std::function<void(std::vector<RobotOrder>)> done);
 
+/// For an audit record (at most 96 bytes): "done" if all have confirmed, else how many have not, and which of them.
+std::string outcome_in_words(const std::vector<RobotOrder>& orders);
+
 }  // namespace trb::op

@@ -64,3 +64,17 @@ TEST_CASE("what cannot be sent is said so, once, and no robots are no wait") {
   REQUIRE(none.rows);
   CHECK(none.rows->empty());
 }
+
+TEST_CASE("the audit log tells who has not confirmed: a stop that reached nobody is not done") {
+  const std::vector<RobotOrder> all{{"ur3", "confirmed", ""}, {"belt", "confirmed", ""}};
+  CHECK(outcome_in_words(all) == "done");
+  CHECK(outcome_in_words({{"ur3", "confirmed", ""}, {"belt", "unreachable", ""}, {"drone", "sent", ""}}) ==
+        "not confirmed by 2 of 3: belt unreachable, drone sent");
+  CHECK(outcome_in_words({}) == "not confirmed: no robot is known");
+  const std::vector<RobotOrder> many(1000, {"a-robot-with-a-name", "unreachable", ""});
+  const std::string cut = outcome_in_words(many);
+  CHECK(cut.starts_with("not confirmed by 1000 of 1000: a-robot-with-a-name unreachable"));
+  CHECK(cut.ends_with(", ..."));
+  CHECK(cut.size() <= 96);
+  CHECK(outcome_in_words({{std::string(64, 'x'), "unreachable", ""}}).size() <= 96);
+}

@@ -350,6 +350,16 @@ class Gateway(GatewayCase):
             self.fleet.wait("it is shown as released", lambda: not self.viewer.ask(
                 "GET", f"/api/v1/robots/{ROBOT}").json["content"]["fenced"], WAIT_S)
 
+    def test_a_stop_that_the_robot_does_not_confirm_is_on_record_as_that(self):
+        go_on, answer = self.under_way("stop")
+        told = answer()
+        self.assertEqual((told.status, told.json["robots"][0]["state"]), (200, "sent"), told.bytes)
+        go_on()
+        self.assertEqual(self.orders("stop")[:2], [f"not confirmed by 1 of 1: {ROBOT} sent", "begins"])
+        self.fleet.wait("the robot is shown online", self.is_online, WAIT_S)
+        self.assertEqual(self.operator.ask("POST", f"/api/v1/robots/{ROBOT}/release").status, 200)
+        self.assertEqual(self.orders("release")[0], "done")
+
     def test_what_nobody_can_be_told_does_not_begin(self):
         for path, body, status in (("/api/v1/runs", {"scenario": SCENARIO, "priority": "high"}, 422),
                                    ("/api/v1/runs", {}, 400),

@@ -20,10 +20,10 @@ bool is_json(const HttpRequest& request) {
 
 /// What somebody did, or was refused; nothing: it changes nothing, or nobody is known.
 std::optional<AuditRecord> audit_of(const RequestDecision& decision, const std::string& who, const std::string& source,
-                                    int status, const std::string& about, UtcTime now) {
+                                    int status, const std::string& about, const std::string& outcome, UtcTime now) {
   if (decision.route == nullptr || decision.route->effect != Effect::changes || who.empty()) return std::nullopt;
   AuditRecord out = record_of(decision, who, source, about, now);
-  out.outcome = status < 400 ? "done" : "refused: " + std::to_string(status);
+  out.outcome = status < 400 ? outcome : "refused: " + std::to_string(status);
   return out;
 }
 
@@ -145,14 +145,14 @@ void Api::on_request(HttpRequest request, Reply reply) {
 void Api::end(const Call& call, HttpReply reply, const Reply& send) {
   keep_answer(gateway_, call, reply);
   const std::string& who = call.actor.empty() ? call.who().name : call.actor;
-  HttpReply out = on_record(call.decision, who, call.request.source, std::move(reply), call.about);
+  HttpReply out = on_record(call.decision, who, call.request.source, std::move(reply), call.about, call.outcome);
   if (call.decision.route != nullptr) zip(*call.decision.route, call.request.accepts_gzip, out);
   send(std::move(out));
 }
 
 HttpReply Api::on_record(const RequestDecision& decision, const std::string& who, const std::string& source,
-                         HttpReply reply, const std::string& about) {
-  auto record = audit_of(decision, who, source, reply.status, about, gateway_.now().utc);
+                         HttpReply reply, const std::string& about, const std::string& outcome) {
+  auto record = audit_of(decision, who, source, reply.status, about, outcome, gateway_.now().utc);
   if (record && is_anybodys(decision, reply.status) && !gateway_.access.refusals.is_recorded(*record, gateway_.now()))
     record.reset();
   if (record) gateway_.access.note(*record);

@@ -37,6 +37,8 @@ class Call {
 
   std::string about;  ///< for the audit log, besides the parameters of the path
 
+  std::string outcome = "done";  ///< for the audit log, unless the answer is a refusal
+
   std::optional<RequestKey> once;  ///< its answer is kept for repeats with this key
   bool is_not_done = false;        ///< refused for now, and nothing was done: a repeat is tried anew
 

@@ -59,6 +59,7 @@ std::string json_orders(const std::vector<op::RobotOrder>& orders) {
 void give_order(Gateway& gateway, const CallPtr& call, const std::vector<std::string>& robots, const Body& body) {
   order_once(gateway, call, "robot", [&gateway, call, robots, body] {
     op::order_robots(gateway.session, robots, body, kStopWait, [call](const std::vector<op::RobotOrder>& orders) {
+      call->outcome = op::outcome_in_words(orders);
       call->reply(json_reply(json_orders(orders)));
     });
   });
