@@ -453,6 +453,18 @@ class Gateway(GatewayCase):
             self.assertIn(effect, repeated.json["detail"])
             self.fleet.wait("the robot is shown online", self.is_online, WAIT_S)
 
+    def test_an_empty_list_says_when_nobody_has_told_what_there_is(self):
+        def silent(path="/api/v1/alerts"):
+            return self.viewer.ask("GET", path).json.get("silent")
+        pid = self.fleet.pid(CLOUD, "resilience")
+        os.kill(pid, signal.SIGSTOP)
+        self.addCleanup(lambda: self.fleet.pid(CLOUD, "resilience") == pid and os.kill(pid, signal.SIGCONT))
+        self.kill_gateway()
+        self.fleet.wait("all others have told theirs", lambda: silent() == ["resilience"], WAIT_S)
+        self.assertEqual(silent("/api/v1/runs"), ["resilience"])
+        os.kill(pid, signal.SIGCONT)
+        self.fleet.wait("all have told theirs", lambda: silent() is None, WAIT_S)
+
     # ---- the live stream
 
     def test_a_snapshot_then_what_changes(self):

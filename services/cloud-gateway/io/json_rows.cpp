@@ -96,6 +96,12 @@ std::string json_value(const std::string& sent) {
   return parsed ? dump_json(*parsed) : json_quoted(sent);
 }
 
+std::string json_silent(const RowSources& silent) {
+  JsonList out;
+  for (const RowSource one : silent) out.add(json_quoted(name_of(one)));
+  return out.done();
+}
+
 std::string json_alarm(const Alarm& alarm) {
   JsonObject out;
   out.number("priority", alarm.priority).text("source", alarm.source).text("first", alarm.first);

@@ -13,6 +13,8 @@ SharedBytes json_of(const Row& row);
 /// A value as a robot has sent it: what is no JSON becomes a text.
 std::string json_value(const std::string& sent);
 std::string json_content(const RowContent& content);
+/// ["resilience"]: who tells nothing, so that a row that is missing proves nothing.
+std::string json_silent(const RowSources& silent);
 /// What people have done with an alert.
 std::string json_alarm(const Alarm& alarm);
 

@@ -42,12 +42,6 @@ std::string json_notices(const std::vector<Notice>& notices) {
   return out.done();
 }
 
-std::string json_silent(const RowSources& silent) {
-  JsonList out;
-  for (const RowSource one : silent) out.add(json_quoted(name_of(one)));
-  return out.done();
-}
-
 /// {"count": ..., "blocks": [ and what follows it; the blocks themselves are shared with other clients.
 std::vector<SharedPart> parts_of(const Frame& frame, const Gateway& gateway) {
   JsonObject head;

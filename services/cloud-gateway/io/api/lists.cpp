@@ -4,6 +4,7 @@
 
 #include "services/cloud-gateway/core/live/page_cursor.hpp"
 #include "services/cloud-gateway/io/api/conditional.hpp"
+#include "services/cloud-gateway/io/json_rows.hpp"
 #include "services/cloud-gateway/io/json_text.hpp"
 
 namespace trb::gateway {
@@ -28,7 +29,10 @@ void reply_rows(const Gateway& gateway, const CallPtr& call, RowKind kind) {
   if (!page) return call->fail(page.error());
   JsonList items;
   for (const auto* entry : page->entries) items.add(*json_of(*entry->second));
-  call->reply(json_reply(JsonObject().raw("items", items.done()).text("next", page->next).done()));
+  JsonObject out;
+  out.raw("items", items.done()).text("next", page->next);
+  if (const RowSources silent = gateway.fleet.silent(); !silent.empty()) out.raw("silent", json_silent(silent));
+  call->reply(json_reply(out.done()));
 }
 
 void reply_row(const Gateway& gateway, const CallPtr& call, const RowKey& key) {
