@@ -3,6 +3,7 @@
 
 #include "common/operator/submit_run.hpp"
 #include "common/operator/test/fake_node.hpp"
+#include "common/scenario/run_id.hpp"
 
 using namespace trb;
 using namespace trb::op;
@@ -104,7 +105,7 @@ TEST_CASE("a planned run is signed and submitted, with the certificates of whom 
     CHECK(question.kind == kSignedRunStart);
     const auto start = decode<RunStart>(question.payload.bytes);
     REQUIRE(start.ok());
-    CHECK(start->run == "11111111111111111111111111111111");
+    CHECK(start->run == make_run_id("ant", std::string(kRunIdRandom, '\x11')));
     CHECK(start->submitter == "ant");
     CHECK(start->priority == 7);
     CHECK(start->expires - start->created == 7'200'000'000'000);

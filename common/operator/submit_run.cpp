@@ -2,14 +2,12 @@
 
 #include <set>
 
-#include "common/base/hex.hpp"
 #include "common/operator/send_signed.hpp"
+#include "common/scenario/run_id.hpp"
 #include "common/scenario/run_start.hpp"
 
 namespace trb::op {
 namespace {
-
-constexpr std::size_t kRunIdBytes = 16;
 
 /// The run's robots, the own node, and every cloud node: those whose certificates the run needs.
 Result<std::vector<Member>> members_of(const RunPlan& plan) {
@@ -32,7 +30,7 @@ void submit_run(Session& session, RunPlan plan, const RunTerms& terms, const Cal
   const UtcTime now = session.now().utc;
   const RunStart start = build_run_start(
       std::move(plan.scenario), std::move(*members), session.node(), now, now + seconds(terms.expires_h * 3600),
-      to_hex(session.random_bytes(kRunIdBytes)), std::move(plan.robots), terms.priority);
+      make_run_id(session.node(), session.random_bytes(kRunIdRandom)), std::move(plan.robots), terms.priority);
   const auto accepted = [done](const Message& answer) {
     const auto body = decode<RunAccepted>(answer.data);
     done(body ? Result<std::string>(body->run) : Result<std::string>(body.error()));

@@ -4,20 +4,15 @@
 #include <limits>
 #include <set>
 
-#include "common/base/hex.hpp"
 #include "common/base/ids.hpp"
 #include "common/scenario/decision_rule.hpp"
 #include "common/scenario/graph.hpp"
+#include "common/scenario/run_id.hpp"
 #include "common/security/keys.hpp"
 #include "proto/body.hpp"
 
 namespace trb {
 namespace {
-
-bool is_run_id(const std::string& run) {
-  const auto digit = [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); };
-  return run.size() == 32 && std::all_of(run.begin(), run.end(), digit);
-}
 
 Result<std::set<std::string>> check_members(const RunStart& start) {
   std::set<std::string> ids;
@@ -101,9 +96,7 @@ RunStart build_run_start(Scenario scenario, std::vector<Member> members, std::st
 }
 
 Status check_run_start(const RunStart& start) {
-  if (!is_run_id(start.run)) {
-    return fail(Errc::bad_value, "run '" + start.run + "' is no id", "use 32 lower-case hexadecimal digits");
-  }
+  if (auto id = check_run_id(start.run, start.submitter); !id) return id;
   if (start.priority > kMaxPriority) {
     return fail(Errc::bad_value, "priority: " + std::to_string(start.priority) + " is too high", "0 to 9");
   }

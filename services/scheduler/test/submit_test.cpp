@@ -3,6 +3,7 @@
 
 #include <functional>
 
+#include "common/scenario/run_id.hpp"
 #include "common/scenario/run_start.hpp"
 #include "services/scheduler/test/fleet.hpp"
 
@@ -70,6 +71,23 @@ TEST_CASE("a start is taken only from its submitter, a member with a certificate
           is.digest.bytes = digest(encode(is.scenario));
           is.first.robots[0] = "cloud";
         }) == "bad_value");
+}
+
+TEST_CASE("a member that learns a run's id gives nobody a run of its own by it, whoever hears of it first") {
+  Fleet fleet;
+  add_demonstration(fleet);
+  const std::string run = make_run_id("cloud", "random!");
+  Baton baton;
+  baton.run = run;
+  const auto define = [&](const std::string& by) {
+    CHECK(sent<NeedDefinition>(fleet.tell("drone", by, MessageType::command, baton)).size() == 1);
+    const Definition definition{fleet.make_start(chain({"drone"}), by, seconds(60), run)};
+    return fleet.tell("drone", by, MessageType::information, definition, 1);
+  };
+  const Outbox stolen = define("ur3");
+  CHECK(stolen.journal.empty());
+  CHECK(nack_of(stolen) == "bad_value");
+  CHECK_FALSE(define("cloud").journal.empty());
 }
 
 TEST_CASE("a submit is repeated without harm; another start under its id is a conflict") {

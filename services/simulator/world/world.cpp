@@ -1,9 +1,9 @@
 #include "services/simulator/world/world.hpp"
 
 #include <algorithm>
-#include <cstdio>
 #include <set>
 
+#include "common/scenario/run_id.hpp"
 #include "common/scenario/run_start.hpp"
 #include "common/security/seeded_keys.hpp"
 #include "services/simulator/world/invariants.hpp"
@@ -26,12 +26,9 @@ std::string address_of(std::uint32_t number) {
 }
 
 std::string run_id(Dice& dice) {
-  // Two statements: in which order a call's arguments draw differs from machine to machine.
-  const unsigned long long low = dice.next();
-  const unsigned long long high = dice.next();
-  char out[33];
-  std::snprintf(out, sizeof out, "%016llx%016llx", high, low);
-  return out;
+  const std::uint64_t random = dice.next();
+  dice.next();  // a seed gives what it gave when an id was drawn whole
+  return make_run_id("cloud", BytesView(reinterpret_cast<const char*>(&random), kRunIdRandom));
 }
 
 /// A robot whose battery is looked at has it among its values.
