@@ -116,11 +116,16 @@ void check_condition(const PlannedSensors& sensors, const Task& task, const Cond
     faults.add("scenario", "task '" + task.id + "' waits for " + sensor_text(condition) + ", " + what, hint);
   };
   std::string units;
+  bool is_other = false;
   for (const PlannedSensor& one : sensors) {
     if (!is_meant(one, condition)) continue;
-    if (condition.is_text || one.info.unit == condition.unit) return;
+    const bool fits = one.course.tells(condition.is_text);
+    if (fits && (condition.is_text || one.info.unit == condition.unit)) return;
+    is_other = is_other || !fits;
     units += " '" + one.info.unit + "'";
   }
+  if (is_other && condition.is_text) return fault("a text, but it tells a number", R"(write a text: "value": "00123")");
+  if (is_other) return fault("a number, but it tells a text", R"(write a number: "value": 20.5)");
   if (units.empty())
     return fault("which tells nothing here", R"(add to sensor_values: {"node", "name", "unit", "value"})");
   fault("whose unit is" + units, "give it the unit '" + condition.unit + "' in sensor_values");

@@ -105,6 +105,24 @@ TEST_CASE("a condition needs a sensor that tells something, in its unit") {
   CHECK(missing(read(""), waiting_for("t_2", "arm", "degC")).size() == 1);
 }
 
+TEST_CASE("a condition on a text needs a sensor that tells a text, one on a number a number") {
+  Scenario tag = waiting_for("tag", "arm", "");
+  tag.tasks[0].when[0].is_text = true;
+  tag.tasks[0].when[0].text = "00123";
+  const auto told = [&](const std::string& value, const Scenario& scenario) {
+    return missing(read(R"({"node": "arm", "name": "tag", )" + value + "}"), scenario);
+  };
+  CHECK(told(R"("value": "00123")", tag).empty());
+  CHECK(told(R"("value": null)", tag).empty());
+  CHECK(told(R"("steps": [{"at": 0, "value": null}, {"at": 3, "value": "x"}])", tag).empty());
+  const auto wrong = told(R"("value": 123)", tag);
+  REQUIRE(wrong.size() == 1);
+  CHECK(wrong.front().ends_with("a text, but it tells a number"));
+  const Scenario number = waiting_for("tag", "arm", "");
+  CHECK(told(R"("value": 123)", number).empty());
+  CHECK(told(R"("value": "123")", number).size() == 1);
+}
+
 TEST_CASE("a node tells of its sensor in place of the one of that name") {
   auto profiles = hall();
   plug_in(

@@ -14,4 +14,12 @@ Measured Course::at(double seconds) const {
   return std::get<double>(last.value) + part * (std::get<double>(next->value) - std::get<double>(last.value));
 }
 
+bool Course::tells(bool text) const {
+  const auto is_wanted = [&](const Step& step) {
+    return text ? std::holds_alternative<std::string>(step.value) : std::holds_alternative<double>(step.value);
+  };
+  const auto is_unread = [](const Step& step) { return std::holds_alternative<std::monostate>(step.value); };
+  return std::ranges::any_of(steps_, is_wanted) || std::ranges::all_of(steps_, is_unread);
+}
+
 }  // namespace trb::simulation

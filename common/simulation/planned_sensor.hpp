@@ -31,6 +31,8 @@ class Course {
   }
 
   [[nodiscard]] Measured at(double seconds) const;
+  /// Is it ever a text, or else a number? One that can never be read is both.
+  [[nodiscard]] bool tells(bool text) const;
 
  private:
   std::vector<Step> steps_;  ///< in order of time

@@ -20,6 +20,19 @@ describe('a wished sensor', () => {
     expect(sensorOf(wish({ course: 'ramp' }, { from: '1', to: '2', end: '9' })).ramp).toEqual({ from: 1, to: 2, begin: 0, end: 9 });
   });
 
+  it('keeps a text that looks like a number: it is what a condition is compared with', () => {
+    for (const value of ['00123', '0x1F', '123', '-', '1e3', '"x"', '']) {
+      const [wanted] = sensorsWanted({ name: 'n', tasks: [{ id: 'a', when: { sensor: 'tag', value } }] });
+      expect(sensorOf(wanted!).value).toBe(value);
+      const job = sensorOf(wish({ course: 'steps' }, {}));
+      const steps = [{ at: 0, value }, { at: 4, value: 7 }];
+      expect(sensorOf(sensorWishOf({ ...job, steps })).steps).toEqual(steps);
+    }
+    for (const [text, value] of [['00123', '00123'], ['"7"', '7'], ['7', 7], ['-1,5', -1.5], ['.5', 0.5]] as const) {
+      expect(sensorOf(wish({}, { value: text })).value).toBe(value);
+    }
+  });
+
   it('comes back from a job as it was', () => {
     for (const one of [wish({}, { value: '3' }), wish({ course: 'steps' }, { steps: '0 -\n4 x' }), wish({ course: 'ramp' }, { from: '1', to: '2', begin: '3', end: '4' })]) {
       expect(sensorOf(sensorWishOf(sensorOf(one)))).toEqual(sensorOf(one));

@@ -36,7 +36,7 @@ export function sensorsWanted(scenario: Scenario): SensorWish[] {
     const name = when.sensor ?? 'sensor';
     const node = when.of || 'cloud';
     const key = `${node} ${name} ${when.identity ?? ''}`;
-    const value = when.value === undefined ? '' : String(when.value);
+    const value = when.value === undefined ? '' : textIn(when.value);
     if (!out.has(key)) out.set(key, { ...newSensor(node), name, unit: when.unit ?? '', identity: when.identity ?? '', texts: { ...newSensor(node).texts, value } });
   }
   return [...out.values()];
@@ -66,9 +66,21 @@ function wrongsOfRamp(texts: SensorWish['texts']): SensorWrongs {
   return out;
 }
 
+/** As a number is written. A tag's "00123" or "0x1F" is none. */
+const NUMERAL = /^[-+]?(0|[1-9]\d*)?([.,]\d+)?([eE][-+]?\d+)?$/;
+
+/** What stands in quotes is a text, whatever it is. */
 function valueIn(text: string): Value {
   const trimmed = text.trim();
-  return trimmed === '-' ? null : (numberIn(trimmed) ?? trimmed);
+  const quoted = /^"(.*)"$/s.exec(trimmed);
+  if (quoted) return quoted[1]!;
+  if (trimmed === '-') return null;
+  return (NUMERAL.test(trimmed) ? numberIn(trimmed) : undefined) ?? trimmed;
+}
+
+function textIn(value: Value): string {
+  if (value === null) return '-';
+  return value !== '' && valueIn(String(value)) === value ? String(value) : `"${value}"`;
 }
 
 /** Nothing: a line is none, or they are not in order of time. */
@@ -91,13 +103,12 @@ export function sensorOf({ node, name, unit, identity, course, texts }: SensorWi
 }
 
 export function sensorWishOf(sensor: JobSensor): SensorWish {
-  const text = (value: Value) => (value === null ? '-' : String(value));
   const { ramp } = sensor;
   return {
     node: sensor.node, name: sensor.name, unit: sensor.unit ?? '', identity: sensor.identity ?? '',
     course: sensor.steps ? 'steps' : ramp ? 'ramp' : 'value',
     texts: {
-      value: sensor.value === undefined ? '' : text(sensor.value), steps: (sensor.steps ?? []).map((one) => `${one.at} ${text(one.value)}`).join('\n'),
+      value: sensor.value === undefined ? '' : textIn(sensor.value), steps: (sensor.steps ?? []).map((one) => `${one.at} ${textIn(one.value)}`).join('\n'),
       from: String(ramp?.from ?? ''), to: String(ramp?.to ?? ''), begin: String(ramp?.begin ?? 0), end: String(ramp?.end ?? ''),
     },
   };

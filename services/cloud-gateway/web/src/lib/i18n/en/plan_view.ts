@@ -145,7 +145,7 @@ export const plan = {
     sensorUnitHint: 'As the condition has it.',
     sensorTells: 'It tells',
     sensorValue: 'Value',
-    sensorValueHint: 'A number or a word; - if it cannot be read.',
+    sensorValueHint: 'A number or a word (in quotes a word of digits: "123"); - if it cannot be read.',
     sensorSteps: 'Steps',
     sensorStepsHint: 'A line each: seconds, and the value from then on. For example: 12 open',
     course_value: 'always the same',

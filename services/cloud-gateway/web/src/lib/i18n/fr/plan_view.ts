@@ -146,7 +146,7 @@ export const plan: Pick<LateWords, 'plan'> = {
     sensorUnitHint: 'Comme dans la condition.',
     sensorTells: 'Il dit',
     sensorValue: 'Valeur',
-    sensorValueHint: 'Un nombre ou un mot ; - s’il est illisible.',
+    sensorValueHint: 'Un nombre ou un mot (entre guillemets droits un mot de chiffres : "123") ; - s’il est illisible.',
     sensorSteps: 'Paliers',
     sensorStepsHint: 'Une ligne chacun : des secondes, et la valeur à partir de là. Par exemple : 12 open',
     course_value: 'toujours la même valeur',
