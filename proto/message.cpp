@@ -246,8 +246,12 @@ void stamp_version(char* frame, std::uint8_t version) {
   put_big_endian<std::uint8_t>(frame, version);
 }
 
-void stamp_link(char* frame, std::uint64_t link, std::uint64_t sequence, std::uint32_t remaining_ms) {
+void stamp_remaining(char* frame, std::uint32_t remaining_ms) {
   put_big_endian<std::uint32_t>(frame + 4, remaining_ms);
+}
+
+void stamp_link(char* frame, std::uint64_t link, std::uint64_t sequence, std::uint32_t remaining_ms) {
+  stamp_remaining(frame, remaining_ms);
   put_big_endian<std::uint64_t>(frame + 8, link);
   put_big_endian<std::uint64_t>(frame + 16, sequence);
 }

@@ -86,6 +86,9 @@ HeaderView to_view(const Message& message);
 /// The remaining time of a frame that decode_frame accepted.
 std::uint32_t decode_remaining(BytesView frame);
 
+/// Rewrites the remaining time of a frame that decode_frame accepted.
+void stamp_remaining(char* frame, std::uint32_t remaining_ms);
+
 /// Rewrites link, sequence and remaining time in a frame that decode_frame accepted.
 void stamp_link(char* frame, std::uint64_t link, std::uint64_t sequence, std::uint32_t remaining_ms);
 

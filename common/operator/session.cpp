@@ -1,5 +1,8 @@
 #include "common/operator/session.hpp"
 
+#include <algorithm>
+#include <limits>
+
 #include "common/operator/answers.hpp"
 #include "common/operator/nack_error.hpp"
 
@@ -16,10 +19,18 @@ Result<Message> result_of(const Message* answer, const std::string& target, cons
   return nack ? nack_error(*nack) : nack.error();
 }
 
+std::uint32_t ms_of(Duration wait) {
+  constexpr std::int64_t kMost = std::numeric_limits<std::uint32_t>::max();
+  return static_cast<std::uint32_t>(std::clamp<std::int64_t>(wait / std::chrono::milliseconds(1), 1, kMost));
+}
+
 }  // namespace
 
 Status Session::send(const Send& send, Duration wait, Answered answered) {
-  const auto id = link_.send(send);
+  // When it is over the person is told that there was no answer: then it may not be carried out any more.
+  Send within = send;
+  within.remaining_ms = std::min(send.remaining_ms, ms_of(wait));
+  const auto id = link_.send(within);
   if (!id) return id.error();
   if (*id == 0) return fail(Errc::queue_full, "the router takes no message now", "see trb service list");
   pending_[*id] = {send.target, now().mono + wait, std::move(answered)};

@@ -32,8 +32,9 @@ class Session {
 
   /// The answer, possibly a negative one (Nack), or null if none came in time.
   using Answered = std::function<void(const Message*)>;
-  /// Sends, and calls `answered` once within `wait`. Errors: queue_full (the router accepts no message now), too_large,
-  /// bad_value, malformed; then it was not sent, and `answered` is never called.
+  /// Sends, and calls `answered` once within `wait`; the message's deadline is no later: what nobody has answered by
+  /// then is not carried out later (proto/deadline.hpp). Errors: queue_full (the router accepts no message now),
+  /// too_large, bad_value, malformed; then it was not sent, and `answered` is never called.
   Status send(const Send& send, Duration wait, Answered answered);
 
   /// Sends, and returns the answer of the addressed node. Errors: those of send(), timeout, and a Nack's.

@@ -37,6 +37,20 @@ TEST_CASE("a request that nobody answers ends with its deadline") {
   CHECK_FALSE(node.answer(RunView{}));
 }
 
+TEST_CASE("a message's deadline is the time for which its sender waits") {
+  FakeNode node;
+  const auto deadline = [&](Duration wait, std::uint32_t remaining_ms = kDefaultRemainingMs) {
+    const Send send{
+        .type = MessageType::command, .target = "ant", .remaining_ms = remaining_ms, .body = Release{"clear"}};
+    REQUIRE(node.session().send(send, wait, [](const Message*) {}).ok());
+    return node.take_send("ant").remaining_ms;
+  };
+  CHECK(deadline(std::chrono::seconds(3)) == 3000);
+  CHECK(deadline(std::chrono::seconds(3), 300) == 300);
+  CHECK(deadline(std::chrono::hours(100'000)) == kDefaultRemainingMs);
+  CHECK(deadline(Duration::zero()) == 1);
+}
+
 TEST_CASE("a request that cannot be sent fails, but not before the caller has gone on") {
   FakeNode node;
   node.close();

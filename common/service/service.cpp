@@ -13,6 +13,7 @@
 #include "common/service/version.hpp"
 #include "common/transport/loop.hpp"
 #include "common/transport/signals.hpp"
+#include "proto/deadline.hpp"
 
 namespace trb {
 namespace {
@@ -169,8 +170,11 @@ class ServiceShell final : public Service {
 
   void deliver(Message& message) {
     auto body = decode_body(message.subtype, message.data);
-    Inbound inbound{message.type,  std::move(message.source), std::move(message.target),  message.id, message.reply_to,
-                    message.flags, message.remaining_ms,      Opaque{message.subtype, {}}};
+    const std::uint32_t remaining =
+        remaining_after(loop_.waited(read_clocks().mono), message.type, message.subtype, message.remaining_ms);
+    Inbound inbound{message.type, std::move(message.source),  std::move(message.target),
+                    message.id,   message.reply_to,           message.flags,
+                    remaining,    Opaque{message.subtype, {}}};
     if (!body) {
       step([&](Now, Outbox& out) {
         out.count("refused.malformed_body");

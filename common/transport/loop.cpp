@@ -103,7 +103,11 @@ void Loop::add_timer(std::function<std::optional<MonotonicTime>()> next, std::fu
 
 bool Loop::turn() {
   if (stopped_) return false;
-  return serve(look_at_entries() ? std::chrono::milliseconds(0) : time_out());
+  const bool is_ready = look_at_entries();
+  const MonotonicTime now = read_clocks().mono;
+  const auto longest = is_ready ? std::chrono::milliseconds(0) : time_out(next_timer(), now);
+  stalls_.on_wait(now, now + longest);
+  return serve(longest);
 }
 
 bool Loop::handle_ready() {
@@ -113,7 +117,10 @@ bool Loop::handle_ready() {
 }
 
 std::optional<MonotonicTime> Loop::next_deadline() {
-  return look_at_entries() ? MonotonicTime{0} : next_timer();
+  const auto next = look_at_entries() ? MonotonicTime{0} : next_timer();
+  const MonotonicTime now = read_clocks().mono;
+  stalls_.on_wait(now, next.value_or(now + kLongest));
+  return next;
 }
 
 bool Loop::look_at_entries() {
@@ -145,12 +152,13 @@ bool Loop::look_at_unseen() {
   return any;
 }
 
-void Loop::wait(std::chrono::milliseconds longest) const {
+void Loop::wait(std::chrono::milliseconds longest) {
   // zmq_poll would ask every socket twice, a system call each.
   std::array<epoll_event, 64> events;
   const int count =
       ::epoll_wait(epoll_, events.data(), static_cast<int>(events.size()), static_cast<int>(longest.count()));
   if (count < 0 && errno != EINTR) throw std::runtime_error("epoll_wait failed");
+  stalls_.on_look(read_clocks().mono);
   for (int i = 0; i < count; ++i) {
     const epoll_event& event = events[static_cast<std::size_t>(i)];
     static_cast<Entry*>(event.data.ptr)->revents = static_cast<short>(event.events);
@@ -211,10 +219,9 @@ std::optional<MonotonicTime> Loop::next_timer() const {
   return next;
 }
 
-std::chrono::milliseconds Loop::time_out() const {
-  const auto next = next_timer();
+std::chrono::milliseconds Loop::time_out(std::optional<MonotonicTime> next, MonotonicTime now) {
   if (!next) return kLongest;
-  const Duration left = *next - read_clocks().mono;
+  const Duration left = *next - now;
   if (left <= Duration::zero()) return std::chrono::milliseconds(0);
   return std::min(kLongest, std::chrono::ceil<std::chrono::milliseconds>(left));
 }

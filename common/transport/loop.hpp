@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/base/time.hpp"
+#include "common/transport/stall_watch.hpp"
 
 namespace trb {
 
@@ -53,6 +54,9 @@ class Loop {
   /// Calls what is ready and what is due, and never waits. False after stop().
   bool handle_ready();
 
+  /// How long what a handler reads now may have waited for this loop: StallWatch.
+  [[nodiscard]] Duration waited(MonotonicTime now) const { return stalls_.waited(now); }
+
  private:
   struct Entry {
     void* socket = nullptr;
@@ -78,19 +82,20 @@ class Loop {
   bool look_at_entries();
   bool look_at_unseen();
   bool serve(std::chrono::milliseconds longest);
-  void wait(std::chrono::milliseconds longest) const;
+  void wait(std::chrono::milliseconds longest);
   void call_ready();
   void call_background();
   static void call(Entry& entry, short revents);
   void call_timers();
   [[nodiscard]] std::optional<MonotonicTime> next_timer() const;
-  [[nodiscard]] std::chrono::milliseconds time_out() const;
+  [[nodiscard]] static std::chrono::milliseconds time_out(std::optional<MonotonicTime> next, MonotonicTime now);
 
   std::map<void*, std::shared_ptr<Entry>> sockets_;
   std::map<int, std::shared_ptr<Entry>> fds_;
   std::vector<Timer> timers_;
   std::vector<std::shared_ptr<Entry>> entries_;
   std::size_t background_turn_ = 0;  ///< index in entries_ of the one that comes first
+  StallWatch stalls_;
   int epoll_;
   bool changed_ = true;
   bool stopped_ = false;

@@ -195,6 +195,23 @@ class HandDrive(unittest.TestCase):
         self.trb("release", "pioneer")
         robot.moves_on(time.monotonic())
 
+    def test_what_nobody_confirmed_in_time_is_not_done_later(self):
+        """The robot's PC stalls: whoever releases it is told that there was no answer, and counts on the fence."""
+        name = "pioneer"
+        self.make_ready(name)
+        self.trb("stop", name)
+        self.addCleanup(self.trb, "release", name)
+        for service in ("mode-adapter", "router"):
+            pid = self.fleet.pid(name, service)
+            os.kill(pid, signal.SIGSTOP)
+            late = self.trb("release", name, "--timeout", "2", check=False)
+            os.kill(pid, signal.SIGCONT)
+            self.assertNotEqual(late.returncode, 0, f"{service}: {late.stdout}")
+            self.fleet.wait("its node answers again", lambda: self.control(name) is not None, 10)
+            refused = self.trb("drive", name, "--part", MAKERS[name].part, "--speeds", ",".join(map(str, MAKERS[name].speeds)),
+                               "--for", "0.1", "--take", check=False)
+            self.assertIn("was stopped", refused.stderr, service)
+
     def test_what_cannot_be_driven_says_so(self):
         for words, wanted in (
             (("drive", "pioneer", "--part", "tool", "--speeds", "0.1"), "use one of: base"),

@@ -52,6 +52,10 @@ void StopControl::refuse_pending(bool release, const std::string& why, Outbox& o
 }
 
 void StopControl::on_release(const Inbound& message, Now now, Outbox& out) {
+  // Whoever gave it was told that there was no answer in time, and counts on the fence.
+  if (message.remaining_ms == 0) {
+    return out.nack(message, fail(Errc::expired, "its deadline had passed when it came to the robot's node"));
+  }
   if (Status saved = persist_(false); !saved) return out.nack(message, saved.error());
   fenced_ = false;
   save_at_.reset();

@@ -266,3 +266,17 @@ TEST_CASE("a release that a stop overtakes says so, and is not answered as if th
   fixture.wait(0);
   CHECK(fixture.answer(stop) == "ack stopped");
 }
+
+TEST_CASE(
+    "a release that comes after its deadline leaves the fence: whoever gave it was told that it was not confirmed") {
+  StopFixture fixture;
+  fixture.stop();
+  fixture.say("!stopped\n");
+  fixture.written();
+  fixture.remaining_ms = 0;
+  CHECK(fixture.answer(fixture.release()) == "nack expired");
+  CHECK(fixture.written().empty());
+  fixture.remaining_ms = 1;
+  fixture.release();
+  CHECK(fixture.written() == "!release\n");
+}

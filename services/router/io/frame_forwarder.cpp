@@ -1,5 +1,6 @@
 #include "services/router/io/frame_forwarder.hpp"
 
+#include "proto/deadline.hpp"
 #include "services/router/io/send_errors.hpp"
 
 namespace trb::router {
@@ -11,10 +12,21 @@ bool any(const Effects& effects) {
 
 }  // namespace
 
-void FrameForwarder::from_bus(ConnectionId from, const HeaderView& header, Frame& frame) {
+/// What is left of its deadline, by how long it may have waited for this loop.
+HeaderView FrameForwarder::aged(HeaderView header, Now now) const {
+  header.remaining_ms =
+      remaining_after(shell_.loop().waited(now.mono), header.type, header.subtype, header.remaining_ms);
+  return header;
+}
+
+void FrameForwarder::from_bus(ConnectionId from, const HeaderView& as_sent, Frame& frame) {
   Effects effects;
-  const FrameOrders orders = shell_.core().forwarding().from_bus(from, header, static_cast<char*>(frame.data()),
-                                                                 frame.size(), read_clocks(), effects);
+  const Now now = read_clocks();
+  const HeaderView header = aged(as_sent, now);
+  if (header.remaining_ms != as_sent.remaining_ms)
+    stamp_remaining(static_cast<char*>(frame.data()), header.remaining_ms);
+  const FrameOrders orders =
+      shell_.core().forwarding().from_bus(from, header, static_cast<char*>(frame.data()), frame.size(), now, effects);
   const char direction = orders.way.to == Routing::To::service ? '=' : '>';
   for (unsigned i = 0; i < orders.shown; ++i) to_.tap.show(direction, view_of(frame));
   for (const ConnectionId to : orders.copies) {
@@ -51,11 +63,15 @@ void FrameForwarder::send_copy(const Routing& way, const Frame& frame) {
   if (result != SendResult::sent) shell_.count("dropped." + std::string(errc_name(why_unsent(result))));
 }
 
-void FrameForwarder::from_link(LinkId link, const HeaderView& header, Frame& frame) {
+void FrameForwarder::from_link(LinkId link, const HeaderView& as_sent, Frame& frame) {
   Effects effects;
   const Now now = read_clocks();
+  const HeaderView header = aged(as_sent, now);
   const FrameOrders orders = shell_.core().forwarding().from_link(link, header, view_of(frame), now, effects);
   to_.proof.keep(orders, now.utc, view_of(frame));
+  // Seal and proof are over the bytes as they were sent.
+  if (header.remaining_ms != as_sent.remaining_ms)
+    stamp_remaining(static_cast<char*>(frame.data()), header.remaining_ms);
   deliver(link, header, frame, orders, effects);
   if (any(effects)) shell_.carry_out(effects);
 }

@@ -25,9 +25,9 @@ class FrameForwarder {
   FrameForwarder(ShellContext& shell, const To& to) : shell_(shell), to_(to) {}
 
   /// From a service or probe that the core knows.
-  void from_bus(ConnectionId from, const HeaderView& header, Frame& frame);
+  void from_bus(ConnectionId from, const HeaderView& as_sent, Frame& frame);
   /// From the link's own connection.
-  void from_link(LinkId link, const HeaderView& header, Frame& frame);
+  void from_link(LinkId link, const HeaderView& as_sent, Frame& frame);
   /// The first frame of a connection at the inbox, which has this key; the caller carries out the effects.
   void from_stranger(BytesView key, const HeaderView& header, const Frame& frame, Effects& effects);
   /// From the lane that was dialled for this link.
@@ -36,6 +36,7 @@ class FrameForwarder {
   void report_lost_links();
 
  private:
+  [[nodiscard]] HeaderView aged(HeaderView header, Now now) const;
   void send(ConnectionId from, const HeaderView& header, const FrameOrders& orders, Frame& frame, Effects& effects);
   void send_copy(const Routing& way, const Frame& frame);
   void deliver(LinkId link, const HeaderView& header, Frame& frame, const FrameOrders& orders, Effects& effects);

@@ -35,6 +35,11 @@ void DefinitionHandler::handle(const RunSubmit& body, const Inbound& from, Step 
   if (from.source != node_) {
     return refuse(from, fail(Errc::not_permitted, "a run is submitted on the submitter's own node"), step);
   }
+  // Whoever gave it was told that there was no answer in time, and may have given it again under another id.
+  if (from.remaining_ms == 0) {
+    return refuse(from, fail(Errc::expired, "its deadline had passed when it came to the scheduler", "submit it again"),
+                  step);
+  }
   auto run = runs_.open(body.start);
   if (!run) return refuse(from, run.error(), step);
   const std::string id = (*run)->id();
