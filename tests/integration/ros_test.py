@@ -29,7 +29,9 @@ class RosFleet(trb_fleet.Fleet):
         path = self.dir(node) / "commands.json"
         words = path.read_text().replace('"cmd_vel geometry_msgs/Twist"', '"cmd_vel"')
         # A stop is confirmed by all its topics, and rospy's robot has no move_base.
-        path.write_text(words.replace(r"\nmove_base/cancel actionlib_msgs/GoalID {}", ""))
+        commands = json.loads(words.replace(r"\nmove_base/cancel actionlib_msgs/GoalID {}", ""))
+        commands["ros"]["requests"].update(map="map_metadata width height")
+        path.write_text(json.dumps(commands))
 
     def start(self):
         """The master and the robot's node are for the tests to start."""
@@ -105,6 +107,17 @@ class Ros(unittest.TestCase):
         self.assertEqual(len(odometry["pose"]["covariance"]), 36)
         done = self.fleet.trb("request", "ridgeback", "position", node="ridgeback")
         self.assertIn("[1.25,-2.5]", done.stdout)
+
+    def test_each_request_is_answered_with_what_is_latched(self):
+        """Rospy publishes it once. The bridge keeps its subscription for 30 s, also beyond a mode-adapter's end."""
+        def request(check=True):
+            return self.fleet.trb("request", "ridgeback", "map", node="ridgeback", check=check).stdout
+        for _ in range(3):
+            self.assertIn("[40,30]", request())
+        before = self.fleet.pid("ridgeback", "mode-adapter")
+        os.kill(before, signal.SIGKILL)
+        self.fleet.wait("a new mode-adapter", lambda: self.fleet.pid("ridgeback", "mode-adapter") not in (None, before), 60)
+        self.fleet.wait("its answer", lambda: "[40,30]" in request(check=False), 20)
 
     def test_a_wrong_message_is_refused_by_its_field(self):
         for data, reason in (("[1,2]", "2 values, where 6 are needed"),

@@ -134,7 +134,8 @@ void BridgeCore::listen(const BridgeCommand& command, Now now, Outbox& out) {
   if (topic.listeners.size() >= kMaxWaiting) {
     return fail_event(command.token, fail(Errc::queue_full, "too many wait for " + command.name), out);
   }
-  if (known == topics_.end()) send_to_worker(Word::subscribe, {command.name});
+  // Also for a known one: a latched topic says nothing more for whoever comes later.
+  send_to_worker(Word::subscribe, {command.name});
   topic.idle_since.reset();
   topic.listeners.push_back({command.token, command.paths, command.action == BridgeAction::watch,
                              now.mono + patience(command.timeout_s), now.mono});
@@ -199,6 +200,8 @@ void BridgeCore::on_worker_message(WorkerMessage& message, Now now, Outbox& out)
       return end_publish(token(), Error{errc_of(parts[1]).value_or(Errc::robot_error), parts[2], parts[3]}, out);
     case Word::message:
       return on_message(message, now, out);
+    case Word::kept:
+      return on_kept(message, now, out);
     default:
       out.count("refused.unexpected");
   }
@@ -272,6 +275,15 @@ void BridgeCore::on_message(WorkerMessage& message, Now now, Outbox& out) {
   if (send_message(topic, message, now, out)) topic.newest = std::move(message);
 }
 
+void BridgeCore::on_kept(const WorkerMessage& message, Now now, Outbox& out) {
+  const auto at = topics_.find(message.parts[0]);
+  if (at == topics_.end()) return;
+  Topic& topic = at->second;
+  for (Listener& listener : topic.listeners) listener.owed = listener.owed || !listener.told;
+  // What others are still owed is newer.
+  if (!send_message(topic, topic.newest ? *topic.newest : message, now, out)) topic.newest.reset();
+}
+
 bool BridgeCore::send_message(Topic& topic, const WorkerMessage& message, Now now, Outbox& out) {
   auto& listeners = topic.listeners;
   const auto is_due = [&](const Listener& one) { return one.owed && (!one.watch || now.mono >= one.next); };
@@ -281,6 +293,7 @@ bool BridgeCore::send_message(Topic& topic, const WorkerMessage& message, Now no
   std::erase_if(listeners, [&](Listener& listener) {
     if (!is_due(listener)) return false;
     listener.owed = false;
+    listener.told = true;
     listener.next = now.mono + kWatchPeriod;
     auto data = selected_json(value, listener.paths, message.parts[0]);
     if (!data) {

@@ -139,7 +139,9 @@ TEST_CASE("an ask is answered by the topic's next message, a watch by each, ten 
   fixture.up();
   fixture.command(1, BridgeAction::ask, "/odom");
   fixture.command(2, BridgeAction::watch, "/odom", "", {"x"});
-  CHECK(fixture.said().size() == 1);  // one subscription for both
+  const auto said = fixture.said();
+  REQUIRE(said.size() == 2);  // the worker has one subscription for both
+  for (const WorkerMessage& one : said) CHECK(one.word == Word::subscribe);
   fixture.worker(Word::message, odometry(1, 2));
   CHECK(fixture.told() == "1 {\"x\":1.0,\"y\":2.0}\n2 1.0\n");
   fixture.worker(Word::message, odometry(3, 2));
@@ -181,6 +183,50 @@ TEST_CASE("of messages that come too fast a watch is told the newest, also if no
   fixture.told();
   fixture.wait(std::chrono::milliseconds(900));
   CHECK(fixture.told().empty());
+}
+
+TEST_CASE(
+    "who begins to listen to a topic that is listened to already is told what ROS keeps of it, nobody else again") {
+  Fixture fixture;
+  fixture.up();
+  fixture.command(1, BridgeAction::watch, "/odom", "", {"x"});
+  fixture.worker(Word::message, odometry(1, 0));
+  CHECK(fixture.told() == "1 1.0\n");
+  fixture.said();
+  fixture.wait(std::chrono::milliseconds(200));
+  fixture.command(2, BridgeAction::ask, "/odom", "", {"x"});
+  fixture.command(3, BridgeAction::watch, "/odom", "", {"x"});
+  const auto said = fixture.said();
+  REQUIRE(said.size() == 2);
+  CHECK(said[0].word == Word::subscribe);
+  CHECK(said[0].parts == std::vector<Bytes>{"/odom"});
+  fixture.worker(Word::kept, odometry(1, 0));
+  CHECK(fixture.told() == "2 1.0\n3 1.0\n");
+  fixture.worker(Word::kept, odometry(1, 0));
+  fixture.wait(std::chrono::milliseconds(200));
+  CHECK(fixture.told().empty());
+  // A newer message that is still owed to others is what counts.
+  fixture.worker(Word::message, odometry(2, 0));
+  CHECK(fixture.told() == "1 2.0\n3 2.0\n");
+  fixture.worker(Word::message, odometry(3, 0));
+  fixture.command(4, BridgeAction::watch, "/odom", "", {"x"});
+  fixture.worker(Word::kept, odometry(1, 0));
+  CHECK(fixture.told() == "4 3.0\n");
+  fixture.wait(std::chrono::milliseconds(100));
+  CHECK(fixture.told() == "1 3.0\n3 3.0\n");
+}
+
+TEST_CASE("an adapter that was restarted is told what ROS keeps of the topics of the one before") {
+  Fixture fixture;
+  fixture.up();
+  fixture.command(1, BridgeAction::watch, "/odom", "", {"x"});
+  fixture.worker(Word::message, odometry(1, 0));
+  CHECK(fixture.told() == "1 1.0\n");
+  fixture.said();
+  fixture.command(1, BridgeAction::watch, "/odom", "", {"x"}, "ridgeback", kAdapter + 1);
+  REQUIRE(fixture.said().size() == 1);
+  fixture.worker(Word::kept, odometry(1, 0));
+  CHECK(fixture.told() == "1 1.0\n");
 }
 
 TEST_CASE("what is dropped is not published once its type is known, nor once somebody subscribes") {

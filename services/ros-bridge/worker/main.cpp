@@ -64,6 +64,7 @@ class Worker {
     roscpp::Subscriber subscriber;
     Clock::time_point next;
     Heard::ConstMessagePtr newest{};  ///< it came too soon after the last one that was told
+    Heard::ConstMessagePtr kept{};    ///< of a latched topic, for a further listener
   };
 
   static void send_to_bridge(Word word, std::vector<Bytes> parts) {
@@ -215,17 +216,23 @@ class Worker {
   }
 
   void subscribe(const std::string& topic) {
-    Subscription& subscription = subscriptions_[topic];
-    subscription.subscriber = node_->subscribe<topic_tools::ShapeShifter const>(
-        topic, 2,
-        boost::function<void(const Heard&)>([this, topic](const Heard& heard) { on_received(topic, heard); }));
+    if (!subscriptions_.contains(topic)) {
+      subscriptions_[topic].subscriber = listen(topic, &Subscription::newest);
+      return;
+    }
+    // ROS gives a latched topic's last message to each new subscriber at once, and to no other.
+    const roscpp::Subscriber further = listen(topic, &Subscription::kept);
+    roscpp::getGlobalCallbackQueue()->callAvailable();
   }
 
-  void on_received(const std::string& topic, const Heard& heard) {
-    const auto at = subscriptions_.find(topic);
-    if (at == subscriptions_.end()) return;
-    at->second.newest = heard.getConstMessage();
-    send_if_due(topic, at->second);
+  roscpp::Subscriber listen(const std::string& topic, Heard::ConstMessagePtr Subscription::*place) {
+    return node_->subscribe<topic_tools::ShapeShifter const>(
+        topic, 2, boost::function<void(const Heard&)>([this, topic, place](const Heard& heard) {
+          const auto at = subscriptions_.find(topic);
+          if (at == subscriptions_.end()) return;
+          at->second.*place = heard.getConstMessage();
+          send_if_due(topic, at->second);
+        }));
   }
 
   /// The last message of a topic that then falls silent is not lost.
@@ -234,14 +241,15 @@ class Worker {
   }
 
   static void send_if_due(const std::string& topic, Subscription& subscription) {
-    if (!subscription.newest || Clock::now() < subscription.next) return;
+    if ((!subscription.newest && !subscription.kept) || Clock::now() < subscription.next) return;
     subscription.next = Clock::now() + kBetweenMessages;
-    const auto message = std::exchange(subscription.newest, nullptr);
+    const Word word = subscription.newest ? Word::message : Word::kept;  // a new one goes to every listener
+    const auto message = subscription.newest ? subscription.newest : subscription.kept;
+    subscription.newest = subscription.kept = nullptr;
     Bytes wire(message->size(), '\0');
     roscpp::serialization::OStream stream(reinterpret_cast<std::uint8_t*>(wire.data()), message->size());
     message->write(stream);
-    send_to_bridge(Word::message,
-                   {topic, message->getDataType(), message->getMD5Sum(), message->getMessageDefinition(), wire});
+    send_to_bridge(word, {topic, message->getDataType(), message->getMD5Sum(), message->getMessageDefinition(), wire});
   }
 
   std::string master_;
