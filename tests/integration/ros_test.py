@@ -11,7 +11,7 @@ import support
 import trb_fleet
 
 HERE = pathlib.Path(__file__).resolve().parent
-MISSING = [name for name in ("rospy", "rosmaster", "geometry_msgs", "nav_msgs") if importlib.util.find_spec(name) is None]
+MISSING = [name for name in ("rospy", "rosmaster", "geometry_msgs", "nav_msgs", "std_msgs") if importlib.util.find_spec(name) is None]
 WORKER = support.PROGRAMS / "trb-ros-worker"
 
 
@@ -30,7 +30,7 @@ class RosFleet(trb_fleet.Fleet):
         words = path.read_text().replace('"cmd_vel geometry_msgs/Twist"', '"cmd_vel"')
         # A stop is confirmed by all its topics, and rospy's robot has no move_base.
         commands = json.loads(words.replace(r"\nmove_base/cancel actionlib_msgs/GoalID {}", ""))
-        commands["ros"]["requests"].update(map="map_metadata width height")
+        commands["ros"]["requests"].update(map="map_metadata width height", novel="novel")
         path.write_text(json.dumps(commands))
 
     def start(self):
@@ -118,6 +118,17 @@ class Ros(unittest.TestCase):
         os.kill(before, signal.SIGKILL)
         self.fleet.wait("a new mode-adapter", lambda: self.fleet.pid("ridgeback", "mode-adapter") not in (None, before), 60)
         self.fleet.wait("its answer", lambda: "[40,30]" in request(check=False), 20)
+
+    def test_a_message_that_is_too_large_is_told_of_and_ends_nothing(self):
+        worker = self.worker()
+        for _ in range(2):
+            done = self.fleet.trb("request", "ridgeback", "novel", node="ridgeback", check=False)
+            self.assertIn("too_large: novel: a message of over 1 MiB", done.stderr)
+        self.move(0.5)
+        self.assertEqual(self.worker(), worker)
+
+    def worker(self):
+        return self.fleet.pid_of_child(self.fleet.pid("ridgeback", "ros-bridge"), "ros-worker")
 
     def test_a_wrong_message_is_refused_by_its_field(self):
         for data, reason in (("[1,2]", "2 values, where 6 are needed"),

@@ -189,6 +189,7 @@ void BridgeCore::on_worker_message(WorkerMessage& message, Now now, Outbox& out)
   alive_ = now.mono;
   const auto& parts = message.parts;
   const auto token = [&parts] { return parse_number<std::uint64_t>(parts[0]).value_or(0); };
+  const auto error = [&parts] { return Error{errc_of(parts[1]).value_or(Errc::robot_error), parts[2], parts[3]}; };
   switch (message.word) {
     case Word::alive:
       return on_alive(parts[0] == "up", parts[1], now, out);
@@ -197,7 +198,9 @@ void BridgeCore::on_worker_message(WorkerMessage& message, Now now, Outbox& out)
     case Word::published:
       return end_publish(token(), std::nullopt, out);
     case Word::failed:
-      return end_publish(token(), Error{errc_of(parts[1]).value_or(Errc::robot_error), parts[2], parts[3]}, out);
+      return end_publish(token(), error(), out);
+    case Word::topic_failed:
+      return on_topic_failed(parts[0], error(), now, out);
     case Word::message:
       return on_message(message, now, out);
     case Word::kept:
@@ -282,6 +285,14 @@ void BridgeCore::on_kept(const WorkerMessage& message, Now now, Outbox& out) {
   for (Listener& listener : topic.listeners) listener.owed = listener.owed || !listener.told;
   // What others are still owed is newer.
   if (!send_message(topic, topic.newest ? *topic.newest : message, now, out)) topic.newest.reset();
+}
+
+void BridgeCore::on_topic_failed(const std::string& topic, const Error& error, Now now, Outbox& out) {
+  const auto at = topics_.find(topic);
+  if (at == topics_.end()) return;
+  for (const Listener& listener : std::exchange(at->second.listeners, {})) fail_event(listener.token, error, out);
+  at->second.newest.reset();
+  if (!at->second.idle_since) at->second.idle_since = now.mono;
 }
 
 bool BridgeCore::send_message(Topic& topic, const WorkerMessage& message, Now now, Outbox& out) {

@@ -87,6 +87,7 @@ class BridgeCore : public Core {
   void on_message(WorkerMessage& message, Now now, Outbox& out);
   /// Others have had it already: told again it would look as if the robot had just said it.
   void on_kept(const WorkerMessage& message, Now now, Outbox& out);
+  void on_topic_failed(const std::string& topic, const Error& error, Now now, Outbox& out);
   /// Tells it to those listeners whose time has come. True: it is still owed to others.
   bool send_message(Topic& topic, const WorkerMessage& message, Now now, Outbox& out);
   void send_owed(Now now, Outbox& out);

@@ -263,6 +263,27 @@ TEST_CASE("what an adapter that is gone wanted published is dropped at the worke
   CHECK(said[0].parts[0] == publish.parts[0]);
 }
 
+TEST_CASE("a topic's refusal by the worker is told to all who listen to it, and to nobody else") {
+  Fixture fixture;
+  fixture.up();
+  fixture.command(1, BridgeAction::watch, "/odom");
+  fixture.command(2, BridgeAction::ask, "/odom");
+  fixture.command(3, BridgeAction::ask, "/scan");
+  fixture.worker(Word::topic_failed, {"/odom", "too_large", "/odom: a message of over 1 MiB", ""});
+  CHECK(fixture.told() ==
+        "1 too_large: /odom: a message of over 1 MiB\n"
+        "2 too_large: /odom: a message of over 1 MiB\n");
+  fixture.worker(Word::topic_failed, {"/gone", "too_large", "", ""});
+  fixture.worker(Word::message, odometry(1, 2));
+  CHECK(fixture.told().empty());
+  fixture.said();
+  for (int i = 0; i < 40; ++i) {
+    fixture.worker(Word::alive, {"up", ""});
+    fixture.wait(std::chrono::seconds(1));
+  }
+  CHECK(fixture.said().front().parts == std::vector<Bytes>{"/odom"});  // nobody listens to it any more
+}
+
 TEST_CASE("nobody waits for ever") {
   Fixture fixture;
   fixture.up();

@@ -26,7 +26,8 @@ enum class Word : std::uint8_t {
   // to the worker
   drop,  ///< token: what was not published yet is not published any more, and not answered
   // of the worker
-  kept,  ///< as message: a latched topic's last one, once more, for who has begun to listen since
+  kept,          ///< as message: a latched topic's last one, once more, for who has begun to listen since
+  topic_failed,  ///< topic, Errc's name, what, hint: instead of a message
 };
 
 struct WorkerMessage {

@@ -14,6 +14,7 @@
 #include <string>
 #include <utility>
 
+#include "services/ros-bridge/core/message_codec.hpp"
 #include "services/ros-bridge/core/worker_syntax.hpp"
 
 namespace trb::ros {
@@ -240,12 +241,22 @@ class Worker {
     for (auto& [topic, subscription] : subscriptions_) send_if_due(topic, subscription);
   }
 
+  /// The bridge reads no larger one, and takes what is far larger for garbage.
+  static bool is_too_large(const topic_tools::ShapeShifter& message) {
+    const std::size_t head =
+        message.getDataType().size() + message.getMD5Sum().size() + message.getMessageDefinition().size();
+    return message.size() > kMaxMessage || head > kMaxMessage;
+  }
+
   static void send_if_due(const std::string& topic, Subscription& subscription) {
     if ((!subscription.newest && !subscription.kept) || Clock::now() < subscription.next) return;
     subscription.next = Clock::now() + kBetweenMessages;
     const Word word = subscription.newest ? Word::message : Word::kept;  // a new one goes to every listener
     const auto message = subscription.newest ? subscription.newest : subscription.kept;
     subscription.newest = subscription.kept = nullptr;
+    if (is_too_large(*message)) {
+      return send_to_bridge(Word::topic_failed, {topic, "too_large", topic + ": a message of over 1 MiB", ""});
+    }
     Bytes wire(message->size(), '\0');
     roscpp::serialization::OStream stream(reinterpret_cast<std::uint8_t*>(wire.data()), message->size());
     message->write(stream);
