@@ -30,6 +30,8 @@ class RosFleet(trb_fleet.Fleet):
         words = path.read_text().replace('"cmd_vel geometry_msgs/Twist"', '"cmd_vel"')
         # A stop is confirmed by all its topics, and rospy's robot has no move_base.
         commands = json.loads(words.replace(r"\nmove_base/cancel actionlib_msgs/GoalID {}", ""))
+        # As many as may wait at the bridge.
+        commands["ros"]["commands"]["ramp"] = "\n".join(f"cmd_vel [{i / 256},0,0,0,0,0]" for i in range(256))
         commands["ros"]["requests"].update(map="map_metadata width height", novel="novel")
         path.write_text(json.dumps(commands))
 
@@ -98,6 +100,14 @@ class Ros(unittest.TestCase):
         done = self.fleet.send("command", "move", '{"linear":{"x":-1.5},"angular":{"z":0.125}}')
         self.assertEqual(done.returncode, 0, done.stderr)
         self.fleet.robot.wait_line("twist [-1.5, 0.0, 0.0, 0.0, 0.0, 0.125]", 60, start)
+
+    def test_what_is_published_at_once_arrives_whole_and_in_order(self):
+        start = len(self.fleet.robot.lines)
+        done = self.fleet.send("command", "ramp", "")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.move(0.5)  # behind them
+        twists = [json.loads(line[6:])[0] for line in self.fleet.robot.lines[start:] if line.startswith("twist ")]
+        self.assertEqual(twists[:-1], [i / 256 for i in range(256)])
 
     def test_a_request_is_answered_with_what_rospy_published(self):
         done = self.fleet.trb("request", "ridgeback", "odometry", node="ridgeback")

@@ -113,7 +113,7 @@ void BridgeCore::publish(Publication publication, const std::string& name, Now n
   if (!type) return fail_event(publication.token, type.error(), out);
   auto wire = to_wire(**type, publication.data);
   if (!wire) return fail_event(publication.token, wire.error(), out);
-  if (published_.size() >= kMaxWaiting) {
+  if (published_.size() >= kMaxPublications) {
     return fail_event(publication.token, fail(Errc::queue_full, "too many messages wait for ROS"), out);
   }
   const auto left = std::chrono::duration_cast<milliseconds>(publication.deadline - now.mono).count();

@@ -38,6 +38,9 @@ struct WorkerMessage {
 /// Largest message between them, in bytes.
 constexpr std::size_t kMaxWorkerMessage = 4U << 20U;
 
+/// How many publications may wait at the worker. Once somebody subscribes they are all published at once.
+constexpr std::size_t kMaxPublications = 256;
+
 Bytes to_bytes(const WorkerMessage& message);
 
 /// Puts messages together from what a pipe gives.

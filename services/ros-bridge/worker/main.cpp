@@ -167,7 +167,8 @@ class Worker {
       publisher.sum = parts[3];
       publisher.type = parts[2];
       publisher.message.morph(parts[3], parts[2], parts[4], "0");
-      publisher.publisher = publisher.message.advertise(*node_, topic, 10);
+      // What does not fit into ROS' queue is thrown away, and was told to be published.
+      publisher.publisher = publisher.message.advertise(*node_, topic, kMaxPublications);
     }
     if (!publisher.publisher) {
       give_up(topic, "cannot be published");
