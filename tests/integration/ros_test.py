@@ -7,6 +7,7 @@ import signal
 import subprocess
 import unittest
 
+import ros_worker
 import support
 import trb_fleet
 
@@ -136,6 +137,23 @@ class Ros(unittest.TestCase):
             self.assertIn("too_large: novel: a message of over 1 MiB", done.stderr)
         self.move(0.5)
         self.assertEqual(self.worker(), worker)
+
+    def test_a_name_that_ros_refuses_ends_no_worker(self):
+        """The bridge refuses such a name, too; here nobody does before the worker."""
+        worker = ros_worker.Worker(WORKER, self.fleet.root / "worker.log", self.fleet.ros_uri(), self.fleet.env)
+        self.addCleanup(worker.stop)
+        worker.wait_up()
+        worker.say(ros_worker.LOOK_UP, "2d_scan")
+        self.assertEqual(worker.answer(), (ros_worker.TYPE, ["2d_scan", ""]))
+        worker.say(ros_worker.PUBLISH, "7", "2d_scan", "std_msgs/Empty", "d41d8cd98f00b204e9800998ecf8427e", "", "60000", "")
+        word, (token, code, what, _) = worker.answer()
+        self.assertEqual((word, token, code), (ros_worker.FAILED, "7", "bad_value"))
+        self.assertIn("2d_scan", what)
+        worker.say(ros_worker.SUBSCRIBE, "2d_scan")
+        word, (topic, code, *_) = worker.answer()
+        self.assertEqual((word, topic, code), (ros_worker.TOPIC_FAILED, "2d_scan", "bad_value"))
+        worker.say(ros_worker.LOOK_UP, "/ridgeback/cmd_vel")
+        self.assertEqual(worker.answer(), (ros_worker.TYPE, ["/ridgeback/cmd_vel", "geometry_msgs/Twist"]))
 
     def worker(self):
         return self.fleet.pid_of_child(self.fleet.pid("ridgeback", "ros-bridge"), "ros-worker")

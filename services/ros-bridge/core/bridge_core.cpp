@@ -31,10 +31,11 @@ Duration patience(double timeout_s) {
   return trb::seconds(std::clamp(timeout_s, 0.1, kMostTimeout_s));
 }
 
+/// As ROS wants it: a letter or '/' first.
 bool is_topic(std::string_view name) {
-  return !name.empty() && name.size() <= 255 && std::ranges::all_of(name, [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '/';
-  });
+  const auto first = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '/'; };
+  if (name.empty() || name.size() > 255 || !first(name.front())) return false;
+  return std::ranges::all_of(name, [&](char c) { return first(c) || (c >= '0' && c <= '9') || c == '_'; });
 }
 
 /// What a listener wants of a topic's message, as JSON.
@@ -75,7 +76,8 @@ void BridgeCore::on_command(const BridgeCommand& command, Now now, Outbox& out) 
   if (!up_) return fail_event(command.token, fail(Errc::robot_offline, detail_), out);
   if (!is_topic(command.name)) {
     return fail_event(command.token,
-                      fail(Errc::bad_value, "'" + command.name.substr(0, 60) + "' is no topic", "write it as /cmd_vel"),
+                      fail(Errc::bad_value, "'" + command.name.substr(0, 60) + "' is no topic",
+                           "begin it with a letter or '/', for example /cmd_vel"),
                       out);
   }
   if (command.action == BridgeAction::publish) return begin_publish(command, now, out);

@@ -126,7 +126,12 @@ TEST_CASE("what cannot be published is refused, and by its field") {
   fixture.worker(Word::type, {"/odd", "demo/Odd"});
   CHECK(fixture.told() == "4 missing: demo/Odd: no definition\n");
   fixture.command(5, BridgeAction::publish, "no topic", "{}");
-  CHECK(fixture.told() == "5 bad_value: 'no topic' is no topic\n");
+  fixture.command(5, BridgeAction::ask, "2d_scan");
+  fixture.command(5, BridgeAction::publish, "_vel", "{}");
+  CHECK(fixture.told() ==
+        "5 bad_value: 'no topic' is no topic\n"
+        "5 bad_value: '2d_scan' is no topic\n"
+        "5 bad_value: '_vel' is no topic\n");
   fixture.command(6, BridgeAction::publish, "/cmd_vel", "{}");
   fixture.said();
   fixture.worker(Word::failed, {"3", "timeout", "/cmd_vel: nobody subscribes", ""});

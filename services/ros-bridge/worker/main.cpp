@@ -95,6 +95,15 @@ class Worker {
   void on(const WorkerMessage& message) {
     // The bridge requests nothing before it knows that the master is there.
     if (!node_) return;
+    try {
+      carry_out(message);
+    } catch (const roscpp::Exception& problem) {
+      on_refused(message, problem.what());
+    }
+  }
+
+  /// It may throw at a name that ROS does not take.
+  void carry_out(const WorkerMessage& message) {
     const auto& parts = message.parts;
     if (message.word == Word::look_up) return look_up(parts[0]);
     if (message.word == Word::publish) return take_publication(parts);
@@ -103,6 +112,17 @@ class Worker {
     if (message.word == Word::drop) {
       std::erase_if(waiting_, [&](const Waiting& waiting) { return waiting.token == parts[0]; });
     }
+  }
+
+  void on_refused(const WorkerMessage& message, const std::string& why) {
+    const auto& parts = message.parts;
+    if (message.word == Word::look_up) return send_to_bridge(Word::type, {parts[0], ""});
+    if (message.word == Word::subscribe) {
+      return send_to_bridge(Word::topic_failed, {parts[0], "bad_value", parts[0] + ": " + why, ""});
+    }
+    if (message.word != Word::publish) return;
+    give_up(parts[1], "cannot be published");
+    refuse(parts[0], "bad_value", parts[1] + ": " + why, "");
   }
 
   /// False: another master has come up in its place; what is registered with the old one is lost.
