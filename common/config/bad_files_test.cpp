@@ -269,6 +269,8 @@ TEST_CASE("the ros mode: its service, topics, types, data, and ends that it can 
                 {{"node.json", R"( "ros-bridge",)", "", "services", "has no \"ros-bridge\""},
                  {"commands.json", R"("/cmd_vel")", R"("cmd vel!")", "ros.commands.move", "is no message type"},
                  {"commands.json", R"("/cmd_vel")", R"("/cmd-vel")", "ros.commands.move", "is no topic"},
+                 {"commands.json", R"("/cmd_vel")", R"("2d_vel")", "ros.commands.move", "is no topic"},
+                 {"commands.json", R"("/odom pose.x")", R"("_odom pose.x")", "ros.requests.position", "is no topic"},
                  {"commands.json", "geometry_msgs/Point", "Point", "ros.commands.go", "is no message type"},
                  {"commands.json", R"({0}})", "{0}", "ros.commands.go", "the data of /goal: no JSON"},
                  {"commands.json", R"(, "stop": "/cmd_vel {}")", "", "ros.commands.stop", "must say how it is stopped"},

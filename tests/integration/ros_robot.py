@@ -1,11 +1,13 @@
-"""A robot in rospy: prints every Twist on cmd_vel as JSON, publishes its odometry ten times a second.
+"""A robot in rospy: prints every Twist on cmd_vel as JSON, publishes its odometry ten times a second; once, and latched, its
+map's size and a text of 5 MiB.
 Run with Debian's interpreter, ROS_MASTER_URI and ROS_IP set."""
 import json
 import sys
 
 import rospy
 from geometry_msgs.msg import Twist
-from nav_msgs.msg import Odometry
+from nav_msgs.msg import MapMetaData, Odometry
+from std_msgs.msg import String
 
 
 def print_line(text):
@@ -22,6 +24,8 @@ def main():
     rospy.init_node("robot", anonymous=True, disable_signals=True)
     rospy.Subscriber("cmd_vel", Twist, on_twist)
     publisher = rospy.Publisher("odom", Odometry, queue_size=1)
+    rospy.Publisher("map_metadata", MapMetaData, latch=True, queue_size=1).publish(MapMetaData(width=40, height=30))
+    rospy.Publisher("novel", String, latch=True, queue_size=1).publish(String("x" * (5 << 20)))
     odometry = Odometry()
     odometry.child_frame_id = "base_link"
     odometry.pose.pose.position.x = 1.25

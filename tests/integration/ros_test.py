@@ -7,11 +7,12 @@ import signal
 import subprocess
 import unittest
 
+import ros_worker
 import support
 import trb_fleet
 
 HERE = pathlib.Path(__file__).resolve().parent
-MISSING = [name for name in ("rospy", "rosmaster", "geometry_msgs", "nav_msgs") if importlib.util.find_spec(name) is None]
+MISSING = [name for name in ("rospy", "rosmaster", "geometry_msgs", "nav_msgs", "std_msgs") if importlib.util.find_spec(name) is None]
 WORKER = support.PROGRAMS / "trb-ros-worker"
 
 
@@ -29,7 +30,11 @@ class RosFleet(trb_fleet.Fleet):
         path = self.dir(node) / "commands.json"
         words = path.read_text().replace('"cmd_vel geometry_msgs/Twist"', '"cmd_vel"')
         # A stop is confirmed by all its topics, and rospy's robot has no move_base.
-        path.write_text(words.replace(r"\nmove_base/cancel actionlib_msgs/GoalID {}", ""))
+        commands = json.loads(words.replace(r"\nmove_base/cancel actionlib_msgs/GoalID {}", ""))
+        # As many as may wait at the bridge.
+        commands["ros"]["commands"]["ramp"] = "\n".join(f"cmd_vel [{i / 256},0,0,0,0,0]" for i in range(256))
+        commands["ros"]["requests"].update(map="map_metadata width height", novel="novel")
+        path.write_text(json.dumps(commands))
 
     def start(self):
         """The master and the robot's node are for the tests to start."""
@@ -97,6 +102,14 @@ class Ros(unittest.TestCase):
         self.assertEqual(done.returncode, 0, done.stderr)
         self.fleet.robot.wait_line("twist [-1.5, 0.0, 0.0, 0.0, 0.0, 0.125]", 60, start)
 
+    def test_what_is_published_at_once_arrives_whole_and_in_order(self):
+        start = len(self.fleet.robot.lines)
+        done = self.fleet.send("command", "ramp", "")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.move(0.5)  # behind them
+        twists = [json.loads(line[6:])[0] for line in self.fleet.robot.lines[start:] if line.startswith("twist ")]
+        self.assertEqual(twists[:-1], [i / 256 for i in range(256)])
+
     def test_a_request_is_answered_with_what_rospy_published(self):
         done = self.fleet.trb("request", "ridgeback", "odometry", node="ridgeback")
         odometry = json.loads(done.stdout[done.stdout.index("{"):])
@@ -105,6 +118,45 @@ class Ros(unittest.TestCase):
         self.assertEqual(len(odometry["pose"]["covariance"]), 36)
         done = self.fleet.trb("request", "ridgeback", "position", node="ridgeback")
         self.assertIn("[1.25,-2.5]", done.stdout)
+
+    def test_each_request_is_answered_with_what_is_latched(self):
+        """Rospy publishes it once. The bridge keeps its subscription for 30 s, also beyond a mode-adapter's end."""
+        def request(check=True):
+            return self.fleet.trb("request", "ridgeback", "map", node="ridgeback", check=check).stdout
+        for _ in range(3):
+            self.assertIn("[40,30]", request())
+        before = self.fleet.pid("ridgeback", "mode-adapter")
+        os.kill(before, signal.SIGKILL)
+        self.fleet.wait("a new mode-adapter", lambda: self.fleet.pid("ridgeback", "mode-adapter") not in (None, before), 60)
+        self.fleet.wait("its answer", lambda: "[40,30]" in request(check=False), 20)
+
+    def test_a_message_that_is_too_large_is_told_of_and_ends_nothing(self):
+        worker = self.worker()
+        for _ in range(2):
+            done = self.fleet.trb("request", "ridgeback", "novel", node="ridgeback", check=False)
+            self.assertIn("too_large: novel: a message of over 1 MiB", done.stderr)
+        self.move(0.5)
+        self.assertEqual(self.worker(), worker)
+
+    def test_a_name_that_ros_refuses_ends_no_worker(self):
+        """The bridge refuses such a name, too; here nobody does before the worker."""
+        worker = ros_worker.Worker(WORKER, self.fleet.root / "worker.log", self.fleet.ros_uri(), self.fleet.env)
+        self.addCleanup(worker.stop)
+        worker.wait_up()
+        worker.say(ros_worker.LOOK_UP, "2d_scan")
+        self.assertEqual(worker.answer(), (ros_worker.TYPE, ["2d_scan", ""]))
+        worker.say(ros_worker.PUBLISH, "7", "2d_scan", "std_msgs/Empty", "d41d8cd98f00b204e9800998ecf8427e", "", "60000", "")
+        word, (token, code, what, _) = worker.answer()
+        self.assertEqual((word, token, code), (ros_worker.FAILED, "7", "bad_value"))
+        self.assertIn("2d_scan", what)
+        worker.say(ros_worker.SUBSCRIBE, "2d_scan")
+        word, (topic, code, *_) = worker.answer()
+        self.assertEqual((word, topic, code), (ros_worker.TOPIC_FAILED, "2d_scan", "bad_value"))
+        worker.say(ros_worker.LOOK_UP, "/ridgeback/cmd_vel")
+        self.assertEqual(worker.answer(), (ros_worker.TYPE, ["/ridgeback/cmd_vel", "geometry_msgs/Twist"]))
+
+    def worker(self):
+        return self.fleet.pid_of_child(self.fleet.pid("ridgeback", "ros-bridge"), "ros-worker")
 
     def test_a_wrong_message_is_refused_by_its_field(self):
         for data, reason in (("[1,2]", "2 values, where 6 are needed"),

@@ -16,6 +16,11 @@ bool is_name(std::string_view text) {
   });
 }
 
+/// As ROS wants it: a letter or '/' first.
+bool is_topic(std::string_view text) {
+  return is_name(text) && text.front() != '_' && !(text.front() >= '0' && text.front() <= '9');
+}
+
 /// The data with 0 for each placeholder: {data}, {0} … {99}.
 std::string filled(std::string_view data) {
   std::string out;
@@ -46,8 +51,9 @@ Result<std::vector<RosPublication>> read_ros_publications(std::string_view text)
     RosPublication publication;
     publication.topic = next_word(line);
     if (publication.topic.empty()) continue;
-    if (!is_name(publication.topic)) {
-      return fail(Errc::bad_value, "'" + publication.topic.substr(0, 60) + "' is no topic", "write it as /cmd_vel");
+    if (!is_topic(publication.topic)) {
+      return fail(Errc::bad_value, "'" + publication.topic.substr(0, 60) + "' is no topic",
+                  "begin it with a letter or '/', for example /cmd_vel");
     }
     if (!line.empty() && line.front() != '{' && line.front() != '[') {
       publication.type = next_word(line);
@@ -67,7 +73,7 @@ Result<std::vector<RosPublication>> read_ros_publications(std::string_view text)
 
 Result<RosQuestion> read_ros_question(std::string_view text) {
   RosQuestion question{std::string(next_word(text)), {}};
-  if (!is_name(question.topic)) {
+  if (!is_topic(question.topic)) {
     return fail(Errc::bad_value, "'" + question.topic.substr(0, 60) + "' is no topic",
                 "write \"TOPIC\" or \"TOPIC FIELD ...\", for example \"/odom pose.pose.position.x\"");
   }

@@ -16,7 +16,8 @@ struct RosPublication {
   std::string data;  ///< with {data} or {0}, {1} …; without any: {data}
 };
 
-/// One a line. Errors: bad_value (no topic, not a type, or not JSON once the placeholders are filled).
+/// One a line. Errors: bad_value (not a topic as ROS wants it, not a type, or not JSON once the placeholders are
+/// filled).
 Result<std::vector<RosPublication>> read_ros_publications(std::string_view text);
 
 /// "TOPIC [FIELD ...]", for example `/odom pose.pose.position.x pose.pose.position.y`.
@@ -25,7 +26,7 @@ struct RosQuestion {
   std::vector<std::string> fields;
 };
 
-/// Errors: bad_value (no topic, or over 32 fields).
+/// Errors: bad_value (not a topic as ROS wants it, or over 32 fields).
 Result<RosQuestion> read_ros_question(std::string_view text);
 
 }  // namespace trb::drivers

@@ -31,10 +31,11 @@ Duration patience(double timeout_s) {
   return trb::seconds(std::clamp(timeout_s, 0.1, kMostTimeout_s));
 }
 
+/// As ROS wants it: a letter or '/' first.
 bool is_topic(std::string_view name) {
-  return !name.empty() && name.size() <= 255 && std::ranges::all_of(name, [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '/';
-  });
+  const auto first = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '/'; };
+  if (name.empty() || name.size() > 255 || !first(name.front())) return false;
+  return std::ranges::all_of(name, [&](char c) { return first(c) || (c >= '0' && c <= '9') || c == '_'; });
 }
 
 /// What a listener wants of a topic's message, as JSON.
@@ -75,7 +76,8 @@ void BridgeCore::on_command(const BridgeCommand& command, Now now, Outbox& out) 
   if (!up_) return fail_event(command.token, fail(Errc::robot_offline, detail_), out);
   if (!is_topic(command.name)) {
     return fail_event(command.token,
-                      fail(Errc::bad_value, "'" + command.name.substr(0, 60) + "' is no topic", "write it as /cmd_vel"),
+                      fail(Errc::bad_value, "'" + command.name.substr(0, 60) + "' is no topic",
+                           "begin it with a letter or '/', for example /cmd_vel"),
                       out);
   }
   if (command.action == BridgeAction::publish) return begin_publish(command, now, out);
@@ -113,7 +115,7 @@ void BridgeCore::publish(Publication publication, const std::string& name, Now n
   if (!type) return fail_event(publication.token, type.error(), out);
   auto wire = to_wire(**type, publication.data);
   if (!wire) return fail_event(publication.token, wire.error(), out);
-  if (published_.size() >= kMaxWaiting) {
+  if (published_.size() >= kMaxPublications) {
     return fail_event(publication.token, fail(Errc::queue_full, "too many messages wait for ROS"), out);
   }
   const auto left = std::chrono::duration_cast<milliseconds>(publication.deadline - now.mono).count();
@@ -134,7 +136,8 @@ void BridgeCore::listen(const BridgeCommand& command, Now now, Outbox& out) {
   if (topic.listeners.size() >= kMaxWaiting) {
     return fail_event(command.token, fail(Errc::queue_full, "too many wait for " + command.name), out);
   }
-  if (known == topics_.end()) send_to_worker(Word::subscribe, {command.name});
+  // Also for a known one: a latched topic says nothing more for whoever comes later.
+  send_to_worker(Word::subscribe, {command.name});
   topic.idle_since.reset();
   topic.listeners.push_back({command.token, command.paths, command.action == BridgeAction::watch,
                              now.mono + patience(command.timeout_s), now.mono});
@@ -188,6 +191,7 @@ void BridgeCore::on_worker_message(WorkerMessage& message, Now now, Outbox& out)
   alive_ = now.mono;
   const auto& parts = message.parts;
   const auto token = [&parts] { return parse_number<std::uint64_t>(parts[0]).value_or(0); };
+  const auto error = [&parts] { return Error{errc_of(parts[1]).value_or(Errc::robot_error), parts[2], parts[3]}; };
   switch (message.word) {
     case Word::alive:
       return on_alive(parts[0] == "up", parts[1], now, out);
@@ -196,9 +200,13 @@ void BridgeCore::on_worker_message(WorkerMessage& message, Now now, Outbox& out)
     case Word::published:
       return end_publish(token(), std::nullopt, out);
     case Word::failed:
-      return end_publish(token(), Error{errc_of(parts[1]).value_or(Errc::robot_error), parts[2], parts[3]}, out);
+      return end_publish(token(), error(), out);
+    case Word::topic_failed:
+      return on_topic_failed(parts[0], error(), now, out);
     case Word::message:
       return on_message(message, now, out);
+    case Word::kept:
+      return on_kept(message, now, out);
     default:
       out.count("refused.unexpected");
   }
@@ -272,6 +280,23 @@ void BridgeCore::on_message(WorkerMessage& message, Now now, Outbox& out) {
   if (send_message(topic, message, now, out)) topic.newest = std::move(message);
 }
 
+void BridgeCore::on_kept(const WorkerMessage& message, Now now, Outbox& out) {
+  const auto at = topics_.find(message.parts[0]);
+  if (at == topics_.end()) return;
+  Topic& topic = at->second;
+  for (Listener& listener : topic.listeners) listener.owed = listener.owed || !listener.told;
+  // What others are still owed is newer.
+  if (!send_message(topic, topic.newest ? *topic.newest : message, now, out)) topic.newest.reset();
+}
+
+void BridgeCore::on_topic_failed(const std::string& topic, const Error& error, Now now, Outbox& out) {
+  const auto at = topics_.find(topic);
+  if (at == topics_.end()) return;
+  for (const Listener& listener : std::exchange(at->second.listeners, {})) fail_event(listener.token, error, out);
+  at->second.newest.reset();
+  if (!at->second.idle_since) at->second.idle_since = now.mono;
+}
+
 bool BridgeCore::send_message(Topic& topic, const WorkerMessage& message, Now now, Outbox& out) {
   auto& listeners = topic.listeners;
   const auto is_due = [&](const Listener& one) { return one.owed && (!one.watch || now.mono >= one.next); };
@@ -281,6 +306,7 @@ bool BridgeCore::send_message(Topic& topic, const WorkerMessage& message, Now no
   std::erase_if(listeners, [&](Listener& listener) {
     if (!is_due(listener)) return false;
     listener.owed = false;
+    listener.told = true;
     listener.next = now.mono + kWatchPeriod;
     auto data = selected_json(value, listener.paths, message.parts[0]);
     if (!data) {

@@ -59,6 +59,7 @@ class BridgeCore : public Core {
     MonotonicTime deadline;  ///< of an ask
     MonotonicTime next;      ///< a watch tells nothing before
     bool owed = false;       ///< a watch: the topic's newest message was not told, for it came too soon
+    bool told = false;       ///< it has had a message
   };
   struct Topic {
     std::vector<Listener> listeners;
@@ -84,6 +85,9 @@ class BridgeCore : public Core {
   void on_alive(bool up, const std::string& detail, Now now, Outbox& out);
   void on_type(const std::string& topic, const std::string& type, Now now, Outbox& out);
   void on_message(WorkerMessage& message, Now now, Outbox& out);
+  /// Others have had it already: told again it would look as if the robot had just said it.
+  void on_kept(const WorkerMessage& message, Now now, Outbox& out);
+  void on_topic_failed(const std::string& topic, const Error& error, Now now, Outbox& out);
   /// Tells it to those listeners whose time has come. True: it is still owed to others.
   bool send_message(Topic& topic, const WorkerMessage& message, Now now, Outbox& out);
   void send_owed(Now now, Outbox& out);

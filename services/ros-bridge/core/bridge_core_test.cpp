@@ -126,7 +126,12 @@ TEST_CASE("what cannot be published is refused, and by its field") {
   fixture.worker(Word::type, {"/odd", "demo/Odd"});
   CHECK(fixture.told() == "4 missing: demo/Odd: no definition\n");
   fixture.command(5, BridgeAction::publish, "no topic", "{}");
-  CHECK(fixture.told() == "5 bad_value: 'no topic' is no topic\n");
+  fixture.command(5, BridgeAction::ask, "2d_scan");
+  fixture.command(5, BridgeAction::publish, "_vel", "{}");
+  CHECK(fixture.told() ==
+        "5 bad_value: 'no topic' is no topic\n"
+        "5 bad_value: '2d_scan' is no topic\n"
+        "5 bad_value: '_vel' is no topic\n");
   fixture.command(6, BridgeAction::publish, "/cmd_vel", "{}");
   fixture.said();
   fixture.worker(Word::failed, {"3", "timeout", "/cmd_vel: nobody subscribes", ""});
@@ -139,7 +144,9 @@ TEST_CASE("an ask is answered by the topic's next message, a watch by each, ten 
   fixture.up();
   fixture.command(1, BridgeAction::ask, "/odom");
   fixture.command(2, BridgeAction::watch, "/odom", "", {"x"});
-  CHECK(fixture.said().size() == 1);  // one subscription for both
+  const auto said = fixture.said();
+  REQUIRE(said.size() == 2);  // the worker has one subscription for both
+  for (const WorkerMessage& one : said) CHECK(one.word == Word::subscribe);
   fixture.worker(Word::message, odometry(1, 2));
   CHECK(fixture.told() == "1 {\"x\":1.0,\"y\":2.0}\n2 1.0\n");
   fixture.worker(Word::message, odometry(3, 2));
@@ -183,6 +190,50 @@ TEST_CASE("of messages that come too fast a watch is told the newest, also if no
   CHECK(fixture.told().empty());
 }
 
+TEST_CASE(
+    "who begins to listen to a topic that is listened to already is told what ROS keeps of it, nobody else again") {
+  Fixture fixture;
+  fixture.up();
+  fixture.command(1, BridgeAction::watch, "/odom", "", {"x"});
+  fixture.worker(Word::message, odometry(1, 0));
+  CHECK(fixture.told() == "1 1.0\n");
+  fixture.said();
+  fixture.wait(std::chrono::milliseconds(200));
+  fixture.command(2, BridgeAction::ask, "/odom", "", {"x"});
+  fixture.command(3, BridgeAction::watch, "/odom", "", {"x"});
+  const auto said = fixture.said();
+  REQUIRE(said.size() == 2);
+  CHECK(said[0].word == Word::subscribe);
+  CHECK(said[0].parts == std::vector<Bytes>{"/odom"});
+  fixture.worker(Word::kept, odometry(1, 0));
+  CHECK(fixture.told() == "2 1.0\n3 1.0\n");
+  fixture.worker(Word::kept, odometry(1, 0));
+  fixture.wait(std::chrono::milliseconds(200));
+  CHECK(fixture.told().empty());
+  // A newer message that is still owed to others is what counts.
+  fixture.worker(Word::message, odometry(2, 0));
+  CHECK(fixture.told() == "1 2.0\n3 2.0\n");
+  fixture.worker(Word::message, odometry(3, 0));
+  fixture.command(4, BridgeAction::watch, "/odom", "", {"x"});
+  fixture.worker(Word::kept, odometry(1, 0));
+  CHECK(fixture.told() == "4 3.0\n");
+  fixture.wait(std::chrono::milliseconds(100));
+  CHECK(fixture.told() == "1 3.0\n3 3.0\n");
+}
+
+TEST_CASE("an adapter that was restarted is told what ROS keeps of the topics of the one before") {
+  Fixture fixture;
+  fixture.up();
+  fixture.command(1, BridgeAction::watch, "/odom", "", {"x"});
+  fixture.worker(Word::message, odometry(1, 0));
+  CHECK(fixture.told() == "1 1.0\n");
+  fixture.said();
+  fixture.command(1, BridgeAction::watch, "/odom", "", {"x"}, "ridgeback", kAdapter + 1);
+  REQUIRE(fixture.said().size() == 1);
+  fixture.worker(Word::kept, odometry(1, 0));
+  CHECK(fixture.told() == "1 1.0\n");
+}
+
 TEST_CASE("what is dropped is not published once its type is known, nor once somebody subscribes") {
   Fixture fixture;
   fixture.up();
@@ -215,6 +266,27 @@ TEST_CASE("what an adapter that is gone wanted published is dropped at the worke
   REQUIRE(said.size() == 2);
   CHECK(said[0].word == Word::drop);
   CHECK(said[0].parts[0] == publish.parts[0]);
+}
+
+TEST_CASE("a topic's refusal by the worker is told to all who listen to it, and to nobody else") {
+  Fixture fixture;
+  fixture.up();
+  fixture.command(1, BridgeAction::watch, "/odom");
+  fixture.command(2, BridgeAction::ask, "/odom");
+  fixture.command(3, BridgeAction::ask, "/scan");
+  fixture.worker(Word::topic_failed, {"/odom", "too_large", "/odom: a message of over 1 MiB", ""});
+  CHECK(fixture.told() ==
+        "1 too_large: /odom: a message of over 1 MiB\n"
+        "2 too_large: /odom: a message of over 1 MiB\n");
+  fixture.worker(Word::topic_failed, {"/gone", "too_large", "", ""});
+  fixture.worker(Word::message, odometry(1, 2));
+  CHECK(fixture.told().empty());
+  fixture.said();
+  for (int i = 0; i < 40; ++i) {
+    fixture.worker(Word::alive, {"up", ""});
+    fixture.wait(std::chrono::seconds(1));
+  }
+  CHECK(fixture.said().front().parts == std::vector<Bytes>{"/odom"});  // nobody listens to it any more
 }
 
 TEST_CASE("nobody waits for ever") {

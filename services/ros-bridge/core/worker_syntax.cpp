@@ -7,7 +7,7 @@
 namespace trb::ros {
 namespace {
 
-constexpr std::array<std::size_t, 11> kParts = {0, 1, 7, 1, 1, 2, 2, 1, 4, 5, 1};
+constexpr std::array<std::size_t, 13> kParts = {0, 1, 7, 1, 1, 2, 2, 1, 4, 5, 1, 5, 4};
 constexpr std::size_t kSize = sizeof(std::uint32_t);
 
 /// The message's body, behind its size.

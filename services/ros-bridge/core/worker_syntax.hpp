@@ -15,7 +15,7 @@ enum class Word : std::uint8_t {
   // to the worker
   look_up = 1,  ///< topic
   publish,      ///< token, topic, type, md5, definition, patience_ms, wire
-  subscribe,    ///< topic
+  subscribe,    ///< topic; of one that is subscribed to already: what ROS keeps of it
   unsubscribe,  ///< topic
   // of the worker
   alive,      ///< "up" or "absent", detail; every half second
@@ -25,6 +25,9 @@ enum class Word : std::uint8_t {
   message,    ///< topic, type, md5, definition, wire
   // to the worker
   drop,  ///< token: what was not published yet is not published any more, and not answered
+  // of the worker
+  kept,          ///< as message: a latched topic's last one, once more, for who has begun to listen since
+  topic_failed,  ///< topic, Errc's name, what, hint: instead of a message
 };
 
 struct WorkerMessage {
@@ -34,6 +37,9 @@ struct WorkerMessage {
 
 /// Largest message between them, in bytes.
 constexpr std::size_t kMaxWorkerMessage = 4U << 20U;
+
+/// How many publications may wait at the worker. Once somebody subscribes they are all published at once.
+constexpr std::size_t kMaxPublications = 256;
 
 Bytes to_bytes(const WorkerMessage& message);
 

@@ -14,6 +14,7 @@
 #include <string>
 #include <utility>
 
+#include "services/ros-bridge/core/message_codec.hpp"
 #include "services/ros-bridge/core/worker_syntax.hpp"
 
 namespace trb::ros {
@@ -64,6 +65,7 @@ class Worker {
     roscpp::Subscriber subscriber;
     Clock::time_point next;
     Heard::ConstMessagePtr newest{};  ///< it came too soon after the last one that was told
+    Heard::ConstMessagePtr kept{};    ///< of a latched topic, for a further listener
   };
 
   static void send_to_bridge(Word word, std::vector<Bytes> parts) {
@@ -93,6 +95,15 @@ class Worker {
   void on(const WorkerMessage& message) {
     // The bridge requests nothing before it knows that the master is there.
     if (!node_) return;
+    try {
+      carry_out(message);
+    } catch (const roscpp::Exception& problem) {
+      on_refused(message, problem.what());
+    }
+  }
+
+  /// It may throw at a name that ROS does not take.
+  void carry_out(const WorkerMessage& message) {
     const auto& parts = message.parts;
     if (message.word == Word::look_up) return look_up(parts[0]);
     if (message.word == Word::publish) return take_publication(parts);
@@ -101,6 +112,17 @@ class Worker {
     if (message.word == Word::drop) {
       std::erase_if(waiting_, [&](const Waiting& waiting) { return waiting.token == parts[0]; });
     }
+  }
+
+  void on_refused(const WorkerMessage& message, const std::string& why) {
+    const auto& parts = message.parts;
+    if (message.word == Word::look_up) return send_to_bridge(Word::type, {parts[0], ""});
+    if (message.word == Word::subscribe) {
+      return send_to_bridge(Word::topic_failed, {parts[0], "bad_value", parts[0] + ": " + why, ""});
+    }
+    if (message.word != Word::publish) return;
+    give_up(parts[1], "cannot be published");
+    refuse(parts[0], "bad_value", parts[1] + ": " + why, "");
   }
 
   /// False: another master has come up in its place; what is registered with the old one is lost.
@@ -165,7 +187,8 @@ class Worker {
       publisher.sum = parts[3];
       publisher.type = parts[2];
       publisher.message.morph(parts[3], parts[2], parts[4], "0");
-      publisher.publisher = publisher.message.advertise(*node_, topic, 10);
+      // What does not fit into ROS' queue is thrown away, and was told to be published.
+      publisher.publisher = publisher.message.advertise(*node_, topic, kMaxPublications);
     }
     if (!publisher.publisher) {
       give_up(topic, "cannot be published");
@@ -215,17 +238,23 @@ class Worker {
   }
 
   void subscribe(const std::string& topic) {
-    Subscription& subscription = subscriptions_[topic];
-    subscription.subscriber = node_->subscribe<topic_tools::ShapeShifter const>(
-        topic, 2,
-        boost::function<void(const Heard&)>([this, topic](const Heard& heard) { on_received(topic, heard); }));
+    if (!subscriptions_.contains(topic)) {
+      subscriptions_[topic].subscriber = listen(topic, &Subscription::newest);
+      return;
+    }
+    // ROS gives a latched topic's last message to each new subscriber at once, and to no other.
+    const roscpp::Subscriber further = listen(topic, &Subscription::kept);
+    roscpp::getGlobalCallbackQueue()->callAvailable();
   }
 
-  void on_received(const std::string& topic, const Heard& heard) {
-    const auto at = subscriptions_.find(topic);
-    if (at == subscriptions_.end()) return;
-    at->second.newest = heard.getConstMessage();
-    send_if_due(topic, at->second);
+  roscpp::Subscriber listen(const std::string& topic, Heard::ConstMessagePtr Subscription::*place) {
+    return node_->subscribe<topic_tools::ShapeShifter const>(
+        topic, 2, boost::function<void(const Heard&)>([this, topic, place](const Heard& heard) {
+          const auto at = subscriptions_.find(topic);
+          if (at == subscriptions_.end()) return;
+          at->second.*place = heard.getConstMessage();
+          send_if_due(topic, at->second);
+        }));
   }
 
   /// The last message of a topic that then falls silent is not lost.
@@ -233,15 +262,26 @@ class Worker {
     for (auto& [topic, subscription] : subscriptions_) send_if_due(topic, subscription);
   }
 
+  /// The bridge reads no larger one, and takes what is far larger for garbage.
+  static bool is_too_large(const topic_tools::ShapeShifter& message) {
+    const std::size_t head =
+        message.getDataType().size() + message.getMD5Sum().size() + message.getMessageDefinition().size();
+    return message.size() > kMaxMessage || head > kMaxMessage;
+  }
+
   static void send_if_due(const std::string& topic, Subscription& subscription) {
-    if (!subscription.newest || Clock::now() < subscription.next) return;
+    if ((!subscription.newest && !subscription.kept) || Clock::now() < subscription.next) return;
     subscription.next = Clock::now() + kBetweenMessages;
-    const auto message = std::exchange(subscription.newest, nullptr);
+    const Word word = subscription.newest ? Word::message : Word::kept;  // a new one goes to every listener
+    const auto message = subscription.newest ? subscription.newest : subscription.kept;
+    subscription.newest = subscription.kept = nullptr;
+    if (is_too_large(*message)) {
+      return send_to_bridge(Word::topic_failed, {topic, "too_large", topic + ": a message of over 1 MiB", ""});
+    }
     Bytes wire(message->size(), '\0');
     roscpp::serialization::OStream stream(reinterpret_cast<std::uint8_t*>(wire.data()), message->size());
     message->write(stream);
-    send_to_bridge(Word::message,
-                   {topic, message->getDataType(), message->getMD5Sum(), message->getMessageDefinition(), wire});
+    send_to_bridge(word, {topic, message->getDataType(), message->getMD5Sum(), message->getMessageDefinition(), wire});
   }
 
   std::string master_;
