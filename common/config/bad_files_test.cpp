@@ -45,6 +45,15 @@ void check_changes(const std::string& framework, const std::vector<Change>& chan
   }
 }
 
+/// places.json with so many places: p0, p1, ...
+std::string hall_of(std::size_t count) {
+  std::string text;
+  for (std::size_t i = 0; i < count; ++i) {
+    text += (i == 0 ? "\"p" : ", \"p") + std::to_string(i) + R"(": {"x": 1, "y": 2})";
+  }
+  return R"({"places": {)" + text + "}}";
+}
+
 /// Listens on a free port of 127.0.77.1 as long as it lives.
 class Listener {
  public:
@@ -312,6 +321,29 @@ TEST_CASE("places and descriptions: the fault names the file as node.json does")
                           {"robots/r.json", R"("end": {"kind": "acknowledgement"})", R"("timeout_s": 5)",
                            "skills.go.end", "has no end"},
                           {"robots/r.json", "{place.x}", "{plaze.x}", "skills.go.command.data", "no parameter"}});
+}
+
+TEST_CASE("places.json: more places than a robot's profile takes, its own among them") {
+  const NodeFolder folder("ur");
+  folder.write("places.json", hall_of(255));
+  const NodeCheck most = folder.check();
+  CHECK_MESSAGE(without_keys(most.faults).empty(), to_text(most.faults));
+  folder.change("robots/r.json", R"("skills": {)", R"("places": {"p0": [1], "bench": [2]}, "skills": {)");
+  const ConfigFault fault = only_fault(folder);
+  CHECK(fault.file == "places.json");
+  CHECK(fault.key == "places");
+  CHECK(fault.what == "has 256 places with the robot's own, and a robot's profile takes 255");
+  CHECK(fault.hint == "leave out those that this robot is not sent to");
+  folder.write("places.json", hall_of(254));
+  CHECK(without_keys(folder.check().faults).empty());
+}
+
+TEST_CASE("places.json: a cloud node may know more places than a robot is sent to") {
+  const NodeFolder folder("cloud");
+  folder.write("places.json", hall_of(1000));
+  const NodeCheck check = folder.check();
+  CHECK_MESSAGE(without_keys(check.faults).empty(), to_text(check.faults));
+  CHECK(check.config.places.size() == 1000);
 }
 
 TEST_CASE("a port in use") {

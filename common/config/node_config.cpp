@@ -16,6 +16,7 @@
 #include "common/config/readers.hpp"
 #include "common/config/resilience_file.hpp"
 #include "common/config/sensor_files.hpp"
+#include "common/fleet/description_parts.hpp"
 #include "common/fleet/did_you_mean.hpp"
 #include "common/security/bus_keys.hpp"
 #include "common/security/node_keys.hpp"
@@ -97,6 +98,7 @@ class NodeChecker {
     const auto json =
         load(node.description, "correct \"description\" in node.json, or copy a file of config/robots to it");
     if (json) out_.config.description = read_description(*json, node.description, out_.faults);
+    check_place_names(out_.config.description, out_.config.places, sink("places.json"));
     if (out_.config.robot.origin) out_.config.description.frame.origin = *out_.config.robot.origin;
   }
 

@@ -8,6 +8,7 @@
 #include "common/config/described_names.hpp"
 #include "common/config/json_file.hpp"
 #include "common/config/readers.hpp"
+#include "common/fleet/description_parts.hpp"
 #include "common/fleet/did_you_mean.hpp"
 #include "common/fleet/placeholders.hpp"
 
@@ -27,6 +28,7 @@ class RobotChecker {
     out_.description = read_description(*json, files_.description, out_.faults);
     if (const auto hall = load(find("places.json", files_.places))) {
       out_.places = read_places(*hall, path_, out_.faults);
+      check_place_names(out_.description, out_.places, sink(path_));
       for (const Skill& skill : out_.description.skills) check_places(skill);
     }
     read_words();

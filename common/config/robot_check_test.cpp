@@ -94,6 +94,16 @@ TEST_CASE("one fault of each kind, with its file and key") {
   }
 }
 
+TEST_CASE("more places than the robot's profile takes are a fault of the hall's") {
+  const NodeFolder folder("ur");
+  std::string own;
+  for (int i = 0; i < 255; ++i) own += (i == 0 ? "\"p" : ", \"p") + std::to_string(i) + "\": 1";
+  folder.change("robots/r.json", R"("skills")", R"("places": {)" + own + R"(}, "skills")");
+  const ConfigFault fault = only_fault(files_of(folder, "ur"));
+  CHECK(fault.file.ends_with("places.json"));
+  CHECK(fault.key == "places");
+}
+
 TEST_CASE("a file that is malformed is told with line and column") {
   const NodeFolder folder("ur");
   folder.write("robots/r.json", "{\n  \"a\": 1\n  \"b\": 2\n}");

@@ -81,6 +81,8 @@ class PolledDriver : public CommandsDriver<Words> {
       out.emit(Released{ticket});
       return ticket;
     }
+    // Else a member could keep the polling out by releases: they are urgent, and he needs no lease for them.
+    if (queue_.join_release(ticket)) return ticket;
     out.out.count("to_robot.release");
     queue_.add_urgent({Purpose::release, ticket, false, std::move(*steps), 0});
     pump(now, out);

@@ -79,9 +79,11 @@ class RequestQueue {
   }
   /// A second stop joins the one that waits, which now has this ticket. False: none waits.
   bool join_stop(Token ticket) {
-    const auto at = std::find_if(waiting(), jobs_.end(), [](const Job& job) { return job.purpose == Purpose::stop; });
-    if (at != jobs_.end()) at->token = ticket;
-    return at != jobs_.end();
+    return join(ticket, [](const Job& job) { return job.purpose == Purpose::stop; });
+  }
+  /// The same for a release; the robot has nothing of the one that waits.
+  bool join_release(Token ticket) {
+    return join(ticket, [](const Job& job) { return job.purpose == Purpose::release && job.done == 0; });
   }
 
   [[nodiscard]] bool runs(Token token) const { return std::ranges::any_of(jobs_, is_command(token)); }
@@ -117,6 +119,11 @@ class RequestQueue {
   }
 
  private:
+  bool join(Token ticket, bool (*joins)(const Job&)) {
+    const auto at = std::find_if(waiting(), jobs_.end(), joins);
+    if (at != jobs_.end()) at->token = ticket;
+    return at != jobs_.end();
+  }
   static auto is_command(Token token) {
     return [token](const Job& job) { return job.purpose == Purpose::command && job.token == token; };
   }

@@ -136,4 +136,13 @@ std::vector<std::string> place_names(const Description& description, const Place
   return names;
 }
 
+void check_place_names(const Description& description, const Places& places, const FileFaults& faults) {
+  const std::size_t count = place_names(description, places).size();
+  if (count <= kMaxRobotPlaces) return;
+  faults.add("places",
+             "has " + std::to_string(count) + " places with the robot's own, and a robot's profile takes " +
+                 std::to_string(kMaxRobotPlaces),
+             "leave out those that this robot is not sent to");
+}
+
 }  // namespace trb

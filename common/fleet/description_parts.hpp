@@ -35,4 +35,8 @@ FieldChannel read_field_channel(const Value& json, const FileFaults& faults);
 /// What the numeric encoding requires of the skills: a code for every name that is sent, and numbers as data.
 void check_numeric(const Description& description, const FileFaults& faults);
 
+/// A fault of places.json, to which `faults` leads, if they are more than NodeProfile::places takes: nobody would get
+/// the robot's profile.
+void check_place_names(const Description& description, const Places& places, const FileFaults& faults);
+
 }  // namespace trb

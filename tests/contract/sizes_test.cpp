@@ -55,7 +55,7 @@ const std::map<std::string, std::string> kBounded = {
     {"run_table", "scheduler RunStore::kMaxRuns, 512 of 1.4 kB; pages of 500"},
     {"run_view", "scheduler view: fit"},
     // Never messages of their own: they are contents of a SignedRecord, 512 kB at most, or rows of a database.
-    {"alert", "alert_table; the database"},
+    {"alert", "alert_table; in the database: resilience proposals: kMostNamed"},
     {"decision", "SignRequest::payload"},
     {"join_offer", "invite: kMostList; it travels as HoldInvitation::offer, 32 kB"},
     {"run_start", "SignRequest::payload"},

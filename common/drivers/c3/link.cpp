@@ -49,6 +49,11 @@ bool C3Link::idle() const {
          std::ranges::all_of(sent_, [](const auto& sent) { return sent.second.ask.purpose == C3Purpose::request; });
 }
 
+bool C3Link::has_before(C3Purpose purpose, std::uint64_t about) const {
+  return std::ranges::any_of(
+      sent_, [&](const auto& sent) { return sent.second.ask.purpose != purpose || sent.second.ask.about != about; });
+}
+
 bool C3Link::hung(Now now) const {
   const auto deadline = next_deadline();
   return deadline && now.mono >= *deadline;

@@ -53,6 +53,9 @@ class C3Link {
   void clear();
   /// Nothing of the driver's own waits or is under way.
   [[nodiscard]] bool idle() const;
+  /// Something else than the asks with that purpose and mark is unanswered. Only urge() sends behind another: so it was
+  /// sent before them.
+  [[nodiscard]] bool has_before(C3Purpose purpose, std::uint64_t about) const;
   [[nodiscard]] bool hung(Now now) const;
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const;
 

@@ -12,6 +12,10 @@ Token C3Turns::stop(Now now, const DriverOut& out) {
 }
 
 Token C3Turns::release(Now now, const DriverOut& out) {
+  // Anybody may release, as often as he likes: two at most are unanswered.
+  if (releases() && open_->unanswered == words_.release.size() && link_.has_before(C3Purpose::release, open_->ticket)) {
+    return *(open_->joined = ++last_ticket_);
+  }
   return begin(false, false, 0, now, out);
 }
 
@@ -87,7 +91,7 @@ bool C3Turns::confirm(bool by_robot, Now now, const DriverOut& out) {
   may_stand_ = false;
   if (!turn.own) {
     may_be_stopped_ = false;
-    out.emit(Released{turn.ticket});
+    out.emit(Released{turn.joined.value_or(turn.ticket)});
   }
   if (!turn.then_halts) return true;
   begin(true, true, *turn.then_halts, now, out);

@@ -26,7 +26,8 @@ class C3Turns {
   };
   C3Turns(C3Link& link, C3PollTimes& polls, Words words) : link_(link), polls_(polls), words_(std::move(words)) {}
 
-  /// Returns the ticket of the stop or release. An open turn gives way to it.
+  /// Returns the ticket of the stop or release. An open turn gives way to it; a release joins one that the robot has
+  /// not come to.
   Token stop(Now now, const DriverOut& out);
   Token release(Now now, const DriverOut& out);
   /// Ends the motion of that command, without a fence. Halted{.., false}: the robot refuses it, or another turn has
@@ -58,6 +59,7 @@ class C3Turns {
     bool refused = false;               ///< it will not be confirmed any more
     Token halts = 0;                    ///< own: the command that is to end
     std::optional<Token> then_halts{};  ///< of a release: the command that is to end behind it
+    std::optional<Token> joined{};      ///< of a release: the ticket of the last one that joined it
   };
   [[nodiscard]] bool halts() const { return open_ && open_->own && open_->stop; }
   void give_up_halt(const std::string& why, const DriverOut& out);

@@ -199,8 +199,18 @@ Result<Token> RapidDriver::stop(Now now, const DriverOut& out) {
 
 Result<Token> RapidDriver::release(Now now, const DriverOut& out) {
   if (!service_up_) return offline();
+  if (const auto joined = join_release()) return *joined;
   out.out.count("to_robot.release");
   return begin_turn(false, false, now, out);
+}
+
+/// Anybody may release, as often as he likes: two at most are unanswered, else the service task would have no time for
+/// anything else. A further one joins the one that the task has not come to.
+std::optional<Token> RapidDriver::join_release() {
+  const bool waits = turn_ && !turn_->stop && !turn_->own && !turn_->refused &&
+                     service_.has_before(RapidPurpose::release, turn_->ticket);
+  if (waits) turn_->joined = ++last_ticket_;
+  return waits ? turn_->joined : std::nullopt;
 }
 
 Token RapidDriver::begin_turn(bool stop, bool own, Now now, const DriverOut& out, Token halts) {

@@ -78,6 +78,7 @@ class RapidDriver : public CommandsDriver<RapidCommand> {
     bool refused = false;               ///< it will not be confirmed any more
     Token halts = 0;                    ///< own: the command that is to end
     std::optional<Token> then_halts{};  ///< of a release: the command that is to end behind it
+    std::optional<Token> joined{};      ///< of a release: the ticket of the last one that joined it
   };
   struct Asked {
     std::string subtype;
@@ -93,6 +94,7 @@ class RapidDriver : public CommandsDriver<RapidCommand> {
   void send_step(Now now, const DriverOut& out);
   void end_motion(Token token, Now now, const DriverOut& out);
   Token begin_turn(bool stop, bool own, Now now, const DriverOut& out, Token halts = 0);
+  std::optional<Token> join_release();
   void give_up_halt(const std::string& why, const DriverOut& out);
   void on_halted(Token token, const DriverOut& out);
   void drop_all(const Error& why, const DriverOut& out);

@@ -144,7 +144,7 @@ void RapidDriver::confirm_turn(bool by_robot, Now now, const DriverOut& out) {
     may_stand_ = false;
     if (!turn.own) {
       may_be_stopped_ = false;
-      out.emit(Released{turn.ticket});
+      out.emit(Released{turn.joined.value_or(turn.ticket)});
     }
     if (turn.then_halts) return end_motion(*turn.then_halts, now, out);
     begin_next(now, out);

@@ -49,6 +49,10 @@ class RapidPort {
   [[nodiscard]] bool free() const { return sent_.empty(); }
   /// Nothing of the driver's own waits or is under way.
   [[nodiscard]] bool idle() const;
+  /// Something that was sent before the unanswered ask with that purpose and mark is itself unanswered.
+  [[nodiscard]] bool has_before(RapidPurpose purpose, std::uint64_t about) const {
+    return !sent_.empty() && !(sent_.front().purpose == purpose && sent_.front().about == about);
+  }
   /// Since when the oldest request has been unanswered.
   [[nodiscard]] std::optional<MonotonicTime> unanswered_since() const;
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const { return reader_.next_deadline(); }

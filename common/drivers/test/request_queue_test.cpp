@@ -103,3 +103,22 @@ TEST_CASE("it is bounded") {
   while (!queue.full()) queue.add(job(1));
   CHECK(queue.clear().size() == Queue::kMost);
 }
+
+TEST_CASE("a release joins the one that waits, never one of which something was sent") {
+  Queue queue;
+  CHECK_FALSE(queue.join_release(1));
+  queue.add_urgent(job(1, Purpose::release));
+  CHECK(queue.join_release(2));
+  queue.add_urgent(job(3, Purpose::halt));
+  CHECK(queue.join_release(4));  // still behind the halt
+  CHECK(queue.pop().token == 3);
+  queue.sent(Awaits::job);
+  CHECK_FALSE(queue.join_release(5));
+  queue.answered();
+  queue.front().done = 1;
+  CHECK_FALSE(queue.join_release(5));
+  queue.add_urgent(job(5, Purpose::release));
+  CHECK(queue.join_release(6));
+  queue.drop_for_stop();
+  CHECK_FALSE(queue.join_release(7));
+}

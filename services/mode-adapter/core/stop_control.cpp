@@ -66,7 +66,13 @@ void StopControl::on_release(const Inbound& message, Now now, Outbox& out) {
   robot_.for_each([&](Driver& mode) {
     if (const auto ticket = mode.release(now, robot_.to(mode, out))) pending.told.push_back({&mode, *ticket, false});
   });
-  if (!try_answer(pending, out) && pending_.size() < kMaxPending) pending_.push_back(std::move(pending));
+  if (try_answer(pending, out)) return;
+  if (pending_.size() >= kMaxPending) {
+    out.nack(message, fail(Errc::queue_full,
+                           "the fence is lifted and the robot was told, but too many wait for it to confirm that"));
+    return;
+  }
+  pending_.push_back(std::move(pending));
 }
 
 void StopControl::on_stopped(const Driver* mode, const Stopped& stopped, Outbox& out) {

@@ -23,6 +23,17 @@ TEST_CASE("at the welcome: who the robot is, what it can do, and that nobody has
   CHECK(state.robot == "OFFLINE");
 }
 
+TEST_CASE("a profile with as many places as the check of the folder lets through is sent") {
+  for (const std::size_t more : {0, 1}) {
+    Settings settings = pioneer();
+    settings.places.clear();
+    for (std::size_t i = 0; i < 255 + more; ++i) settings.places["p" + std::to_string(i)] = {};
+    Fixture fixture(settings);
+    fixture.welcome();
+    CHECK(pack(fixture.one<NodeProfile>()).ok() == (more == 0));
+  }
+}
+
 TEST_CASE("a connection is news to the fleet once it has been there before") {
   Fixture fixture(pioneer());
   fixture.welcome();

@@ -184,6 +184,16 @@ TEST_CASE("a storm of stops is bounded, in lines and in answers") {
   CHECK(fixture.told<Nack>().size() == 1000 - 64);
 }
 
+TEST_CASE("a storm of releases is bounded, and each is answered") {
+  StopFixture fixture;
+  std::vector<std::uint64_t> releases;
+  for (int i = 0; i < 1000; ++i) releases.push_back(fixture.release());
+  for (int i = 64; i < 1000; ++i) CHECK(fixture.answer(releases[i]) == "nack queue_full");
+  CHECK(fixture.answer(releases[63]).empty());
+  fixture.wait(2);
+  for (int i = 0; i < 64; ++i) CHECK(fixture.answer(releases[i]) == "nack timeout");
+}
+
 TEST_CASE("stop on an arm: the vendor's words, confirmed by a state that is younger than the stop") {
   UrFixture fixture;
   fixture.command("move", "[0,0,0,0,0,0]");

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "proto/message.hpp"
 #include "services/resilience/core/ranker.hpp"
 
 namespace trb::resilience {
@@ -9,6 +10,18 @@ namespace {
 
 constexpr std::size_t kMaxParts = 256;
 constexpr std::size_t kMaxNote = 512;
+constexpr std::size_t kMostNamed = kMaxDataSize / 2;  ///< bytes that all proposals' tasks and robots take
+
+/// Each proposal names every task, and an alert's reader takes no more than a message has. So of a thousand tasks there
+/// are fewer proposals; three at least, for a lead is measured against the second.
+std::size_t most_proposals(const std::vector<TaskNeed>& needs, const std::vector<std::string>& robots) {
+  constexpr std::size_t kHeads = 5;  // msgpack's, of a task and its robot
+  std::size_t longest = 0;
+  for (const std::string& robot : robots) longest = std::max(longest, robot.size());
+  std::size_t size = 0;
+  for (const TaskNeed& need : needs) size += kHeads + need.task.size() + longest;
+  return std::clamp<std::size_t>(kMostNamed / std::max<std::size_t>(size, 1), 1, kMaxProposals);
+}
 
 Proposal alone(const Ranked& ranked, const std::vector<TaskNeed>& needs) {
   Proposal out{ranked.robot, {}, ranked.score, ranked.parts, cut_utf8(ranked.note, kMaxNote), ranked.merit};
@@ -120,7 +133,7 @@ Ways find_ways(const Fleet& fleet, const Needs& needs, const HallPlaces& places,
   const Ranking ranking{fleet, places, criteria, now};
   Bounds bounds(fleet, places, criteria, out);
   const std::vector<std::string> robots = bounds.within(candidates.robots, needs.tasks, "");
-  for (const Ranked& ranked : rank(ranking, needs.tasks, robots, kMaxProposals)) {
+  for (const Ranked& ranked : rank(ranking, needs.tasks, robots, most_proposals(needs.tasks, robots))) {
     out.proposals.push_back(alone(ranked, needs.tasks));
   }
   if (!robots.empty()) return out;

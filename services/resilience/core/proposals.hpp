@@ -15,7 +15,7 @@ constexpr std::size_t kMaxProposals = 64;
 constexpr std::size_t kMaxUnfit = 64;
 
 struct Ways {
-  std::vector<Proposal> proposals;  ///< best first
+  std::vector<Proposal> proposals;  ///< best first; so many that an alert with them can be read again
   std::vector<Unfit> unfit;
   std::vector<std::string> bounded;  ///< robots that only a bound excludes: their values may be old
 };

@@ -37,6 +37,19 @@ std::vector<std::size_t> movable(Alert& alert, const WatchedRun& run) {
   return out;
 }
 
+/// A message takes kMaxRankedCriteria, and resilience.json may list as many besides the paper's three. What is left out
+/// then counts nothing, the paper's first.
+std::vector<WeighedCriterion> shown_weights(const Criteria& by) {
+  static_assert(kMaxCriteria == kMaxRankedCriteria, "else too many may count");
+  std::size_t over = by.size() - std::min<std::size_t>(by.size(), kMaxRankedCriteria);
+  std::vector<WeighedCriterion> out;
+  for (const ReplacementCriterion& one : by) {
+    const bool left_out = over > 0 && one.weight == 0;
+    left_out ? void(--over) : out.push_back({one.name, one.weight});
+  }
+  return out;
+}
+
 }  // namespace
 
 void Proposer::propose(Alert& alert, const WatchedRun& run, Now now) {
@@ -74,7 +87,7 @@ Result<AlertRanking> Proposer::rank_by(const Alert& alert, const std::vector<Wei
   Alert other = alert;
   fill(other, *run, *by, now);
   AlertRanking answer{alert.id, {}, other.proposals, other.unfit, flips_of(std::move(other), *run, *by, now), false};
-  for (const ReplacementCriterion& one : *by) answer.weights.push_back({one.name, one.weight});
+  answer.weights = shown_weights(*by);
   const Inquiry& inquiry = alerts_.work(alert.id).inquiry;
   // A message bounds them: an alert may have many tasks, and each proposal names them all.
   while (answer.proposals.size() > 1 && encode(answer).size() > kMaxDataSize / 2) {

@@ -88,6 +88,10 @@ Status CapabilityDb::keep_newest_alerts(std::int64_t state, std::int64_t other, 
       state, other, state, other, most);
 }
 
+Status CapabilityDb::drop_alert(const std::string& id) {
+  return file_->run("DELETE FROM alerts WHERE id = ?", id);
+}
+
 Result<std::vector<AlertRow>> CapabilityDb::alerts() {
   std::vector<AlertRow> out;
   const Status done =

@@ -59,6 +59,7 @@ class CapabilityDb final : public HistoryReader {
   Status put_alert(const AlertRow& alert);
   /// Of the alerts in one of these two states only the `most` newest stay.
   Status keep_newest_alerts(std::int64_t state, std::int64_t other, std::int64_t most);
+  Status drop_alert(const std::string& id);
   Result<std::vector<AlertRow>> alerts();  ///< by time, then id
 
   /// Error: conflict (another record of that run and epoch is there: a decision is never replaced).

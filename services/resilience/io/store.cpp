@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <set>
 
+#include "common/log/log.hpp"
+
 namespace trb::resilience {
 namespace {
 
@@ -39,12 +41,23 @@ Error damaged(const std::string& what) {
               "move it away together with its -wal and -shm files and start again: open alerts are lost");
 }
 
+/// Earlier versions wrote alerts that are too large to be read. Without its alert a run's problem is noticed anew.
+Status drop_unreadable(CapabilityDb& db, const std::string& alert) {
+  log_event(Level::warning, "alert_dropped",
+            alert + ": is too large to be read; if its cause persists, a new alert is raised");
+  return db.drop_alert(alert);
+}
+
 Result<std::vector<Alert>> read_alerts(CapabilityDb& db) {
   const auto rows = db.alerts();
   if (!rows) return rows.error();
   std::vector<Alert> out;
   for (const AlertRow& row : *rows) {
     auto alert = decode<Alert>(row.body);
+    if (!alert && alert.error().code == Errc::too_large) {
+      if (Status dropped = drop_unreadable(db, row.id); !dropped) return dropped.error();
+      continue;
+    }
     if (!alert || alert->id != row.id) return damaged("alert " + row.id + " cannot be read");
     out.push_back(std::move(*alert));
   }

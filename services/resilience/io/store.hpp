@@ -12,7 +12,8 @@ namespace trb::resilience {
 /// Alerts and decisions of one step, in one transaction. Errors: io_error, conflict (a decision is never replaced).
 Status commit(CapabilityDb& db, const std::vector<Journal>& records);
 
-/// Loads the fleet, the alerts and the decisions into an empty core; removes decisions for which no open alert waits.
+/// Loads the fleet, the alerts and the decisions into an empty core; removes alerts that are too large to be read, and
+/// decisions for which no open alert waits.
 /// Errors: malformed (a row that no build has written), io_error.
 Status restore(CapabilityDb& db, ResilienceCore& core);
 

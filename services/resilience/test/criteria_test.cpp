@@ -232,3 +232,24 @@ TEST_CASE("of more robots than proposals the best by the operator's own criteria
   CHECK(alert.proposals[0].robot == "r169");
   CHECK(alert.proposals[63].robot == "r106");
 }
+
+TEST_CASE("sixteen criteria of the operator's own are ranked by, though the paper's three are there beside them") {
+  std::string own;
+  for (int i = 0; i < 16; ++i) {
+    own += (i == 0 ? "" : ", ") + std::string("\"own") + std::to_string(i) +
+           R"(": {"from": "description", "best": 10, "worst": 0})";
+  }
+  const auto fixture = failed("{" + own + "}");
+  const Body answer = fixture->ask(AlertRankRequest{fixture->alert().id, {}});
+  REQUIRE(holds_alternative<AlertRanking>(answer));
+  const AlertRanking in_force = get<AlertRanking>(answer);
+  REQUIRE(in_force.weights.size() == kMaxRankedCriteria);
+  CHECK(in_force.weights[0] == WeighedCriterion{"own0", 1.0 / 16});
+  CHECK(in_force.proposals == fixture->alert().proposals);
+  const Body other = fixture->ask(AlertRankRequest{fixture->alert().id, {{"battery", 1}, {"own15", 1}}});
+  REQUIRE(holds_alternative<AlertRanking>(other));
+  const std::vector<WeighedCriterion>& weights = get<AlertRanking>(other).weights;
+  REQUIRE(weights.size() == kMaxRankedCriteria);
+  CHECK(weights.front() == WeighedCriterion{"battery", 0.5});
+  CHECK(weights.back() == WeighedCriterion{"own15", 0.5});
+}

@@ -1,6 +1,8 @@
 // The service ends at any commit, its messages lost, and goes on from capability.db: the same outcome, one decision.
 #include <doctest/doctest.h>
 
+#include "services/resilience/test/add_task.hpp"
+#include "services/resilience/test/db_folder.hpp"
 #include "services/resilience/test/fixture.hpp"
 
 using namespace trb;
@@ -224,4 +226,76 @@ TEST_CASE("a policy does not insist on an epoch that was decided before its sche
   fixture->wait(seconds(60));
   CHECK(fixture->run_alert().policy.find("epoch 2 of its run was decided before") != std::string::npos);
   CHECK(fixture->taken.size() == 1);
+}
+
+namespace {
+
+/// Ridgeback has almost all of a run's thousand tasks, and seventy robots with long names could take them over.
+std::unique_ptr<Fixture> thousand_tasks() {
+  auto fixture = std::make_unique<Fixture>();
+  fixture->add("ridgeback", carrier(), 70, 2, 0);
+  for (const char* id : {"turtlebot", "ur3"}) fixture->add(id, mobile_robot(), 1, 90, 90);
+  for (int i = 0; i < 70; ++i)
+    fixture->add("r" + std::to_string(100 + i) + std::string(56, 'x'), mobile_robot(), i, 4, 0);
+  for (int i = 1; i <= 991; ++i) {
+    Task task;
+    task.id = "t" + std::to_string(i);
+    task.robot = "ridgeback";
+    task.skill = "go_to";
+    task.data = R"({"place": "dock"})";
+    task.timeout_s = 7 * 24 * 3600;
+    add_task(std::move(task), fixture->start, fixture->view);
+  }
+  fixture->begin_run();
+  fixture->fault("ridgeback", "mobile");
+  fixture->end_task("t4", TaskOutcome::failed, "mobile is broken");
+  fixture->wait(seconds(6));
+  return fixture;
+}
+
+}  // namespace
+
+TEST_CASE("an alert of a thousand tasks that seventy robots could take over is read again after a restart") {
+  const auto fixture = thousand_tasks();
+  REQUIRE(fixture->alert().tasks.size() > 900);
+  fixture->restart();
+  fixture->wait(seconds(10));
+  const Body answer = fixture->ask(AlertRankRequest{fixture->alert().id, {}});
+  REQUIRE(holds_alternative<AlertRanking>(answer));
+  const std::vector<Proposal>& best = get<AlertRanking>(answer).proposals;
+  REQUIRE(best.size() > 1);  // else the best would have no lead to lose
+  CHECK(best[0].robot.starts_with("r169"));
+  double sum = 0;
+  for (const Proposal& one : best) sum += one.score;
+  CHECK(sum == doctest::Approx(1));
+  CHECK(fixture->decide(Verdict::accept) == "accepted");
+  fixture->wait(seconds(10));
+  REQUIRE(fixture->taken.size() == 1);
+  CHECK(fixture->taken[0].tasks.size() > 900);
+}
+
+TEST_CASE("an alert that is too large to be read, as an earlier version wrote it, is left out and keeps nobody down") {
+  const Folder folder;
+  const auto db = opened(folder);
+  Alert good;
+  good.id = "00000000000000aa";
+  good.run = kRun;
+  Alert huge = good;
+  huge.id = "00000000000000bb";
+  huge.proposals.assign(64, {"r", std::vector<TaskForRobot>(1000, {"t", std::string(60, 'r')}), 1, {}, ""});
+  for (const Alert* one : {&good, &huge}) REQUIRE(db->put_alert({one->id, at_second(1), 0, encode(*one)}));
+  for (int start = 0; start < 2; ++start) {
+    ResilienceCore core({"cloud", Role::cloud, default_resilience(), {}});
+    const Status restored = restore(*db, core);
+    REQUIRE_MESSAGE(restored.ok(), (restored ? "" : restored.error().text()));
+    const auto rows = db->alerts();
+    REQUIRE(rows.ok());
+    REQUIRE(rows->size() == 1);
+    CHECK(rows->front().id == good.id);
+  }
+  REQUIRE(db->put_alert({huge.id, at_second(1), 0, "no alert"}));  // what is damaged is still refused
+  ResilienceCore core({"cloud", Role::cloud, default_resilience(), {}});
+  const Status restored = restore(*db, core);
+  REQUIRE_FALSE(restored.ok());
+  CHECK(restored.error().code == Errc::malformed);
 }

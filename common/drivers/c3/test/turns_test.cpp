@@ -158,3 +158,16 @@ TEST_CASE("without a stopped variable the answers count, without words nothing i
   CHECK(fixture.told<Released>().size() == 1);
   CHECK_FALSE(turns.open());
 }
+
+TEST_CASE("releases without end: a further one joins the one that the robot has not come to") {
+  TurnsFixture fixture;
+  Token last = 0;
+  for (int i = 0; i < 64; ++i) last = fixture.turns.release(fixture.now, fixture.out);
+  CHECK(fixture.sent() == "TRB_STOP=FALSE TRB_STOP=FALSE ");
+  CHECK_FALSE(fixture.turns.on_written(fixture.answer("FALSE"), fixture.now, fixture.out));  // it gave way
+  CHECK_FALSE(fixture.turns.on_written(fixture.answer("FALSE"), fixture.now, fixture.out));
+  CHECK(fixture.turns.on_stopped(false, fixture.now, fixture.out));
+  const auto told = fixture.told<Released>();
+  REQUIRE(told.size() == 1);
+  CHECK(told[0].ticket == last);
+}

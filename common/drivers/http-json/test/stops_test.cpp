@@ -222,3 +222,16 @@ TEST_CASE("http: a robot that is away before it has answered the halt is halted 
   fixture.up(Channel::command);
   CHECK(fixture.serve().starts_with(R"(PUT /status {"state_id": 4})"));
 }
+
+TEST_CASE("http: releases without end keep nobody from the robot: the polling goes on, and all are answered") {
+  OnlineMir fixture;
+  fixture.wait(1);
+  CHECK(fixture.asked() == "GET /status");
+  std::vector<std::uint64_t> releases;
+  for (int i = 0; i < 32; ++i) releases.push_back(fixture.deliver(MessageType::command, Release{}, "operator"));
+  fixture.answer_with(200, kStatus);
+  for (int i = 0; i < 32; ++i) releases.push_back(fixture.deliver(MessageType::command, Release{}, "operator"));
+  CHECK(fixture.serve() == R"(PUT /status {"state_id": 3}; PUT /status {"state_id": 3})");
+  for (const std::uint64_t id : releases) CHECK(fixture.answer(id) == "ack released");
+  CHECK(fixture.counted("to_robot.release") == 2);
+}

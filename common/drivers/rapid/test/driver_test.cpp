@@ -530,3 +530,24 @@ TEST_CASE("an answer of another code: the two sides are out of step, and the con
   calm.program("2 1#");
   CHECK(calm.counted("refused.unasked_answer") == 1);
 }
+
+TEST_CASE("releases without end: a further one joins the one that the service task has not come to") {
+  RapidFixture fixture;
+  fixture.confirms = false;
+  std::vector<std::uint64_t> releases;
+  for (int i = 0; i < 64; ++i) releases.push_back(fixture.deliver(MessageType::command, Release{}, "operator"));
+  fixture.serve();
+  CHECK(fixture.turns == "92 #92 #");
+  fixture.service("92 1#");
+  CHECK(fixture.answer(releases.front()).empty());  // it gave way to the second
+  fixture.service("92 1#");
+  for (const std::uint64_t id : releases) CHECK(fixture.answer(id) == "ack released");
+
+  fixture.deliver(MessageType::command, Stop{}, "operator");
+  const auto last = fixture.deliver(MessageType::command, Release{}, "operator");
+  fixture.serve();
+  CHECK(fixture.turns == "92 #92 #91 #92 #");  // never before a stop
+  fixture.service("91 1#");
+  fixture.service("92 1#");
+  CHECK(fixture.answer(last) == "ack released");
+}
