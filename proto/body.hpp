@@ -165,11 +165,12 @@ struct DecodeLimits {
 };
 
 /// The codecs, without the body's type: `value` is the struct that the shape describes. The error's code is `ok` if
-/// there was none; otherwise the value is only partly filled in.
+/// there was none; otherwise the value is only partly filled in. `limits`: a message's; others for bytes of this node's
+/// own, which may be longer.
 const Shape& shape_of(BodyKind kind);
 Bytes pack(const Shape& shape, const void* value);
 Result<Bytes> pack_readable(const Shape& shape, const void* value);
-Error unpack(const Shape& shape, BytesView bytes, void* value);
+Error unpack(const Shape& shape, BytesView bytes, void* value, const DecodeLimits& limits = {});
 std::string write_json(const Shape& shape, const void* value);
 Error read_json(const Shape& shape, std::string_view json, void* value);
 

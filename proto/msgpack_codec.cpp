@@ -199,8 +199,7 @@ bool MsgpackReader::take_fields(std::span<const FieldEntry> fields, const msgpac
 }
 
 /// The object points into the bytes and the zone.
-Result<msgpack::object> parse(BytesView bytes, msgpack::zone& zone) {
-  const DecodeLimits limits;
+Result<msgpack::object> parse(BytesView bytes, msgpack::zone& zone, const DecodeLimits& limits) {
   if (bytes.size() > limits.bytes) return fail(Errc::too_large, "body of " + std::to_string(bytes.size()) + " bytes");
   try {
     std::size_t offset = 0;
@@ -255,14 +254,14 @@ Result<Bytes> pack_readable(const Shape& shape, const void* value) {
   return out;
 }
 
-Error unpack(const Shape& shape, BytesView bytes, void* value) {
+Error unpack(const Shape& shape, BytesView bytes, void* value, const DecodeLimits& limits) {
   // Its first chunk is used again: it has eight kilobytes, and most bodies a few hundred bytes.
   thread_local msgpack::zone zone;
   struct Clear {
     msgpack::zone& zone;
     ~Clear() { zone.clear(); }
   } const clear{zone};
-  const auto all = parse(bytes, zone);
+  const auto all = parse(bytes, zone, limits);
   if (!all) return all.error();
   MsgpackReader reader;
   reader.take(shape, *all, value, kDefaultMaxSize);

@@ -127,9 +127,11 @@ OrderedJson to_json(const Value& value) {
           for (const Value& item : is) out.push_back(to_json(item));
           return out;
         } else if constexpr (std::is_same_v<T, Value::Object>) {
-          OrderedJson out = OrderedJson::object();
-          for (const auto& [key, member] : is) out[key] = to_json(member);
-          return out;
+          // Its operator[] looks through all members for each key: with many keys that takes seconds.
+          OrderedJson::object_t out;
+          out.reserve(is.size());
+          for (const auto& [key, member] : is) out.emplace_back(key, to_json(member));
+          return OrderedJson(std::move(out));
         } else {
           return OrderedJson(is);
         }

@@ -55,7 +55,7 @@ struct ParseLimits {
 /// `duplicate`. Errors: malformed (with line and column), too_large, duplicate.
 Result<Value> parse_json(std::string_view text, const ParseLimits& limits = {});
 
-/// Compact JSON; bytes that are not UTF-8 are replaced.
+/// Compact JSON; bytes that are not UTF-8 are replaced. A key may occur once in an object.
 std::string dump_json(const Value& value);
 
 /// True for well-formed UTF-8 without surrogates or overlong forms.

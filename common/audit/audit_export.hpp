@@ -27,8 +27,8 @@ struct AuditCheck {
 /// Reads the lines of an export (several joined exports of one log are one) and checks all of it. A certificate counts
 /// whatever its dates are: the log may be older than the certificate, and its reader may come later. A log that several
 /// gateways share has a certificate of each node, and heads that any of them has signed; of several certificates of one
-/// node the last counts. Errors: malformed (with the line's number), missing (no certificate), and those of
-/// open_certificate.
+/// node the last counts. Certificates of robots do not count: no robot has a gateway. Errors: malformed (with the
+/// line's number), missing (no certificate of a cloud node), and those of open_certificate.
 Result<AuditCheck> check_audit_export(std::string_view text, const FleetAuthority& authority);
 
 }  // namespace trb

@@ -18,25 +18,30 @@ struct Cloud {
   std::vector<AuditRow> rows;
   std::vector<SignedRecord> heads;
 
+  SigningKey root;
+
   Cloud() : chain(Bytes()) {
     init_crypto();
-    const SigningKey root = make_signing_key();
+    root = make_signing_key();
     authority = {"hall", root.public_key};
     node = make_signing_key();
-    Certificate is;
-    is.fleet = {authority.id()};
-    is.serial = 7;
-    is.id = "cloud";
-    is.role = Role::cloud;
-    is.identity_key = {node.public_key};
-    is.link_key = {Bytes(32, 'l')};
-    is.not_after = 1;  // long ago: the log is read later
-    certificate = sign(kSignedCertificate, "", authority.id(), encode(is), root);
+    certificate = certify("cloud", Role::cloud, node);
     chain = AuditChain(audit_start(authority.id(), "cloud"));
     for (int i = 1; i <= 5; ++i) {
       rows.push_back(chain.append({0, i, "ann \"quoted\"\n", "10.0.0.7", "POST /api/v1/stop", "arm", "done"}));
       if (i == 3 || i == 5) heads.push_back(sign_head(node));
     }
+  }
+  [[nodiscard]] SignedRecord certify(const std::string& id, Role role, const SigningKey& key) const {
+    Certificate is;
+    is.fleet = {authority.id()};
+    is.serial = 7;
+    is.id = id;
+    is.role = role;
+    is.identity_key = {key.public_key};
+    is.link_key = {Bytes(32, 'l')};
+    is.not_after = 1;  // long ago: the log is read later
+    return sign(kSignedCertificate, "", authority.id(), encode(is), root);
   }
   [[nodiscard]] SignedRecord sign_head(const SigningKey& key) const {
     return sign(kSignedAuditHead, "cloud", authority.id(), audit_head_payload(chain.head({9})), key);
@@ -78,27 +83,15 @@ TEST_CASE("given two pages that were joined, each with the certificate, then the
 
 TEST_CASE("given two clouds' gateways that share one log, then the heads of both prove it, whichever exports it") {
   Cloud first;
-  const SigningKey root = make_signing_key();
-  first.authority = {"hall", root.public_key};
   const SigningKey other = make_signing_key();
-  const auto certificate = [&](const std::string& id, const SigningKey& key) {
-    Certificate is;
-    is.fleet = {first.authority.id()};
-    is.serial = 8;
-    is.id = id;
-    is.role = Role::cloud;
-    is.identity_key = {key.public_key};
-    is.link_key = {Bytes(32, 'l')};
-    return audit_certificate_line(sign(kSignedCertificate, "", first.authority.id(), encode(is), root));
-  };
   first.rows.clear();
   first.chain = AuditChain(audit_start(first.authority.id(), "cloud"));
   for (int i = 1; i <= 2; ++i) first.rows.push_back(first.chain.append({0, i, "ann", "::1", "POST", "arm", "done"}));
   std::string log;
   for (const AuditRow& row : first.rows) log += audit_line(row);
   log += audit_head_line(first.sign_head(other));
-  const std::string cloud = certificate("cloud", first.node);
-  const std::string second = certificate("second", other);
+  const std::string cloud = audit_certificate_line(first.certificate);
+  const std::string second = audit_certificate_line(first.certify("second", Role::cloud, other));
   for (const std::string& text :
        {std::string(cloud).append(second).append(log), std::string(second).append(cloud).append(log)}) {
     const auto check = check_audit_export(text, first.authority);
@@ -137,6 +130,31 @@ TEST_CASE("given a head that another key has signed, then it proves nothing and 
   CHECK_FALSE(check.report.fault);
   CHECK(check.other_heads == 1);
   CHECK(check.report.covered == 0);
+}
+
+TEST_CASE("given a robot's certificate beside the cloud's, then what its key has signed proves nothing") {
+  Cloud cloud;
+  const SigningKey stolen = make_signing_key();
+  const std::string robot = audit_certificate_line(cloud.certify("arm", Role::robot, stolen));
+  SUBCASE("of the cloud's log") {
+    cloud.heads = {cloud.sign_head(stolen)};
+  }
+  SUBCASE("of one that it has made up") {
+    cloud.chain = AuditChain(audit_start(cloud.authority.id(), "arm"));
+    cloud.rows = {cloud.chain.append({0, 1, "bob", "::1", "POST", "arm", "done"})};
+    cloud.heads = {cloud.sign_head(stolen)};
+  }
+  for (const std::string& text : {robot + cloud.text(), cloud.text() + robot}) {
+    const auto check = check_audit_export(text, cloud.authority);
+    REQUIRE(check.ok());
+    CHECK(check->node == "cloud");
+    CHECK(check->heads == 0);
+    CHECK(check->other_heads == 1);
+    CHECK(check->report.covered == 0);
+  }
+  std::string alone = robot;
+  for (const AuditRow& row : cloud.rows) alone += audit_line(row);
+  CHECK(refusal(alone + audit_head_line(cloud.heads[0]), cloud.authority) == Errc::missing);
 }
 
 TEST_CASE("given another fleet's key, or no certificate, or lines that are none, then it is said") {

@@ -139,7 +139,7 @@ std::vector<std::string> read_listed(const Value& json, bool judged, const FileF
     const bool twice = std::ranges::find(names, name) != names.end();
     if (twice || !is_valid_id(name) || names.size() == kMaxCriteria) {
       faults.add("criteria." + cut_utf8(name, 64), twice ? "is there twice" : "is no criterion's name, or one too many",
-                 "use letters, digits, _ and -, 16 criteria at most");
+                 "use small letters, digits, _ and -, 16 criteria at most");
       return {};
     }
     ReplacementCriterion* known = find(out, name);

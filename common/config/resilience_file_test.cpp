@@ -165,6 +165,10 @@ TEST_CASE("a criterion that cannot be is named") {
   CHECK(of(R"({"from": "robot", "best": 1, "worst": 0, "bast": 2})") == "criteria.payload.bast");
   CHECK(fault_of(R"({"criteria": {"battery": {"from": "robot"}}})") == "criteria.battery.from");
   CHECK(fault_of(R"({"criteria": {"Big one": 1}})") == "criteria.Big one");
+  ConfigFaults faults;
+  read(R"({"criteria": {"payLoad": {"from": "robot", "best": 1, "worst": 0}}})", faults);
+  REQUIRE(faults.size() == 1);
+  CHECK(faults[0].hint.starts_with("use small letters, digits, _ and -"));
   CHECK(fault_of(R"({"criteria": {}})") == "criteria");
   std::string many = R"({"criteria": {"battery": 1)";
   for (int i = 0; i < 16; ++i) {

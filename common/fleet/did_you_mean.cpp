@@ -1,7 +1,7 @@
 #include "common/fleet/did_you_mean.hpp"
 
 #include <algorithm>
-#include <numeric>
+#include <array>
 #include <utility>
 #include <vector>
 
@@ -12,25 +12,38 @@ constexpr std::size_t kMostEdits = 2;
 constexpr std::size_t kLongestWord = 64;
 constexpr std::size_t kMostListed = 40;
 
-/// Edits from one to the other: a letter more, less or another, or two neighbours exchanged (the commonest slip).
-/// Optimal string alignment, https://en.wikipedia.org/wiki/Damerau-Levenshtein_distance.
-std::size_t edits(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> before(b.size() + 1);
-  std::vector<std::size_t> last(b.size() + 1);
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
+/// Edits from one to the other: a letter more, less or another, or two neighbours exchanged (the commonest slip);
+/// `most` + 1 if there are more than `most`. `a` has at most kLongestWord bytes, `most` is at most kMostEdits.
+/// Optimal string alignment, https://en.wikipedia.org/wiki/Damerau-Levenshtein_distance. Of its table only the cells
+/// that may hold so few are filled in, and no more rows once one has none: a stranger's file may have hundreds of wrong
+/// words, with a thousand candidates for each.
+std::size_t edits(std::string_view a, std::string_view b, std::size_t most) {
+  const std::size_t over = most + 1;
+  if (b.size() > a.size() + most || a.size() > b.size() + most) return over;
+  std::array<std::array<std::size_t, kLongestWord + kMostEdits + 1>, 3> rows{};
+  for (std::size_t k = 0; k <= b.size(); ++k) rows[0][k] = k;
+  std::size_t fewest_before = 0;
   for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::swap(before, last);
-    std::swap(last, row);
-    row[0] = i;
-    for (std::size_t k = 1; k <= b.size(); ++k) {
+    const auto& before = rows[(i + 1) % 3];
+    const auto& last = rows[(i + 2) % 3];
+    auto& row = rows[i % 3];
+    const std::size_t from = i > most ? i - most : 1;
+    const std::size_t to = std::min(b.size(), i + most);
+    row[from - 1] = from == 1 ? i : over;
+    std::size_t fewest = row[from - 1];
+    for (std::size_t k = from; k <= to; ++k) {
       const std::size_t replaced = last[k - 1] + (a[i - 1] == b[k - 1] ? 0U : 1U);
       row[k] = std::min({replaced, last[k] + 1, row[k - 1] + 1});
       const bool exchanged = i > 1 && k > 1 && a[i - 1] == b[k - 2] && a[i - 2] == b[k - 1];
       if (exchanged) row[k] = std::min(row[k], before[k - 2] + 1);
+      fewest = std::min(fewest, row[k]);
     }
+    if (to < b.size()) row[to + 1] = over;
+    // Two letters exchanged lead from the row before.
+    if (fewest > most && fewest_before >= most) return over;
+    fewest_before = fewest;
   }
-  return row[b.size()];
+  return std::min(rows[a.size() % 3][b.size()], over);
 }
 
 }  // namespace
@@ -41,8 +54,8 @@ std::string nearest(std::string_view word, const std::vector<std::string>& candi
   std::size_t fewest = std::min(kMostEdits, word.size() / 2) + 1;
   if (word.size() > kLongestWord) return best;
   for (const std::string& candidate : candidates) {
-    if (candidate.size() > word.size() + kMostEdits || word.size() > candidate.size() + kMostEdits) continue;
-    const std::size_t distance = edits(word, candidate);
+    if (fewest == 0) break;
+    const std::size_t distance = edits(word, candidate, fewest - 1);
     if (distance < fewest) {
       fewest = distance;
       best = candidate;

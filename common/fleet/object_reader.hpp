@@ -22,7 +22,8 @@ class FileFaults {
     if (!full()) faults_->push_back({file_, std::move(key), std::move(what), std::move(hint), false});
   }
   /// A person reads no more than this; a file of a megabyte must not cost a suggestion for each of its words.
-  [[nodiscard]] bool full() const { return faults_->size() >= kMost; }
+  [[nodiscard]] bool full() const { return count() >= kMost; }
+  [[nodiscard]] std::size_t count() const { return faults_->size(); }
   [[nodiscard]] const std::string& file() const { return file_; }
 
  private:

@@ -18,6 +18,7 @@ namespace {
 
 constexpr std::size_t kMaxScenario = DecodeLimits{}.bytes / 2;
 constexpr std::size_t kMaxRequires = 32;  ///< as Task::requires_
+constexpr std::size_t kMaxGuesses = 20;
 constexpr std::string_view kWordCure = "use a letter, then letters, digits, '_' or '-', 64 at most";
 
 std::string path_of(std::size_t index) {
@@ -108,6 +109,12 @@ Index index_tasks(const std::vector<ReadTask>& tasks, const FileFaults& faults) 
   return index;
 }
 
+/// What was probably meant is looked for among all ids, and so only for the first faults of a file.
+std::string cure_of(const std::string& name, const std::vector<std::string>& ids, const FileFaults& faults) {
+  const std::string otherwise = "use ids of this scenario";
+  return faults.count() < kMaxGuesses ? did_you_mean(name, ids, otherwise) : otherwise + ": " + join(ids);
+}
+
 /// A value can come only from a predecessor, whose result comes with the baton.
 void check_sources(const ReadTask& read, std::size_t at, const std::vector<std::string>& ids,
                    const FileFaults& faults) {
@@ -120,7 +127,7 @@ void check_sources(const ReadTask& read, std::size_t at, const std::vector<std::
       faults.add(key, in_quotes(value.task) + " is not among the tasks that it waits for",
                  "add \"" + value.task + "\" to its \"after\"");
     } else {
-      faults.add(key, in_quotes(value.task) + " is no task", did_you_mean(value.task, ids, "use ids of this scenario"));
+      faults.add(key, in_quotes(value.task) + " is no task", cure_of(value.task, ids, faults));
     }
   }
 }
@@ -136,8 +143,7 @@ void link(std::vector<ReadTask>& tasks, const Index& index, const FileFaults& fa
       if (at != index.end()) {
         tasks[i].task.after.push_back(static_cast<std::uint16_t>(at->second));
       } else if (!faults.full()) {
-        faults.add(path_of(i) + ".after", in_quotes(name) + " is no task",
-                   did_you_mean(name, ids, "use ids of this scenario"));
+        faults.add(path_of(i) + ".after", in_quotes(name) + " is no task", cure_of(name, ids, faults));
       }
     }
     check_sources(tasks[i], i, ids, faults);

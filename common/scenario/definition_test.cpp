@@ -2,6 +2,8 @@
 
 #include <doctest/doctest.h>
 
+#include <chrono>
+
 using namespace trb;
 
 namespace {
@@ -99,6 +101,30 @@ TEST_CASE("ids: twice the same, unknown, and named twice") {
   CHECK(r.faults[2].what.find("tasks[0]") != std::string::npos);
   CHECK(r.faults[3].key == "tasks[1].after");
   CHECK(r.faults[3].hint == "did you mean 'pick'?");
+}
+
+TEST_CASE("predecessors that are none of a thousand long ids cost little more than those that are") {
+  const auto timed = [](const std::string& ending) {
+    const auto id = [](int i) { return "a" + std::string(56, 'x') + std::to_string(1000 + i); };
+    std::vector<std::pair<std::string, std::string>> tasks;
+    for (int i = 0; i < 1000; ++i) {
+      tasks.emplace_back(id(i) + "abc", i == 0 ? "" : '"' + id(i - 1) + ending + '"');
+    }
+    const auto begun = std::chrono::steady_clock::now();
+    ConfigFaults faults = read_graph(tasks).faults;
+    return std::pair{std::chrono::steady_clock::now() - begun, std::move(faults)};
+  };
+  const auto [good, none] = timed("abc");
+  CHECK(none.empty());
+  // All that differ only late in the word; with one edit to the next, or with more than a guess may have.
+  for (const std::string ending : {"abd", "def"}) {
+    CAPTURE(ending);
+    const auto [bad, faults] = timed(ending);
+    REQUIRE(faults.size() == 200);
+    CHECK(bad < 10 * good);
+    CHECK(faults[0].hint.starts_with("did you mean 'axxx") == (ending == "abd"));
+    CHECK(faults[20].hint.starts_with("use ids of this scenario: axxx"));
+  }
 }
 
 TEST_CASE("a task: types, missing and unknown keys") {

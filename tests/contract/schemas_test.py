@@ -152,6 +152,7 @@ BAD = [
     ("resilience", "resilience/payload.json", ["criteria", "payload", "bast"], 1),
     ("resilience", "resilience/payload.json", ["criteria", "battery", "from"], "robot"),
     ("resilience", "resilience/payload.json", ["criteria", "Pay load"], {"from": "robot", "best": 1, "worst": 0}),
+    ("resilience", "resilience/payload.json", ["criteria", "payLoad"], {"from": "robot", "best": 1, "worst": 0}),
     ("resilience", "resilience/figure-8.json", ["criteria"], {"battery": {"weight": 1}}),
     ("resilience", "resilience/figure-8.json", ["judgments", 0, 2], 0),
     ("resilience", "resilience/figure-8.json", ["judgments", 0], ["distance", "battery"]),

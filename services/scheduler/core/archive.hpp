@@ -33,8 +33,9 @@ class Archive {
   [[nodiscard]] virtual Status has_room() const = 0;
   /// Nothing: the run is not over here.
   [[nodiscard]] virtual std::optional<Over> over(const std::string& run) const = 0;
-  /// Nothing: it is not here, or its record has made room for younger ones.
-  [[nodiscard]] virtual std::optional<JournalArchive> record(const std::string& run) const = 0;
+  /// Errors: missing (it is not here, or its record has made room for younger ones), io_error (it cannot be read, or is
+  /// damaged: the text names the file).
+  [[nodiscard]] virtual Result<JournalArchive> record(const std::string& run) const = 0;
   /// Ids that begin so, newest first, `most` of them.
   [[nodiscard]] virtual std::vector<std::string> ids(const std::string& beginning, std::size_t most) const = 0;
   /// The runs that were put in before `after`; all if that is empty.

@@ -8,6 +8,9 @@
 namespace trb::scheduler {
 namespace {
 
+/// What SQLite puts into a row. The archive of a run has all of its results, together more than a message takes.
+constexpr DecodeLimits kOfRow{.bytes = 1'000'000'000};
+
 /// A kind of record, without its type.
 struct Kind {
   std::string_view name;
@@ -18,7 +21,7 @@ struct Kind {
 template <class T>
 Result<JournalRecord> decode_as(BytesView bytes) {
   T out{};
-  const Error error = unpack(make_shape<T>(), bytes, &out);
+  const Error error = unpack(make_shape<T>(), bytes, &out, kOfRow);
   if (error.code != Errc::ok) return fail(error.code, std::string(T::kKind) + ": " + error.what);
   return JournalRecord(std::move(out));
 }

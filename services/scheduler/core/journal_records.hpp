@@ -179,7 +179,8 @@ using JournalRecord =
 
 std::string_view kind_of(const JournalRecord& record);
 
-/// As encode() and decode() of a body (proto/body.hpp). Errors: bad_value (no such kind), those of decode().
+/// As encode() and decode() of a body (proto/body.hpp), but as long as a row of the file. Errors: bad_value (no such
+/// kind), those of decode().
 Bytes encode_record(const JournalRecord& record);
 Result<JournalRecord> decode_record(std::string_view kind, BytesView bytes);
 

@@ -27,9 +27,9 @@ std::optional<Over> MemoryArchive::over(const std::string& run) const {
   return found == over_.end() ? std::nullopt : std::optional(found->second.over);
 }
 
-std::optional<JournalArchive> MemoryArchive::record(const std::string& run) const {
+Result<JournalArchive> MemoryArchive::record(const std::string& run) const {
   const auto found = over_.find(run);
-  if (found == over_.end() || found->second.record == 0) return std::nullopt;
+  if (found == over_.end() || found->second.record == 0) return fail(Errc::missing, "no record of run " + run);
   return records_.at(found->second.record);
 }
 

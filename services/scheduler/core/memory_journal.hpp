@@ -25,7 +25,7 @@ class MemoryArchive final : public Archive {
 
   [[nodiscard]] Status has_room() const override { return room_; }
   [[nodiscard]] std::optional<Over> over(const std::string& run) const override;
-  [[nodiscard]] std::optional<JournalArchive> record(const std::string& run) const override;
+  [[nodiscard]] Result<JournalArchive> record(const std::string& run) const override;
   [[nodiscard]] std::vector<std::string> ids(const std::string& beginning, std::size_t limit) const override;
   [[nodiscard]] ArchivePage page(const std::string& after, std::size_t limit) const override;
 

@@ -287,13 +287,17 @@ std::optional<Over> JournalFile::over(const std::string& run) const {
   return out;
 }
 
-std::optional<JournalArchive> JournalFile::record(const std::string& run) const {
+Result<JournalArchive> JournalFile::record(const std::string& run) const {
   auto statement = compile("SELECT record FROM archive WHERE run = ? AND record IS NOT NULL");
-  if (!statement) return std::nullopt;
+  if (!statement) return statement.error();
   bind_text(statement->get(), 1, run);
-  if (sqlite3_step(statement->get()) != SQLITE_ROW) return std::nullopt;
+  const int code = sqlite3_step(statement->get());
+  if (code == SQLITE_DONE) return fail(Errc::missing, path_ + ": no record of run " + run);
+  if (code != SQLITE_ROW) return problem("the record of run " + run + " cannot be read");
   auto record = decode_record(JournalArchive::kKind, column(statement->get(), 0));
-  return record ? std::optional(std::move(std::get<JournalArchive>(*record))) : std::nullopt;
+  if (record) return std::move(std::get<JournalArchive>(*record));
+  return fail(Errc::io_error, path_ + ": the record of run " + run + " is damaged: " + record.error().what,
+              "check the disk; the other nodes of the run have records of their own");
 }
 
 std::vector<std::string> JournalFile::ids(const std::string& beginning, std::size_t most) const {

@@ -46,10 +46,10 @@ class JournalFile final : public Archive {
   /// JournalTime. Error: io_error.
   Status prune(UtcTime steady);
 
-  // A record that cannot be read counts as missing; open() and load() report damage.
+  // But for record(), what cannot be read counts as missing; open() and load() report damage.
   [[nodiscard]] Status has_room() const override;
   [[nodiscard]] std::optional<Over> over(const std::string& run) const override;
-  [[nodiscard]] std::optional<JournalArchive> record(const std::string& run) const override;
+  [[nodiscard]] Result<JournalArchive> record(const std::string& run) const override;
   [[nodiscard]] std::vector<std::string> ids(const std::string& beginning, std::size_t most) const override;
   [[nodiscard]] ArchivePage page(const std::string& after, std::size_t most) const override;
 

@@ -142,6 +142,34 @@ TEST_CASE("the archive keeps within its bytes: the oldest records go, and that t
   CHECK((*file)->over("199"));
 }
 
+TEST_CASE("a run with more results than a message takes comes back whole") {
+  const Folder folder;
+  JournalArchive over = over_of("a", RunState::finished, 100);
+  over.results.assign(4, {"result", "ur3", {Bytes(1U << 19U, 'x')}, {"s"}});
+  auto file = JournalFile::open(folder.file(), 1 << 22);
+  REQUIRE(file.ok());
+  REQUIRE((*file)->commit({{over}}).ok());
+  const auto record = (*file)->record("a");
+  REQUIRE(record);
+  CHECK(record->results == over.results);
+}
+
+TEST_CASE("an archived record that is damaged is told from one that has made room") {
+  const Folder folder;
+  const auto journal = opened(folder);
+  REQUIRE(journal->commit({{over_of("a", RunState::finished, 100)}, {over_of("b", RunState::finished, 100)}}).ok());
+  sql(folder, "UPDATE archive SET record = substr(record, 1, 20) WHERE run = 'a'");
+  sql(folder, "UPDATE archive SET record = NULL WHERE run = 'b'");
+  const Error damaged = journal->record("a").error();
+  CHECK(damaged.code == Errc::io_error);
+  CHECK(damaged.what.starts_with(folder.file() + ": the record of run a is damaged: "));
+  CHECK_FALSE(damaged.hint.empty());
+  CHECK(journal->record("b").error().code == Errc::missing);
+  CHECK(journal->record("c").error().code == Errc::missing);
+  sql(folder, "DROP TABLE archive");
+  CHECK(journal->record("a").error().code == Errc::io_error);
+}
+
 TEST_CASE("of the time the newest is kept, and so of the word that a journal was lost") {
   const Folder folder;
   auto journal = opened(folder);

@@ -1,12 +1,13 @@
 #include "services/cloud-gateway/io/api/scenario_body.hpp"
 
+#include "common/scenario/definition.hpp"
 #include "services/cloud-gateway/io/json_text.hpp"
 
 namespace trb::gateway {
 
 Scenario scenario_of(const Value& json, ConfigFaults& faults) {
   const Value* inner = json.find("scenario");
-  return op::parse_scenario(dump_json(inner != nullptr ? *inner : json), kScenarioFile, faults);
+  return read_scenario(inner != nullptr ? *inner : json, kScenarioFile, faults);
 }
 
 HttpReply faults_reply(const ConfigFaults& faults) {

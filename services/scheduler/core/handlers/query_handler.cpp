@@ -53,7 +53,8 @@ Result<std::string> QueryHandler::find(const std::string& name) const {
   return is_whole ? Result<std::string>(name) : choose(name);
 }
 
-Error QueryHandler::gone(const std::string& run) const {
+Error QueryHandler::gone(const std::string& run, const Error& why) const {
+  if (why.code != Errc::missing) return why;
   const auto over = archive_.over(run);
   return fail(Errc::expired, "run " + run + " is over" + (over ? ": " + std::string(name_of(over->state)) : "") +
                                  "; its record has made room for younger ones");
@@ -63,18 +64,19 @@ void QueryHandler::handle(const RunQuery& body, const Inbound& from, Step step) 
   const auto id = find(body.run);
   if (!id) return refuse(from, id.error(), step);
   if (const Run* run = runs_.find(*id)) return step.out.reply(from, view_of(*run, executor_, step.clock()));
-  if (auto record = archive_.record(*id)) return step.out.reply(from, std::move(record->view));
-  refuse(from, gone(*id), step);
+  auto record = archive_.record(*id);
+  if (!record) return refuse(from, gone(*id, record.error()), step);
+  step.out.reply(from, std::move(record->view));
 }
 
 void QueryHandler::handle(const RunProofRequest& body, const Inbound& from, Step step) {
   const auto id = find(body.run);
   if (!id) return refuse(from, id.error(), step);
-  std::optional<JournalArchive> fact;
+  Result<JournalArchive> fact = JournalArchive();
   if (const Run* run = runs_.find(*id)) {
-    put_signed_records(*run, fact.emplace());
+    put_signed_records(*run, *fact);
   } else if (fact = archive_.record(*id); !fact) {
-    return refuse(from, gone(*id), step);
+    return refuse(from, gone(*id, fact.error()), step);
   }
   const std::vector<SignedRecord> all = signed_records_of(*fact);
   if (all.empty()) {

@@ -30,8 +30,8 @@ class QueryHandler {
   /// Finds a run by its id, or a unique beginning of it; the newest of all if nothing is named.
   [[nodiscard]] Result<std::string> find(const std::string& name) const;
   [[nodiscard]] Result<std::string> choose(const std::string& beginning) const;
-  /// Its record has made room for younger ones.
-  [[nodiscard]] Error gone(const std::string& run) const;
+  /// Why the archive has no record of it to show: it has made room for younger ones, or `why` it cannot be read.
+  [[nodiscard]] Error gone(const std::string& run, const Error& why) const;
   [[nodiscard]] Result<std::string> newest() const;
   [[nodiscard]] RunTable open_runs(Step step) const;
 

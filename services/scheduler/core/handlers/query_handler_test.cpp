@@ -26,6 +26,18 @@ struct Showing {
   QueryHandler handler{known.runs, known.archive, known.executor, watchers};
 };
 
+/// Knows of one run, and cannot read its record.
+class DamagedArchive final : public Archive {
+ public:
+  [[nodiscard]] Status has_room() const override { return Done{}; }
+  [[nodiscard]] std::optional<Over> over(const std::string&) const override { return Over{RunState::finished, {}}; }
+  [[nodiscard]] Result<JournalArchive> record(const std::string&) const override {
+    return fail(Errc::io_error, "damaged");
+  }
+  [[nodiscard]] std::vector<std::string> ids(const std::string&, std::size_t) const override { return {}; }
+  [[nodiscard]] ArchivePage page(const std::string&, std::size_t) const override { return {}; }
+};
+
 }  // namespace
 
 TEST_CASE("a run is found by its id, by a beginning of it, or as the newest") {
@@ -66,6 +78,24 @@ TEST_CASE("what is signed of a run is there while it is open, and when it is ove
   SUBCASE("or it is not known") {
     CHECK(nacks(showing.ask(RunProofRequest{"b"})) == std::vector<std::string>{"unknown_run"});
   }
+}
+
+TEST_CASE("a record that has made room, and one that cannot be read, are refused for what they are") {
+  Showing showing;
+  showing.known.runs.remove(kKnownRun);
+  showing.known.archive.keep_most(0);
+  JournalArchive fact;
+  fact.view.run = kKnownRun;
+  showing.known.archive.put(fact);
+  const DamagedArchive damaged;
+  QueryHandler other{showing.known.runs, damaged, showing.known.executor, showing.watchers};
+  const auto ask = [&](QueryHandler& handler, const auto& query) {
+    return nacks(showing.known.send(handler, "drone", query, MessageType::request));
+  };
+  CHECK(ask(showing.handler, RunQuery{kKnownRun}) == std::vector<std::string>{"expired"});
+  CHECK(ask(showing.handler, RunProofRequest{kKnownRun}) == std::vector<std::string>{"expired"});
+  CHECK(ask(other, RunQuery{kKnownRun}) == std::vector<std::string>{"io_error"});
+  CHECK(ask(other, RunProofRequest{kKnownRun}) == std::vector<std::string>{"io_error"});
 }
 
 TEST_CASE("a page has as many records as fit a message, one at least") {

@@ -22,7 +22,7 @@ export const settings = {
     minimumsHint: 'A robot with less or more, or of which it is not known, is no candidate. Empty: no bound.',
     newCriterion: 'New criterion',
     name: 'Name',
-    nameHint: 'Letters, digits, _ and -',
+    nameHint: 'Small letters, digits, _ and -',
     weight: 'Weight',
     best: 'Best value',
     worst: 'Worst value',

@@ -24,7 +24,7 @@ export const settings: Pick<Words, 'settings'> = {
     minimumsHint: 'Un robot qui a moins ou plus, ou dont on ne le sait pas, n’est pas candidat. Vide : pas de limite.',
     newCriterion: 'Nouveau critère',
     name: 'Nom',
-    nameHint: 'Lettres, chiffres, _ et -',
+    nameHint: 'Lettres minuscules, chiffres, _ et -',
     weight: 'Poids',
     best: 'Meilleure valeur',
     worst: 'Pire valeur',
