@@ -31,6 +31,8 @@ class Course {
   }
 
   [[nodiscard]] Measured at(double seconds) const;
+  /// From then on it stays as it is.
+  [[nodiscard]] double end_s() const { return steps_.empty() ? 0 : steps_.back().at_s; }
 
  private:
   std::vector<Step> steps_;  ///< in order of time

@@ -54,9 +54,16 @@ double WorldPlan::longest_task_s() const {
 }
 
 double WorldPlan::limit_s() const {
+double WorldPlan::latest_s() const {
+  double out = 0;
+  for (const Fault& fault : faults) out = std::max({out, fault.at_s, fault.rate.repair_s.value_or(0)});
+  for (const PlannedSensor& sensor : sensors) out = std::max(out, sensor.course.end_s());
+  return out;
+}
+
   if (until_s > 0) return until_s;
   const auto count = static_cast<double>(fleet.empty() ? tasks : scenario.tasks.size());
-  return std::min(kMaxUntil, kLinksAtMost_s + kSlow_s + count * (longest_task_s() + 1));
+  return std::min(kMaxUntil, kLinksAtMost_s + kSlow_s + latest_s() + count * (longest_task_s() + 1));
 }
 
 World::World(WorldPlan plan, Meddler meddler)

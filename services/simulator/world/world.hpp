@@ -28,7 +28,8 @@ struct WorldPlan {
   std::vector<std::string> assigned;         ///< who has each of its tasks at first (see bind_tasks)
   SkillTime task;                            ///< of skills without a time of their own
   std::map<std::string, SkillTime> times{};  ///< by skill, or of one task: "task:ID"
-  double until_s = 0;                        ///< 0: as long as the tasks may take, and some minutes
+  double until_s = 0;                        ///< 0: as long as faults and sensors go on, then the tasks may take, and some minutes
+  bool must_end = true;                      ///< false: that the run is open at `until_s` breaks nothing
   LinkKind link = kLinkKinds[0];
   std::uint64_t seed = 1;
   std::uint64_t until_event = 0;  ///< it ends behind this event, whatever it is then; 0: it does not
@@ -38,6 +39,8 @@ struct WorldPlan {
   std::vector<PlannedSensor> sensors;
   std::vector<std::string> relays;  ///< nodes that relay
   [[nodiscard]] double limit_s() const;
+  /// When the last thing happens that the plan has for a time of its own: a fault, a repair, a sensor's step.
+  [[nodiscard]] double latest_s() const;
   /// What no task takes longer than.
   [[nodiscard]] double longest_task_s() const;
 };
