@@ -158,3 +158,26 @@ TEST_CASE("a line of a trace names both ends") {
                                   .bytes = 52});
   CHECK(dump_json(line) == R"({"at_s":3.0,"phase":"forward","from":"middleware 2","to":"cloud","bytes":52})");
 }
+
+TEST_CASE("an attempt that a robot has given up says when") {
+  ConfigFaults faults;
+  const Job job = read_job(R"({"protocol": "talkrobots", "fleet": [
+      {"id": "a", "profile": {"capabilities": ["run"], "skills": [{"name": "run", "capability": "run", "timeout_s": 2}]}},
+      {"id": "b", "profile": {"capabilities": ["run"], "skills": [{"name": "run", "capability": "run", "timeout_s": 60}]}}],
+      "scenario": {"name": "late", "tasks": [
+        {"id": "slow", "robot": "a", "skill": "run", "on_failure": "continue"},
+        {"id": "next", "robot": "b", "skill": "run", "after": ["slow"]}]}})",
+                           faults);
+  REQUIRE_MESSAGE(faults.empty(), to_text(faults));
+  world::World world(*job.world);
+  TaskTimes times;
+  times.watch(world);
+  world.play();
+  const Value listed = times.listed();
+  REQUIRE_FALSE(listed.list().empty());
+  const Value& slow = listed.list()[0];
+  CHECK(slow.find("id")->text() == "slow");
+  CHECK(slow.find("end_s") == nullptr);
+  REQUIRE(slow.find("failed_s"));
+  CHECK(slow.find("failed_s")->number() - slow.find("begin_s")->number() == doctest::Approx(2).epsilon(0.05));
+}

@@ -32,7 +32,7 @@ void Robot::receive(std::string_view bytes) {
 
 void Robot::take_field(const std::string& field) {
   if (field == "!stop" || field == "!release") {
-    work_.reset();
+    give_up();
     field_ = 0;
     return tell_(field == "!stop" ? "!stopped\n" : "!released\n");
   }
@@ -62,7 +62,15 @@ const SkillTime& Robot::time_of_work() const {
   return own == plan_.times.end() ? plan_.usual : own->second;
 }
 
+/// What it is at, if it is at anything.
+void Robot::give_up() {
+  if (!work_) return;
+  work_.reset();
+  if (on_give_up) on_give_up();
+}
+
 void Robot::end(bool well) {
+  if (!well) give_up();
   work_.reset();
   if (well && on_end) on_end();
   inform(well ? "done" : "failed", well ? skill_ : skill_ + " broken");

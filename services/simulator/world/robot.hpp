@@ -47,6 +47,7 @@ class Robot {
   [[nodiscard]] const std::optional<Battery>& battery() const { return battery_; }
 
   std::function<void()> on_begin, on_end;    ///< for whoever watches
+  std::function<void()> on_give_up;          ///< the same: it breaks at its work, or is halted
   std::function<void()> on_fail, on_repair;  ///< the same: it breaks, it can do all again
   std::function<std::string()> task;         ///< the one that it is told now
   std::uint64_t overlaps = 0;                ///< commands that came while it was working
@@ -56,6 +57,7 @@ class Robot {
   void begin();
   [[nodiscard]] const SkillTime& time_of_work() const;
   void end(bool well);
+  void give_up();
   void inform_of_fault();
   void inform_of_charge();
   [[nodiscard]] std::string charge_text() const;
