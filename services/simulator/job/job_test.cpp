@@ -159,6 +159,20 @@ TEST_CASE("a line of a trace names both ends") {
   CHECK(dump_json(line) == R"({"at_s":3.0,"phase":"forward","from":"middleware 2","to":"cloud","bytes":52})");
 }
 
+TEST_CASE("a run that `seconds` cut off is open and nothing is broken, and the answer says so") {
+  ConfigFaults faults;
+  const Job job = read_job(R"({"protocol": "talkrobots", "robots": 2, "tasks": 3, "seconds": 12})", faults);
+  REQUIRE(faults.empty());
+  CHECK_FALSE(job.world->must_end);
+  const Value answer = world_value(world::World(*job.world).play());
+  CHECK(answer.find("state")->text() == "OPEN");
+  CHECK(answer.find("broken")->list().empty());
+  REQUIRE(answer.find("cut_off"));
+  CHECK(answer.find("cut_off")->boolean());
+  const Job whole = read_job(R"({"protocol": "talkrobots", "robots": 2, "tasks": 3, "seconds": 120})", faults);
+  CHECK_FALSE(world_value(world::World(*whole.world).play()).find("cut_off"));
+}
+
 TEST_CASE("an attempt that a robot has given up says when") {
   ConfigFaults faults;
   const Job job = read_job(R"({"protocol": "talkrobots", "fleet": [
