@@ -252,3 +252,13 @@ TEST_CASE("fault: a run whose link is cut before the usual end and healed behind
   check_all_done(is, 2);
   CHECK(is.makespan_s > 4000);
 }
+
+TEST_CASE("fault: a robot that is repaired while its node is off tells it when the node is back") {
+  World world(plan_of(3, 6,
+                      {{1, FaultKind::fail, "r1"},
+                       {2, FaultKind::kill, "r1"},
+                       {3, FaultKind::repair, "r1"},
+                       {4, FaultKind::start, "r1"}}));
+  check_finished(world.play(), 6);
+  CHECK(world.nodes().at("r1")->disk().out_of_use.empty());
+}
