@@ -195,3 +195,23 @@ TEST_CASE("an attempt that a robot has given up says when") {
   REQUIRE(slow.find("failed_s"));
   CHECK(slow.find("failed_s")->number() - slow.find("begin_s")->number() == doctest::Approx(2).epsilon(0.05));
 }
+
+TEST_CASE("the equations of a fleet and its scenario: their blocks, and who was given a task that names nobody") {
+  ConfigFaults faults;
+  const Job job = read_job(R"({"protocol": "talkrobots", "fleet": [
+      {"id": "a", "profile": {"capabilities": ["run"], "skills": [{"name": "run", "capability": "run", "timeout_s": 60}]}},
+      {"id": "b", "profile": {"capabilities": ["go"], "skills": [{"name": "go", "capability": "go", "timeout_s": 60}]}},
+      {"id": "c", "profile": {}}],
+      "scenario": {"name": "blocks", "tasks": [
+        {"id": "t0", "robot": "a", "skill": "run"},
+        {"id": "t1", "robot": "a", "skill": "run", "after": ["t0"]},
+        {"id": "t2", "requires": ["go"], "skill": "go", "after": ["t1"],
+         "when": {"sensor": "t", "of": "a", "op": "<", "value": 1, "unit": ""}}]},
+      "sensor_values": [{"node": "a", "name": "t", "value": 0}],
+      "faults": [{"at": 90, "kind": "fail", "node": "c"}]})",
+                           faults);
+  REQUIRE_MESSAGE(faults.empty(), to_text(faults));
+  const model::PaperParameters p = parameters_of(job);
+  CHECK(p == model::PaperParameters{.n = 3, .N_i = 3, .k = 1, .sum_m = 2, .s = 1, .R_l = 1, .N_f = 1});
+  CHECK(model::forward(p) == 1);
+}
