@@ -137,11 +137,10 @@ int simulate_counting(const Job& job, bool for_program) {
 
 /// The job, or all of standard input: an argument has at most 128 KiB.
 std::string job_text(const std::string& word) {
-  constexpr std::size_t kMost = 4U << 20U;  // read_job refuses more than a part of it
   if (word != "-") return word;
   std::string out;
   std::array<char, 65536> buffer{};
-  for (std::size_t count = 1; count > 0 && out.size() <= kMost;) {
+  for (std::size_t count = 1; count > 0 && out.size() <= kMaxJob;) {  // read_job refuses more
     count = std::fread(buffer.data(), 1, buffer.size(), stdin);
     out.append(buffer.data(), count);
   }

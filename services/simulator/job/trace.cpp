@@ -11,7 +11,7 @@ namespace {
 
 /// What plays it again; that it writes a trace is no part of it.
 Value played_job(const std::string& text) {
-  const auto json = parse_json(text);
+  const auto json = parse_json(text, kJobLimits);
   Value::Object out;
   if (!json || !json->is_object()) return Value{out};
   for (const auto& [key, value] : json->object()) {
