@@ -50,7 +50,8 @@ Status write_trace(const Job& job, std::uint64_t messages) {
 
 int answer(const Value& value) {
   std::printf("%s\n", dump_json(value).c_str());
-  return std::fflush(stdout) == 0 ? 0 : refuse(fail(Errc::io_error, "standard output", "it was closed"));
+  const bool is_whole = std::fflush(stdout) == 0 && std::ferror(stdout) == 0;
+  return is_whole ? 0 : refuse(fail(Errc::io_error, "standard output", "it was closed, or its disk is full"));
 }
 
 /// How far it is, on a terminal: a large fleet takes a minute.
