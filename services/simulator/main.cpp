@@ -97,7 +97,10 @@ int simulate_world(const Job& job, const std::string& text, bool for_program) {
   }
   Trace trace(text);
   if (!job.trace.empty()) {
-    world.meter().trace = [&](const world::Sending& sending, CostPhase phase) { trace.on(world, sending, phase); };
+    world.meter().trace = [&](const world::Sending& sending, CostPhase phase) {
+      trace.on(world, sending, phase);
+      if (trace.is_too_long()) world.stop();
+    };
   }
   Seen seen;
   seen.watch(world);
@@ -154,6 +157,9 @@ int simulate(const std::string& text, bool for_program) {
   if (!faults.empty()) {
     const ConfigFault& first = faults.front();
     return refuse(fail(Errc::bad_value, (first.key.empty() ? "job" : first.key) + ": " + first.what, first.hint));
+  }
+  if (!job.trace.empty()) {
+    if (const Status place = check_place(job.trace); !place) return refuse(place.error());
   }
   return job.world ? simulate_world(job, text, for_program) : simulate_counting(job, for_program);
 }

@@ -156,6 +156,14 @@ class Simulate(unittest.TestCase):
             done = subprocess.run([support.PROGRAMS / "trb-simulator", job], stdout=full, timeout=60)
         self.assertNotEqual(done.returncode, 0)
 
+    def test_a_trace_that_cannot_be_written_is_refused_before_anything_is_played(self):
+        job = {"protocol": "talkrobots", "robots": 200, "tasks": 1000, "trace": "/nowhere/x"}
+        done = subprocess.run([support.PROGRAMS / "trb-simulator", "--progress", json.dumps(job)], capture_output=True, text=True,
+                              timeout=10)
+        self.assertEqual(done.returncode, 1)
+        self.assertEqual(done.stderr, "")
+        self.assertIn("/nowhere/x", json.loads(done.stdout)["error"]["what"])
+
     def test_the_real_cores_do_the_tasks_and_one_seed_is_one_run(self):
         words = ("simulate", "--protocol", "talkrobots", "--robots", 3, "--tasks", 4, "--link", "wifi", "--seed", 3)
         with tempfile.TemporaryDirectory() as folder:

@@ -2,6 +2,8 @@
 // service, over a simulated network, disks, clocks and robots. One seed gives the same run to the byte.
 #pragma once
 
+#include <algorithm>
+#include <cstdint>
 #include <functional>
 #include <map>
 #include <memory>
@@ -73,6 +75,8 @@ class World {
 
   /// Plays all of it.
   Played play();
+  /// It ends behind this event, as with `until_event`.
+  void stop() { plan_.until_event = std::max<std::uint64_t>(events_.count(), 1); }
   /// Called about each second of virtual time, for who waits; it changes nothing.
   std::function<void(const World&)> on_second;
   /// Called when a fault of the plan happens. A robot tells of itself when it breaks, by chance and battery, too.

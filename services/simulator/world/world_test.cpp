@@ -114,3 +114,14 @@ TEST_CASE("a run that stands still until its time is up is broken, unless somebo
   plan.must_end = false;
   check_unbroken(World(plan, deaf).play());
 }
+
+TEST_CASE("who watches a world may stop it") {
+  World world(plan_of(2, 4));
+  world.meter().trace = [&](const Sending& sending, CostPhase) {
+    if (sending.subtype == Execute::kSubtype) world.stop();
+  };
+  const Played is = world.play();
+  CHECK(is.cut_short);
+  CHECK_FALSE(is.cut_off);
+  CHECK(is.tasks_done == 0);
+}
