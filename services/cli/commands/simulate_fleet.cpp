@@ -7,6 +7,7 @@
 #include "services/cli/commands/fleet_folders.hpp"
 #include "services/cli/commands/job_file.hpp"
 #include "services/cli/commands/model_terms.hpp"
+#include "services/cli/commands/one_less.hpp"
 #include "services/cli/commands/scenario_check.hpp"
 #include "services/cli/commands/sensor_values.hpp"
 #include "services/cli/core/table.hpp"
@@ -23,13 +24,14 @@ struct Hall {
   Scenario scenario;
   Value::Object rest;  ///< of the job
 
+  /// Empty: of the whole fleet.
   [[nodiscard]] Value job_without(const std::string& left_out) const {
     Value::List fleet;
     for (const auto& [id, profile] : robots) {
       if (id == left_out) continue;
       fleet.push_back(Value{Value::Object{{"id", Value{id}}, {"profile", *parse_json(to_json(profile))}}});
     }
-    Value::Object job = rest;
+    Value::Object job = left_out.empty() ? rest : without_robot(rest, left_out, fleet.size());
     job.emplace_back("fleet", Value{std::move(fleet)});
     return Value{std::move(job)};
   }
