@@ -83,7 +83,7 @@ void print_tasks(const std::vector<PlayedTask>& tasks) {
   const std::vector<TaskWait> waits = waits_of(tasks);
   for (std::size_t i = 0; i < tasks.size(); ++i) {
     rows.push_back({(waits[i].is_critical ? "* " : "  ") + tasks[i].id, tasks[i].robot, seconds_text(tasks[i].begin_s),
-                    seconds_text(tasks[i].end_s), wait_text(tasks, waits[i])});
+                    seconds_text(tasks[i].end_s) + (tasks[i].has_failed ? " failed" : ""), wait_text(tasks, waits[i])});
   }
   print(format_table(rows));
   print_line("* the critical path: the run is shorter only if one of these is");
@@ -142,6 +142,7 @@ void print_run(const Value& answer, const std::vector<PlayedTask>& tasks) {
              seconds_text(world.find("makespan_s")->number()) + " s; " +
              std::to_string(between.find("messages")->integer()) + " messages, " +
              std::to_string(between.find("bytes")->integer()) + " bytes between computers");
+  if (world.find("cut_off") != nullptr) print_line("It was cut off before its end: --seconds plays more of it");
   for (const Value& broken : world.find("broken")->list()) print_line("BROKEN: " + broken.text());
 }
 
