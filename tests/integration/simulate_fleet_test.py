@@ -79,6 +79,7 @@ class AFleetAsItIs(unittest.TestCase):
         found = self.answer("--one-less", "--faults", faults, "--sensor-values", values, "--relays", "pioneer1,cloud")
         rows = {row["robot"]: row for row in found["one_less"]}
         self.assertIn("makespan_s", rows["pioneer1"], rows["pioneer1"])
+        self.assertIn("resilience.json is not read", self.simulate("--faults", faults).stdout)
 
     def test_two_folders_with_one_id_are_refused_by_both_names(self):
         shutil.copytree(self.nodes / "pioneer1", self.nodes / "pioneer1-copy")

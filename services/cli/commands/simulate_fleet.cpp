@@ -133,7 +133,7 @@ Value one_less_json(const std::vector<OneLess>& rows) {
   return Value{std::move(out)};
 }
 
-void print_run(const Value& answer, const std::vector<PlayedTask>& tasks) {
+void print_run(const Value& answer, const std::vector<PlayedTask>& tasks, bool has_faults) {
   print_tasks(tasks);
   const Value& world = *answer.find("world");
   const Value& between = *answer.find("between_computers");
@@ -142,6 +142,8 @@ void print_run(const Value& answer, const std::vector<PlayedTask>& tasks) {
              seconds_text(world.find("makespan_s")->number()) + " s; " +
              std::to_string(between.find("messages")->integer()) + " messages, " +
              std::to_string(between.find("bytes")->integer()) + " bytes between computers");
+  if (has_faults)
+    print_line("Who replaces whom is decided by the default criteria: the fleet's resilience.json is not read");
   if (world.find("cut_off") != nullptr) print_line("It was cut off before its end: --seconds plays more of it");
   for (const Value& broken : world.find("broken")->list()) print_line("BROKEN: " + broken.text());
 }
@@ -179,7 +181,7 @@ int run_simulate_fleet(const Arguments& arguments) {
     if (!one_less.empty()) object.emplace_back("one_less", one_less_json(one_less));
     print_json(*answer);
   } else {
-    print_run(*answer, tasks);
+    print_run(*answer, tasks, arguments.has("--faults"));
     if (!one_less.empty()) print_one_less(one_less);
   }
   return answer->find("world")->find("broken")->list().empty() ? kGood : kFailed;
