@@ -8,13 +8,14 @@
 
 namespace trb {
 
-/// One finished attempt.
+/// An attempt that has ended.
 struct PlayedTask {
   std::string id;
   std::string robot;
   double begin_s = 0;
   double end_s = 0;
   std::vector<std::string> after;  ///< the tasks that come before it
+  bool has_failed = false;         ///< at `end_s`; else it was done
 };
 
 struct TaskWait {

@@ -9,8 +9,9 @@
 
 namespace trb {
 
-/// The attempts in the answer's `tasks` that were done, by begin; times count from the first one's. What is no task of
-/// the scenario is left out.
+/// The attempts in the answer's `tasks` that were done, and of each task that never was its last one that has failed
+/// (`failed_s`), by begin; times count from the first one's. `after`: in place of a predecessor without such an
+/// attempt (it was skipped) those before it. What is no task of the scenario is left out.
 std::vector<PlayedTask> played_tasks(const Value& answer, const Scenario& scenario);
 
 /// [{"task", "waited_for", "robot_busy", "critical"}], in the order given; `waited_for` is empty if it waited for none.

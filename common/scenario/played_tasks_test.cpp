@@ -13,6 +13,17 @@ Scenario scenario_of(const std::string& text) {
   return out;
 }
 
+/// As waits_of says it: "TASK<HOLDER" each, with "!" if the robot was busy.
+std::string waits_text(const std::vector<PlayedTask>& tasks) {
+  std::string out;
+  const auto waits = waits_of(tasks);
+  for (std::size_t i = 0; i < tasks.size(); ++i) {
+    out += (i == 0 ? "" : " ") + tasks[i].id + "<" + (waits[i].holder ? tasks[*waits[i].holder].id : "");
+    if (waits[i].is_robot_busy) out += "!";
+  }
+  return out;
+}
+
 const char* const kTwo = R"({"name": "two", "tasks": [
   {"id": "go", "robot": "cart", "skill": "go_to"},
   {"id": "take", "robot": "arm", "skill": "pick", "after": ["go"]}]})";
@@ -42,6 +53,47 @@ TEST_CASE("what each waited for, as JSON") {
                                           {"id": "take", "robot": "arm", "begin_s": 3.1, "end_s": 5}]})");
   CHECK(dump_json(waits_value(tasks)) == R"([{"task":"go","waited_for":"","robot_busy":false,"critical":true},)"
                                          R"({"task":"take","waited_for":"go","robot_busy":false,"critical":true}])");
+}
+
+TEST_CASE("who comes behind a task that was skipped waited for what that task waited for") {
+  const Scenario scenario = scenario_of(R"({"name": "skipped", "tasks": [
+    {"id": "c", "robot": "a", "skill": "run"},
+    {"id": "a1", "robot": "a", "skill": "run", "after": ["c"]},
+    {"id": "a2", "robot": "a", "skill": "run", "after": ["a1"]},
+    {"id": "d", "robot": "b", "skill": "run"},
+    {"id": "b1", "robot": "b", "skill": "run", "after": ["a2", "d"]}]})");
+  const auto tasks = played_tasks(*parse_json(R"({"tasks": [
+    {"id": "c", "robot": "a", "begin_s": 0, "end_s": 10},
+    {"id": "d", "robot": "b", "begin_s": 0, "end_s": 2},
+    {"id": "b1", "robot": "b", "begin_s": 10.1, "end_s": 12}]})"),
+                                  scenario);
+  CHECK(waits_text(tasks) == "c< d< b1<c");
+  CHECK(waits_of(tasks)[0].is_critical);
+  CHECK_FALSE(waits_of(tasks)[1].is_critical);
+}
+
+TEST_CASE("who comes behind a task that has failed waited until it had failed") {
+  const char* const played_to_failure = R"({"tasks": [
+    {"id": "go", "robot": "old", "begin_s": 0, "failed_s": 1},
+    {"id": "go", "robot": "cart", "begin_s": 2, "failed_s": 7},
+    {"id": "take", "robot": "arm", "begin_s": 7.1, "end_s": 9}]})";
+  const auto tasks = played(played_to_failure);
+  REQUIRE(tasks.size() == 2);
+  CHECK(tasks[0].robot == "cart");
+  CHECK(tasks[0].has_failed);
+  CHECK(tasks[0].end_s == 5);
+  CHECK_FALSE(tasks[1].has_failed);
+  CHECK(waits_text(tasks) == "go< take<go");
+}
+
+TEST_CASE("of a task that was done in the end its failures are left out") {
+  const auto tasks = played(R"({"tasks": [
+    {"id": "go", "robot": "old", "begin_s": 0, "failed_s": 1},
+    {"id": "go", "robot": "cart", "begin_s": 2, "end_s": 5},
+    {"id": "take", "robot": "arm", "begin_s": 5.1, "end_s": 7}]})");
+  REQUIRE(tasks.size() == 2);
+  CHECK(tasks[0].robot == "cart");
+  CHECK(tasks[0].begin_s == 0);
 }
 
 TEST_CASE("what is no attempt of the scenario's is left out") {

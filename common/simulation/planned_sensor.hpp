@@ -33,6 +33,8 @@ class Course {
   [[nodiscard]] Measured at(double seconds) const;
   /// Is it ever a text, or else a number? One that can never be read is both.
   [[nodiscard]] bool tells(bool text) const;
+  /// From then on it stays as it is.
+  [[nodiscard]] double end_s() const { return steps_.empty() ? 0 : steps_.back().at_s; }
 
  private:
   std::vector<Step> steps_;  ///< in order of time

@@ -50,7 +50,8 @@ Status write_trace(const Job& job, std::uint64_t messages) {
 
 int answer(const Value& value) {
   std::printf("%s\n", dump_json(value).c_str());
-  return std::fflush(stdout) == 0 ? 0 : refuse(fail(Errc::io_error, "standard output", "it was closed"));
+  const bool is_whole = std::fflush(stdout) == 0 && std::ferror(stdout) == 0;
+  return is_whole ? 0 : refuse(fail(Errc::io_error, "standard output", "it was closed, or its disk is full"));
 }
 
 /// How far it is, on a terminal: a large fleet takes a minute.
@@ -96,7 +97,10 @@ int simulate_world(const Job& job, const std::string& text, bool for_program) {
   }
   Trace trace(text);
   if (!job.trace.empty()) {
-    world.meter().trace = [&](const world::Sending& sending, CostPhase phase) { trace.on(world, sending, phase); };
+    world.meter().trace = [&](const world::Sending& sending, CostPhase phase) {
+      trace.on(world, sending, phase);
+      if (trace.is_too_long()) world.stop();
+    };
   }
   Seen seen;
   seen.watch(world);
@@ -137,11 +141,10 @@ int simulate_counting(const Job& job, bool for_program) {
 
 /// The job, or all of standard input: an argument has at most 128 KiB.
 std::string job_text(const std::string& word) {
-  constexpr std::size_t kMost = 4U << 20U;  // read_job refuses more than a part of it
   if (word != "-") return word;
   std::string out;
   std::array<char, 65536> buffer{};
-  for (std::size_t count = 1; count > 0 && out.size() <= kMost;) {
+  for (std::size_t count = 1; count > 0 && out.size() <= kMaxJob;) {  // read_job refuses more
     count = std::fread(buffer.data(), 1, buffer.size(), stdin);
     out.append(buffer.data(), count);
   }
@@ -154,6 +157,9 @@ int simulate(const std::string& text, bool for_program) {
   if (!faults.empty()) {
     const ConfigFault& first = faults.front();
     return refuse(fail(Errc::bad_value, (first.key.empty() ? "job" : first.key) + ": " + first.what, first.hint));
+  }
+  if (!job.trace.empty()) {
+    if (const Status place = check_place(job.trace); !place) return refuse(place.error());
   }
   return job.world ? simulate_world(job, text, for_program) : simulate_counting(job, for_program);
 }

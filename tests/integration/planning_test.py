@@ -150,6 +150,20 @@ class Simulate(unittest.TestCase):
         self.assertIn("memory", error["what"])
         self.assertIn("fewer robots", error["cure"])
 
+    def test_an_answer_that_does_not_fit_is_no_good_end(self):
+        job = json.dumps({"robots": 100, "tasks": 1000})
+        with open("/dev/full", "w", encoding="utf-8") as full:
+            done = subprocess.run([support.PROGRAMS / "trb-simulator", job], stdout=full, timeout=60)
+        self.assertNotEqual(done.returncode, 0)
+
+    def test_a_trace_that_cannot_be_written_is_refused_before_anything_is_played(self):
+        job = {"protocol": "talkrobots", "robots": 200, "tasks": 1000, "trace": "/nowhere/x"}
+        done = subprocess.run([support.PROGRAMS / "trb-simulator", "--progress", json.dumps(job)], capture_output=True, text=True,
+                              timeout=10)
+        self.assertEqual(done.returncode, 1)
+        self.assertEqual(done.stderr, "")
+        self.assertIn("/nowhere/x", json.loads(done.stdout)["error"]["what"])
+
     def test_the_real_cores_do_the_tasks_and_one_seed_is_one_run(self):
         words = ("simulate", "--protocol", "talkrobots", "--robots", 3, "--tasks", 4, "--link", "wifi", "--seed", 3)
         with tempfile.TemporaryDirectory() as folder:

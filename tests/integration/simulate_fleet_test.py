@@ -65,6 +65,40 @@ class AFleetAsItIs(unittest.TestCase):
         self.assertIn("WITHOUT", table)
         self.assertIn("* fetch_box", table)
 
+    def test_a_trace_is_that_of_the_whole_fleet_whatever_is_played_without_a_robot(self):
+        alone, beside = self.root / "alone.jsonl", self.root / "beside.jsonl"
+        self.answer("--trace", alone)
+        self.answer("--trace", beside, "--one-less")
+        self.assertEqual(alone.read_bytes(), beside.read_bytes())
+
+    def test_what_is_planned_of_a_robot_is_left_out_with_it(self):
+        faults = self.write("of-pioneer1.json", [
+            {"at": 1, "kind": "fail", "node": "pioneer1"}, {"at": 2, "kind": "cut", "node": "cloud", "other": "pioneer1"},
+            {"at": 3, "kind": "partition", "nodes": ["pioneer1"]}, {"at": 4, "kind": "heal", "nodes": ["pioneer1"]}])
+        values = self.write("at-pioneer1.json", [{"node": "pioneer1", "name": "humidity", "unit": "percent", "value": 40}])
+        found = self.answer("--one-less", "--faults", faults, "--sensor-values", values, "--relays", "pioneer1,cloud")
+        rows = {row["robot"]: row for row in found["one_less"]}
+        self.assertIn("makespan_s", rows["pioneer1"], rows["pioneer1"])
+        self.assertIn("resilience.json is not read", self.simulate("--faults", faults).stdout)
+
+    def test_two_folders_with_one_id_are_refused_by_both_names(self):
+        shutil.copytree(self.nodes / "pioneer1", self.nodes / "pioneer1-copy")
+        self.addCleanup(shutil.rmtree, self.nodes / "pioneer1-copy")
+        done = self.simulate()
+        self.assertEqual(done.returncode, 1, done.stdout)
+        for word in ("'pioneer1'", str(self.nodes / "pioneer1") + ";", "pioneer1-copy"):
+            self.assertIn(word, done.stderr)
+
+    def test_a_sensor_of_the_cloud_has_the_unit_of_its_folder_s_rule(self):
+        cloud = next(path.parent for path in self.nodes.glob("*/node.json") if json.loads(path.read_text()).get("role") == "cloud")
+        shutil.copytree(REPO / "config/sensors", cloud / "sensors")
+        self.addCleanup(shutil.rmtree, cloud / "sensors")
+        scenario = self.write("warm.json", {"name": "warm", "tasks": [
+            {"id": "go", "robot": "drone", "skill": "take_off",
+             "when": {"sensor": "temperature", "of": "cloud", "op": ">", "value": 20, "unit": "degC"}}]})
+        values = self.write("cloud.json", [{"node": "cloud", "name": "temperature", "value": 25}])
+        self.assertEqual(self.answer("--sensor-values", values, scenario=scenario)["world"]["tasks_done"], 1)
+
     def test_the_picking_side_is_chosen_by_the_simulated_thermometer_with_the_unit_of_its_node_s_rule(self):
         scenario = REPO / "config/scenarios/paper-temperature.json"
         shutil.copytree(REPO / "config/sensors", self.nodes / "conveyor/sensors")

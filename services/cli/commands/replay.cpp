@@ -14,6 +14,7 @@ namespace trb::cli {
 namespace {
 
 constexpr std::size_t kMostBytes = 512U << 20U;  // a million messages have some 200 MB
+constexpr std::size_t kMostValues = 1'000'000;   // of a job, as the simulator takes it
 
 /// A file of trb simulate --protocol talkrobots --trace, up to an event.
 struct KeptTrace {
@@ -43,7 +44,7 @@ Result<KeptTrace> read_trace(const std::string& file, std::uint64_t until) {
   std::istringstream lines(*text);
   std::string line;
   std::getline(lines, line);
-  const auto first = parse_json(line, {.bytes = kMostBytes});
+  const auto first = parse_json(line, {.bytes = kMostBytes, .values = kMostValues});
   if (!first || !first->is_object() || first->find("job") == nullptr) return no_trace(file, 1);
   KeptTrace out{*first->find("job"), {}};
   for (std::size_t number = 2; std::getline(lines, line); ++number) {

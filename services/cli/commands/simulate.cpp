@@ -132,6 +132,7 @@ void print_world(const Value& answer) {
   print_line("\nThe run is " + world.find("state")->text() + ": " + number_of(world, "tasks_done") + " tasks in " +
              shown_number(world.find("makespan_s")->number()) + " s; all links were up after " +
              shown_number(world.find("linked_s")->number()) + " s, " + number_of(world, "events") + " events");
+  if (world.find("cut_off") != nullptr) print_line("It was cut off before its end: --seconds plays more of it");
   for (const Value& broken : world.find("broken")->list()) print_line("BROKEN: " + broken.text());
 }
 

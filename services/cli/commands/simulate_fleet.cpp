@@ -7,6 +7,7 @@
 #include "services/cli/commands/fleet_folders.hpp"
 #include "services/cli/commands/job_file.hpp"
 #include "services/cli/commands/model_terms.hpp"
+#include "services/cli/commands/one_less.hpp"
 #include "services/cli/commands/scenario_check.hpp"
 #include "services/cli/commands/sensor_values.hpp"
 #include "services/cli/core/table.hpp"
@@ -23,13 +24,14 @@ struct Hall {
   Scenario scenario;
   Value::Object rest;  ///< of the job
 
+  /// Empty: of the whole fleet.
   [[nodiscard]] Value job_without(const std::string& left_out) const {
     Value::List fleet;
     for (const auto& [id, profile] : robots) {
       if (id == left_out) continue;
       fleet.push_back(Value{Value::Object{{"id", Value{id}}, {"profile", *parse_json(to_json(profile))}}});
     }
-    Value::Object job = rest;
+    Value::Object job = left_out.empty() ? rest : without_robot(rest, left_out, fleet.size());
     job.emplace_back("fleet", Value{std::move(fleet)});
     return Value{std::move(job)};
   }
@@ -81,7 +83,7 @@ void print_tasks(const std::vector<PlayedTask>& tasks) {
   const std::vector<TaskWait> waits = waits_of(tasks);
   for (std::size_t i = 0; i < tasks.size(); ++i) {
     rows.push_back({(waits[i].is_critical ? "* " : "  ") + tasks[i].id, tasks[i].robot, seconds_text(tasks[i].begin_s),
-                    seconds_text(tasks[i].end_s), wait_text(tasks, waits[i])});
+                    seconds_text(tasks[i].end_s) + (tasks[i].has_failed ? " failed" : ""), wait_text(tasks, waits[i])});
   }
   print(format_table(rows));
   print_line("* the critical path: the run is shorter only if one of these is");
@@ -131,7 +133,7 @@ Value one_less_json(const std::vector<OneLess>& rows) {
   return Value{std::move(out)};
 }
 
-void print_run(const Value& answer, const std::vector<PlayedTask>& tasks) {
+void print_run(const Value& answer, const std::vector<PlayedTask>& tasks, bool has_faults) {
   print_tasks(tasks);
   const Value& world = *answer.find("world");
   const Value& between = *answer.find("between_computers");
@@ -140,6 +142,9 @@ void print_run(const Value& answer, const std::vector<PlayedTask>& tasks) {
              seconds_text(world.find("makespan_s")->number()) + " s; " +
              std::to_string(between.find("messages")->integer()) + " messages, " +
              std::to_string(between.find("bytes")->integer()) + " bytes between computers");
+  if (has_faults)
+    print_line("Who replaces whom is decided by the default criteria: the fleet's resilience.json is not read");
+  if (world.find("cut_off") != nullptr) print_line("It was cut off before its end: --seconds plays more of it");
   for (const Value& broken : world.find("broken")->list()) print_line("BROKEN: " + broken.text());
 }
 
@@ -176,7 +181,7 @@ int run_simulate_fleet(const Arguments& arguments) {
     if (!one_less.empty()) object.emplace_back("one_less", one_less_json(one_less));
     print_json(*answer);
   } else {
-    print_run(*answer, tasks);
+    print_run(*answer, tasks, arguments.has("--faults"));
     if (!one_less.empty()) print_one_less(one_less);
   }
   return answer->find("world")->find("broken")->list().empty() ? kGood : kFailed;

@@ -94,8 +94,9 @@ class Play {
       send(CostPhase::task, middleware(task.robot), robot(task.robot));
     }
     request_sensors(task);
-    send_updates_until(now_ + plan_.task_s);
-    now_ += plan_.task_s;
+    const double end_s = plan_.task_s * static_cast<double>(i + 1);  // no sum, whose error grows
+    send_updates_until(end_s);
+    now_ = end_s;
     send(CostPhase::task, robot(task.robot), middleware(task.robot));
     send(CostPhase::task, middleware(task.robot), cloud(), Sizes::kToCloud);
     if (i + 1 < plan_.tasks.size() && plan_.tasks[i + 1].robot != task.robot) {

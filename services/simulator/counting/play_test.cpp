@@ -176,3 +176,12 @@ TEST_CASE("a plan that cannot be is refused by its number's name") {
   CHECK(cyclic_plan(1, kMaxPlannedTasks + 1, 0).error().code == Errc::too_large);
   CHECK(cyclic_plan(2, 2, 3).error().hint == "use at most 2");
 }
+
+TEST_CASE("a task's time that is no sum of halves loses no update: each device sends until the last task's end") {
+  Plan plan = *cyclic_plan(1, 10, 0);
+  plan.task_s = 0.1;
+  plan.device_rates.assign(1000, 1.0);
+  const Tally tally = counted(plan);
+  CHECK(tally.all(CostPhase::devices).messages == 3000);
+  CHECK(play(plan, [](const CountedMessage&) {}) == plan.task_s * 10);
+}

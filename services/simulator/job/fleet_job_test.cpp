@@ -101,3 +101,26 @@ TEST_CASE("what is wrong with a fleet, its scenario or its times is named") {
                   to_text(faults));
   }
 }
+
+TEST_CASE("a fleet of a thousand robots whose job has some megabytes is taken, and one over 4 MiB refused") {
+  std::string fleet;
+  for (int robot = 0; robot < 1000; ++robot) {
+    std::string skills;
+    for (int skill = 0; skill < 20; ++skill) {
+      skills += std::string(skill == 0 ? "" : ",") + R"({"name": "skill)" + std::to_string(skill) +
+                R"(", "capability": "drive", "repeatable": true, "timeout_s": 60, "parameters": []})";
+    }
+    fleet += std::string(robot == 0 ? "" : ",") + R"({"id": "cart)" + std::to_string(robot) +
+             R"(", "profile": {"capabilities": ["drive"], "skills": [)" + skills + "]}}";
+  }
+  const std::string scenario = R"({"name": "one", "tasks": [{"id": "go", "robot": "cart999", "skill": "skill1"}]})";
+  const std::string text = job_of("[" + fleet + "]", scenario);
+  REQUIRE(text.size() > (1U << 20U));
+  REQUIRE(text.size() < kMaxJob);
+  ConfigFaults faults;
+  const Job job = read_job(text, faults);
+  REQUIRE_MESSAGE(faults.empty(), to_text(faults));
+  CHECK(job.world->fleet.size() == 1000);
+  static_cast<void>(read_job(text + std::string(kMaxJob, ' '), faults));
+  CHECK(faults.size() == 1);
+}

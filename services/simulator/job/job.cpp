@@ -60,7 +60,7 @@ void read_faults(ObjectReader& reader, Plan& plan) {
 
 Job read_job(std::string_view text, ConfigFaults& faults) {
   const FileFaults into("job", faults);
-  const auto json = parse_json(text);
+  const auto json = parse_json(text, kJobLimits);
   if (!json) {
     into.add("", json.error().what, json.error().hint);
     return {};

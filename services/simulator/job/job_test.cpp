@@ -158,3 +158,60 @@ TEST_CASE("a line of a trace names both ends") {
                                   .bytes = 52});
   CHECK(dump_json(line) == R"({"at_s":3.0,"phase":"forward","from":"middleware 2","to":"cloud","bytes":52})");
 }
+
+TEST_CASE("a run that `seconds` cut off is open and nothing is broken, and the answer says so") {
+  ConfigFaults faults;
+  const Job job = read_job(R"({"protocol": "talkrobots", "robots": 2, "tasks": 3, "seconds": 12})", faults);
+  REQUIRE(faults.empty());
+  CHECK_FALSE(job.world->must_end);
+  const Value answer = world_value(world::World(*job.world).play());
+  CHECK(answer.find("state")->text() == "OPEN");
+  CHECK(answer.find("broken")->list().empty());
+  REQUIRE(answer.find("cut_off"));
+  CHECK(answer.find("cut_off")->boolean());
+  const Job whole = read_job(R"({"protocol": "talkrobots", "robots": 2, "tasks": 3, "seconds": 120})", faults);
+  CHECK_FALSE(world_value(world::World(*whole.world).play()).find("cut_off"));
+}
+
+TEST_CASE("an attempt that a robot has given up says when") {
+  ConfigFaults faults;
+  const Job job = read_job(R"({"protocol": "talkrobots", "fleet": [
+      {"id": "a", "profile": {"capabilities": ["run"], "skills": [{"name": "run", "capability": "run", "timeout_s": 2}]}},
+      {"id": "b", "profile": {"capabilities": ["run"], "skills": [{"name": "run", "capability": "run", "timeout_s": 60}]}}],
+      "scenario": {"name": "late", "tasks": [
+        {"id": "slow", "robot": "a", "skill": "run", "on_failure": "continue"},
+        {"id": "next", "robot": "b", "skill": "run", "after": ["slow"]}]}})",
+                           faults);
+  REQUIRE_MESSAGE(faults.empty(), to_text(faults));
+  world::World world(*job.world);
+  TaskTimes times;
+  times.watch(world);
+  world.play();
+  const Value listed = times.listed();
+  REQUIRE_FALSE(listed.list().empty());
+  const Value& slow = listed.list()[0];
+  CHECK(slow.find("id")->text() == "slow");
+  CHECK(slow.find("end_s") == nullptr);
+  REQUIRE(slow.find("failed_s"));
+  CHECK(slow.find("failed_s")->number() - slow.find("begin_s")->number() == doctest::Approx(2).epsilon(0.05));
+}
+
+TEST_CASE("the equations of a fleet and its scenario: their blocks, and who was given a task that names nobody") {
+  ConfigFaults faults;
+  const Job job = read_job(R"({"protocol": "talkrobots", "fleet": [
+      {"id": "a", "profile": {"capabilities": ["run"], "skills": [{"name": "run", "capability": "run", "timeout_s": 60}]}},
+      {"id": "b", "profile": {"capabilities": ["go"], "skills": [{"name": "go", "capability": "go", "timeout_s": 60}]}},
+      {"id": "c", "profile": {}}],
+      "scenario": {"name": "blocks", "tasks": [
+        {"id": "t0", "robot": "a", "skill": "run"},
+        {"id": "t1", "robot": "a", "skill": "run", "after": ["t0"]},
+        {"id": "t2", "requires": ["go"], "skill": "go", "after": ["t1"],
+         "when": {"sensor": "t", "of": "a", "op": "<", "value": 1, "unit": ""}}]},
+      "sensor_values": [{"node": "a", "name": "t", "value": 0}],
+      "faults": [{"at": 90, "kind": "fail", "node": "c"}]})",
+                           faults);
+  REQUIRE_MESSAGE(faults.empty(), to_text(faults));
+  const model::PaperParameters p = parameters_of(job);
+  CHECK(p == model::PaperParameters{.n = 3, .N_i = 3, .k = 1, .sum_m = 2, .s = 1, .R_l = 1, .N_f = 1});
+  CHECK(model::forward(p) == 1);
+}

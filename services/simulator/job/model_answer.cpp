@@ -1,14 +1,38 @@
 #include "services/simulator/job/model_answer.hpp"
 
+#include <algorithm>
 #include <set>
+#include <utility>
+
+#include "common/model/scenario_parameters.hpp"
 
 namespace trb::simulator {
 namespace {
 
 using model::PaperParameters;
 
+/// Each task is told field by field, whoever has it; one that names no robot counts as that of who was given it.
+PaperParameters of_scenario(const world::WorldPlan& plan) {
+  Scenario scenario = plan.scenario;
+  for (std::size_t i = 0; i < std::min(plan.assigned.size(), scenario.tasks.size()); ++i) {
+    if (plan.assigned[i] != simulation::kCloud) scenario.tasks[i].robot = plan.assigned[i];
+  }
+  PaperParameters p = model::parameters_of(scenario, {}).paper;
+  p.n = plan.robots;
+  p.N_i = std::exchange(p.N_d, 0);
+  return p;
+}
+
+/// With one robot they are one block, else there is none.
+PaperParameters in_turn(PaperParameters p) {
+  const std::uint64_t tasks = model::tasks(p);
+  p.k = p.n == 1 && tasks > 1 ? 1 : 0;
+  p.sum_m = p.k * tasks;
+  return p;
+}
+
 PaperParameters of_world(const world::WorldPlan& plan) {
-  PaperParameters p{.n = plan.robots, .N_i = plan.tasks};
+  PaperParameters p = plan.fleet.empty() ? in_turn({.n = plan.robots, .N_i = plan.tasks}) : of_scenario(plan);
   std::set<std::string> failed;
   for (const world::Fault& fault : plan.faults) {
     if (fault.kind == world::FaultKind::fail) failed.insert(fault.node);
@@ -27,18 +51,13 @@ PaperParameters of_plan(const counting::Plan& plan) {
   }
   for (const double rate : plan.device_rates) p.sum_x += rate;
   p.delta_t = plan.seconds > 0 ? plan.seconds : plan.task_s * static_cast<double>(plan.tasks.size());
-  return p;
+  return in_turn(p);
 }
 
 }  // namespace
 
 PaperParameters parameters_of(const Job& job) {
-  PaperParameters p = job.world ? of_world(*job.world) : of_plan(job.plan);
-  // Tasks in turn: with one robot they are one block, else there is none.
-  const std::uint64_t tasks = model::tasks(p);
-  p.k = p.n == 1 && tasks > 1 ? 1 : 0;
-  p.sum_m = p.k * tasks;
-  return p;
+  return job.world ? of_world(*job.world) : of_plan(job.plan);
 }
 
 Value model_value(const PaperParameters& p) {

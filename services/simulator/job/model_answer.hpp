@@ -8,7 +8,8 @@
 namespace trb::simulator {
 
 /// The job's fleet in the paper's variables. Of a world: its robots are told field by field, each robot that fails is
-/// one of N_f, and it has no sensors.
+/// one of N_f. Tasks in turn have no sensors; a scenario's blocks, sensors and requests are those of
+/// model::parameters_of, with all of the fleet's robots, and sensors that tell nothing beside the requests.
 model::PaperParameters parameters_of(const Job& job);
 
 /// {"phases": {PHASE: MESSAGES}, "messages": Equation 12}; `upkeep` has no equation.

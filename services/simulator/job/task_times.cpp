@@ -23,6 +23,7 @@ void TaskTimes::watch(world::World& world) {
       end(node.plan().id, world.seconds_passed());
       then();
     };
+    robot->on_give_up = [this, &world, &id = id] { fail(id, world.seconds_passed()); };
   }
 }
 
@@ -39,11 +40,19 @@ void TaskTimes::end(const std::string& robot, double at_s) {
   at_work_.erase(at);
 }
 
+void TaskTimes::fail(const std::string& robot, double at_s) {
+  const auto at = at_work_.find(robot);
+  if (at == at_work_.end()) return;
+  if (at->second < attempts_.size()) attempts_[at->second].failed_s = at_s;
+  at_work_.erase(at);
+}
+
 Value TaskTimes::listed() const {
   Value::List out;
   for (const Attempt& one : attempts_) {
     Value::Object attempt{{"id", Value{one.task}}, {"robot", Value{one.robot}}, {"begin_s", Value{one.begin_s}}};
     if (one.end_s >= 0) attempt.emplace_back("end_s", Value{one.end_s});
+    if (one.failed_s >= 0) attempt.emplace_back("failed_s", Value{one.failed_s});
     out.push_back(Value{std::move(attempt)});
   }
   return Value{std::move(out)};

@@ -22,7 +22,8 @@ class TaskTimes {
   void watch(world::World& world);
 
   [[nodiscard]] std::size_t done() const { return done_; }
-  /// [{"id", "robot", "begin_s", "end_s"}]: the attempts, as they were begun; without `end_s`: it was not done.
+  /// [{"id", "robot", "begin_s", "end_s", "failed_s"}]: the attempts, as they were begun; without `end_s`: it was not
+  /// done; `failed_s`: its robot broke, or was halted.
   [[nodiscard]] Value listed() const;
   /// How many more attempts there were.
   [[nodiscard]] std::size_t not_listed() const { return begun_ - attempts_.size(); }
@@ -31,10 +32,12 @@ class TaskTimes {
   struct Attempt {
     std::string task, robot;
     double begin_s = 0;
-    double end_s = -1;  ///< below 0: it was not done
+    double end_s = -1;     ///< below 0: it was not done
+    double failed_s = -1;  ///< below 0: it was not given up
   };
   void begin(const std::string& task, const std::string& robot, double at_s);
   void end(const std::string& robot, double at_s);
+  void fail(const std::string& robot, double at_s);
 
   std::vector<Attempt> attempts_;
   std::map<std::string, std::size_t>

@@ -1,7 +1,12 @@
 #include "services/simulator/job/trace.hpp"
 
+#include <unistd.h>
+
+#include <cerrno>
 #include <csignal>
 #include <cstdio>
+#include <filesystem>
+#include <system_error>
 
 #include "common/base/files.hpp"
 #include "services/simulator/job/answer.hpp"
@@ -11,13 +16,18 @@ namespace {
 
 /// What plays it again; that it writes a trace is no part of it.
 Value played_job(const std::string& text) {
-  const auto json = parse_json(text);
+  const auto json = parse_json(text, kJobLimits);
   Value::Object out;
   if (!json || !json->is_object()) return Value{out};
   for (const auto& [key, value] : json->object()) {
     if (key != "trace" && key != "until_event") out.emplace_back(key, value);
   }
   return Value{std::move(out)};
+}
+
+Error too_long() {
+  return fail(Errc::too_large, "trace: over " + std::to_string(kMaxTraced) + " messages",
+              "trace a fleet with at most " + std::to_string(kMaxTraced));
 }
 
 std::string robot_text(const world::Node& node, const world::Robot& robot) {
@@ -44,11 +54,11 @@ Value node_value(const world::World& world, const std::string& id, world::Node& 
 
 }  // namespace
 
-Trace::Trace(const std::string& job_text)
-    : text_(dump_json(Value{Value::Object{{"job", played_job(job_text)}}}) + "\n") {}
+Trace::Trace(const std::string& job_text, std::uint64_t most)
+    : most_(most), text_(dump_json(Value{Value::Object{{"job", played_job(job_text)}}}) + "\n") {}
 
 void Trace::on(const world::World& world, const world::Sending& sending, CostPhase phase) {
-  if (++count_ > kMaxTraced) return;
+  if (++count_ > most_) return;
   Value line = trace_value(sending, phase);
   auto& members = std::get<Value::Object>(line.is);
   members.emplace_back("event", Value{static_cast<std::int64_t>(world.event())});
@@ -57,14 +67,20 @@ void Trace::on(const world::World& world, const world::Sending& sending, CostPha
 }
 
 Status Trace::write(const std::string& path) const {
-  if (Status few = check_traced(count_); !few) return few;
-  return write_whole(path, text_);
+  return is_too_long() ? too_long() : write_whole(path, text_);
 }
 
 Status check_traced(std::uint64_t messages) {
-  if (messages <= kMaxTraced) return Done{};
-  return fail(Errc::too_large, "trace: " + std::to_string(messages) + " messages",
-              "trace a fleet with at most " + std::to_string(kMaxTraced));
+  return messages <= kMaxTraced ? Status(Done{}) : too_long();
+}
+
+Status check_place(const std::string& path) {
+  std::error_code problem;
+  if (std::filesystem::is_directory(path, problem)) return fail(Errc::io_error, path + ": is a folder", "name a file");
+  const std::string folder = std::filesystem::path(path).parent_path().string();
+  if (::access(folder.empty() ? "." : folder.c_str(), W_OK | X_OK) == 0) return Done{};
+  return fail(Errc::io_error, path + ": cannot be written: " + std::generic_category().message(errno),
+              "name a file in a folder that you may write to");
 }
 
 Status write_whole(const std::string& path, BytesView text) {

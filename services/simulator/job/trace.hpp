@@ -14,20 +14,25 @@ constexpr std::uint64_t kMaxTraced = 1'000'000;
 /// tells whether another run is the same up to there.
 class Trace {
  public:
-  explicit Trace(const std::string& job_text);
+  explicit Trace(const std::string& job_text, std::uint64_t most = kMaxTraced);
 
   void on(const world::World& world, const world::Sending& sending, CostPhase phase);
   /// All of it or nothing, also when a person interrupts. Errors: too_large (over a million messages), of the file.
   [[nodiscard]] Status write(const std::string& path) const;
+  /// It has more messages than a trace may have: it cannot be written any more.
+  [[nodiscard]] bool is_too_long() const { return count_ > most_; }
   [[nodiscard]] const Bytes& text() const { return text_; }
 
  private:
+  std::uint64_t most_;
   Bytes text_;
   std::uint64_t count_ = 0;
 };
 
 /// Errors: too_large.
 Status check_traced(std::uint64_t messages);
+/// Can a file be written there? Asked before anything is played. Errors: io_error, naming the path.
+Status check_place(const std::string& path);
 /// As write_file; Ctrl-C waits until it is done.
 Status write_whole(const std::string& path, BytesView text);
 

@@ -79,3 +79,23 @@ TEST_CASE("the state at an event says what each robot does") {
   const Value during = state_at(kept.job, event + 100);
   CHECK(during.find("nodes")->list()[1].find("robot")->text() == "works on t0");
 }
+
+TEST_CASE("a trace is full behind its last message") {
+  Trace trace("{}", 2);
+  ConfigFaults faults;
+  world::World world(*read_job(kTracedJob + "}", faults).world);
+  const world::Sending sending{0, "r0", "cloud", "baton", 1, true};
+  for (int i = 0; i < 2; ++i) trace.on(world, sending, CostPhase::forward);
+  CHECK_FALSE(trace.is_too_long());
+  trace.on(world, sending, CostPhase::forward);
+  CHECK(trace.is_too_long());
+  CHECK(trace.write("/nowhere/x").error().code == Errc::too_large);
+}
+
+TEST_CASE("a trace that cannot be written is known before anything is played") {
+  CHECK(check_place("trace.jsonl").ok());
+  CHECK(check_place("/tmp/trace.jsonl").ok());
+  CHECK(check_place("/nowhere/trace.jsonl").error().code == Errc::io_error);
+  CHECK_FALSE(check_place("/tmp").ok());
+  CHECK_FALSE(check_place("/dev/null/trace.jsonl").ok());
+}

@@ -37,6 +37,7 @@ world::WorldPlan read_world(ObjectReader& reader) {
   }
   plan.task = simulation::read_usual_time(reader);
   plan.until_s = reader.number("seconds", Need::optional, {0, world::kMaxUntil}).value_or(0);
+  plan.must_end = plan.until_s <= 0;
   plan.seed = static_cast<std::uint64_t>(reader.integer("seed", Need::optional, 0, INT64_MAX).value_or(1));
   plan.link = simulation::read_link(reader);
   plan.until_event =
@@ -52,15 +53,17 @@ Value world_value(const world::Played& played) {
   Value::List broken;
   for (const std::string& text : played.broken) broken.push_back(Value{text});
   const bool over = played.over_everywhere;
-  return Value{Value::Object{{"state", Value{over ? std::string(name_of(played.state)) : "OPEN"}},
-                             {"over_everywhere", Value{over}},
-                             {"tasks_done", integer(played.tasks_done)},
-                             {"makespan_s", Value{played.makespan_s}},
-                             {"linked_s", Value{played.linked_s}},
-                             {"submitted_s", Value{played.submitted_s}},
-                             {"events", integer(played.events)},
-                             {"digest", Value{hex_of(played.digest)}},
-                             {"broken", Value{std::move(broken)}}}};
+  Value::Object out{{"state", Value{over ? std::string(name_of(played.state)) : "OPEN"}},
+                    {"over_everywhere", Value{over}},
+                    {"tasks_done", integer(played.tasks_done)},
+                    {"makespan_s", Value{played.makespan_s}},
+                    {"linked_s", Value{played.linked_s}},
+                    {"submitted_s", Value{played.submitted_s}},
+                    {"events", integer(played.events)},
+                    {"digest", Value{hex_of(played.digest)}},
+                    {"broken", Value{std::move(broken)}}};
+  if (played.cut_off) out.emplace_back("cut_off", Value{true});
+  return Value{std::move(out)};
 }
 
 }  // namespace trb::simulator

@@ -12,7 +12,7 @@ namespace trb::simulator {
 /// `sensor_values`: see sensor_job.hpp.
 world::WorldPlan read_world(ObjectReader& reader);
 
-/// What the world adds to the answer.
+/// What the world adds to the answer; `cut_off`: true, if the time was up before the run was over.
 Value world_value(const world::Played& played);
 
 }  // namespace trb::simulator

@@ -1,5 +1,6 @@
 #include "services/simulator/world/alert_store.hpp"
 
+#include <algorithm>
 #include <any>
 
 namespace trb::world {
@@ -12,9 +13,24 @@ void AlertStore::write(const std::vector<Journal>& records) {
     } else if (const auto* decision = std::any_cast<RunDecision>(&one.record)) {
       const auto content = decode<Decision>(decision->decision.payload.bytes);
       if (content) decisions_[content->alert] = {decision->decision, false};
+    } else if (const auto* over = std::any_cast<resilience::DecisionOver>(&one.record)) {
+      end(*over);
     }
   }
   forget_oldest();
+}
+
+void AlertStore::end(const resilience::DecisionOver& is) {
+  const auto of = std::ranges::find_if(decisions_, [&](const auto& one) {
+    const auto content = decode<Decision>(one.second.record.payload.bytes);
+    return content && content->run == is.run && content->epoch == is.epoch;
+  });
+  if (of == decisions_.end()) return;
+  if (is.end == resilience::DecisionEnd::dropped) {
+    decisions_.erase(of);
+  } else {
+    of->second.delivered = true;
+  }
 }
 
 /// Of those that are over it keeps so many.

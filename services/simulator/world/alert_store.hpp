@@ -15,12 +15,15 @@ class AlertStore {
   /// Hands a new process what is stored.
   void restore(resilience::ResilienceCore& core) const;
   [[nodiscard]] const std::map<std::string, Alert>& alerts() const { return alerts_; }
+  /// By alert.
+  [[nodiscard]] const std::map<std::string, resilience::StoredDecision>& decisions() const { return decisions_; }
 
  private:
+  void end(const resilience::DecisionOver& is);
   void forget_oldest();
 
   std::map<std::string, Alert> alerts_;
-  std::map<std::string, resilience::StoredDecision> decisions_;  ///< by alert
+  std::map<std::string, resilience::StoredDecision> decisions_;
 };
 
 }  // namespace trb::world

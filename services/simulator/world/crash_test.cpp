@@ -50,3 +50,22 @@ TEST_CASE(
     }
   }
 }
+
+TEST_CASE("a resilience service that starts again knows what has become of its decisions") {
+  AlertStore store;
+  Decision decision;
+  decision.run = "run";
+  decision.alert = "alert";
+  RunDecision signed_one;
+  signed_one.decision.payload.bytes = encode(decision);
+  store.write({Journal{signed_one}});
+  REQUIRE(store.decisions().size() == 1);
+  CHECK_FALSE(store.decisions().begin()->second.delivered);
+  store.write({Journal{resilience::DecisionOver{"run", decision.epoch + 1, resilience::DecisionEnd::dropped}},
+               Journal{resilience::DecisionOver{"other", decision.epoch, resilience::DecisionEnd::dropped}},
+               Journal{resilience::DecisionOver{"run", decision.epoch, resilience::DecisionEnd::handed}}});
+  REQUIRE(store.decisions().size() == 1);
+  CHECK(store.decisions().begin()->second.delivered);
+  store.write({Journal{resilience::DecisionOver{"run", decision.epoch, resilience::DecisionEnd::dropped}}});
+  CHECK(store.decisions().empty());
+}

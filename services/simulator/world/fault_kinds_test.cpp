@@ -229,3 +229,36 @@ TEST_CASE("fault: a robot breaks by chance for as long as the run is played, and
   CHECK(failures_in(2000, 0.1) > 1600);
   CHECK(failures_in(60, std::nullopt) == 1);
 }
+
+TEST_CASE("fault: what happens late happens all the same: the world is played as much longer") {
+  const double usual_s = plan_of(1, 1).limit_s();
+  WorldPlan plan = plan_of(1, 1, {{7000, FaultKind::heal, "r0"}, {5000, FaultKind::cut, "r0"}});
+  CHECK(plan.limit_s() == usual_s + 7000);
+  Fault rate{.kind = FaultKind::rate, .node = "r0"};
+  rate.rate = {.between_s = 1, .repair_s = 9000};
+  plan.faults.push_back(rate);
+  CHECK(plan.limit_s() == usual_s + 9000);
+  plan.sensors.push_back({"cloud", {}, 1, Course({{0, 1.0}, {10'000, 2.0}})});
+  CHECK(plan.limit_s() == usual_s + 10'000);
+  plan.faults.push_back({kMaxUntil, FaultKind::fail, "r0"});
+  CHECK(plan.limit_s() == kMaxUntil);
+  plan.until_s = 100;
+  CHECK(plan.limit_s() == 100);
+}
+
+TEST_CASE("fault: a run whose link is cut before the usual end and healed behind it goes on then") {
+  World world(plan_of(2, 2, {{1, FaultKind::cut, "r0"}, {5000, FaultKind::heal, "r0"}}));
+  const Played is = world.play();
+  check_all_done(is, 2);
+  CHECK(is.makespan_s > 4000);
+}
+
+TEST_CASE("fault: a robot that is repaired while its node is off tells it when the node is back") {
+  World world(plan_of(3, 6,
+                      {{1, FaultKind::fail, "r1"},
+                       {2, FaultKind::kill, "r1"},
+                       {3, FaultKind::repair, "r1"},
+                       {4, FaultKind::start, "r1"}}));
+  check_finished(world.play(), 6);
+  CHECK(world.nodes().at("r1")->disk().out_of_use.empty());
+}

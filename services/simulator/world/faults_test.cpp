@@ -155,3 +155,9 @@ TEST_CASE("whatever goes wrong, no task is done twice or said to be done in vain
   MESSAGE(seeds << " runs, " << finished << " of them FINISHED, " << events << " events");
   CHECK(finished * 2 > seeds);
 }
+
+TEST_CASE("a run of which a task was begun and none done has no makespan yet") {
+  const Played is = World(plan_of(1, 1, {{1, FaultKind::fail, "r0"}})).play();
+  CHECK(is.tasks_done == 0);
+  CHECK(is.makespan_s == 0);
+}

@@ -7,6 +7,7 @@ namespace {
 
 constexpr Duration kResend = std::chrono::milliseconds(200);  ///< TCP's least time-out
 constexpr int kRoundTrips = 4;                                ///< TCP, ZMTP, and CURVE's two
+Host* const kNobody = nullptr;
 constexpr std::uint64_t kWindow = 14'600;  ///< ten packets: what TCP sends before it hears that anything came
 
 std::uint64_t bytes_of(const auto& parcel) {
@@ -46,7 +47,9 @@ void Network::leave(const std::string& id) {
   const auto ended = connections_where([&](const Connection& is) { return is.there.to == id || is.back.to == id; });
   for (const LinkId link : ended) {
     Connection& is = connections_.at(link);
-    (is.back.to == id ? is.there : is.back).held.clear();  // its buffers are gone, too
+    is.there.held.clear();  // its buffers are gone, and nobody is there for what others still send
+    is.back.held.clear();
+    (is.there.to == id ? is.there : is.back).host = &kNobody;
   }
   for (const LinkId link : ended) close(link, id);
 }

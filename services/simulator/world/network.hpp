@@ -86,7 +86,8 @@ class Network {
   };
   struct Way {
     std::string to;
-    Host* const* host = nullptr;  ///< of `to`; points at a null pointer while that is away
+    Host* const* host =
+        nullptr;  ///< of `to`; points at a null pointer while that is away, or once its processes have ended
     MonotonicTime free{}, last{};
     std::deque<Parcel> held{};   ///< while it is cut, and behind that until these have arrived
     bool resumes = false;        ///< what is held arrives soon

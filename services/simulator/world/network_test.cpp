@@ -33,11 +33,11 @@ class Two {
  public:
   explicit Two(std::uint64_t bytes_a_second = LinkKind{}.bytes_a_second)
       : network_(events_, meter_, dice_, kind_of(bytes_a_second)) {
-    network_.join("r0", "r0:1", r0_);
+    network_.join("r0", "r0:1", r0);
     network_.join("r1", "r1:1", r1);
     network_.dial("r0", {kLink, "r1:1", r1.link_key()});
     pass(1000);
-    REQUIRE(r0_.is_connected);
+    REQUIRE(r0.is_connected);
   }
   void pass(int ms) {
     const MonotonicTime limit = events_.now() + milliseconds(ms);
@@ -46,12 +46,18 @@ class Two {
   }
   void send(const std::string& frame) { CHECK(network_.send(kLink, "r0", "", frame)); }
   void close() { network_.close(kLink, "r0"); }
+  /// r1's processes end, and others begin at once.
+  void restart_r1() {
+    network_.leave("r1");
+    network_.join("r1", "r1:1", r1);
+  }
   void cut() {
     network_.cut("r0", "r1");
     network_.cut("r1", "r0");
   }
+  void heal_there() { network_.heal("r0", "r1"); }
   void heal() {
-    network_.heal("r0", "r1");
+    heal_there();
     network_.heal("r1", "r0");
   }
   /// The link is cut for 20 ms: "a" is sent at its beginning, "b" 5 ms before its end.
@@ -79,9 +85,9 @@ class Two {
   Meter meter_{60};
   Dice dice_{1};
   world::Network network_;
-  Computer r0_{"key of r0"};
 
  public:
+  Computer r0{"key of r0"};
   Computer r1{"key of r1"};
 };
 
@@ -129,4 +135,26 @@ TEST_CASE("what waited needs a slow link's time once, and what is sent then come
   CHECK(two.r1.heard.size() == 5);
   two.pass(100);
   CHECK(two.r1.heard.size() == 6);
+}
+
+TEST_CASE("what was sent to processes that have ended reaches none that come after them") {
+  Two two;
+  two.send("under way");
+  two.pass(5);
+  two.restart_r1();
+  two.send("sent before r0 has heard of it");
+  two.pass(1000);
+  CHECK(two.r1.heard.empty());
+  CHECK(two.r0.heard == Texts{"end"});
+}
+
+TEST_CASE("what waited for a healed link to processes that have ended is lost with them") {
+  Two two;
+  two.send_two_while_cut();
+  two.cut();
+  two.pass(1000);
+  two.restart_r1();
+  two.heal_there();
+  two.pass(1000);
+  CHECK(two.r1.heard.empty());
 }

@@ -16,6 +16,7 @@ void Robot::connect(std::function<void(std::string)> tell) {
   line_.clear();
   field_ = 0;
   if (tell_ && broken_) inform_of_fault();
+  if (tell_ && owes_end_of_fault_) inform_of_repair();
   if (tell_ && battery_) inform_of_charge();
 }
 
@@ -32,7 +33,7 @@ void Robot::receive(std::string_view bytes) {
 
 void Robot::take_field(const std::string& field) {
   if (field == "!stop" || field == "!release") {
-    work_.reset();
+    give_up();
     field_ = 0;
     return tell_(field == "!stop" ? "!stopped\n" : "!released\n");
   }
@@ -62,7 +63,15 @@ const SkillTime& Robot::time_of_work() const {
   return own == plan_.times.end() ? plan_.usual : own->second;
 }
 
+/// What it is at, if it is at anything.
+void Robot::give_up() {
+  if (!work_) return;
+  work_.reset();
+  if (on_give_up) on_give_up();
+}
+
 void Robot::end(bool well) {
+  if (!well) give_up();
   work_.reset();
   if (well && on_end) on_end();
   inform(well ? "done" : "failed", well ? skill_ : skill_ + " broken");
@@ -70,6 +79,7 @@ void Robot::end(bool well) {
 
 void Robot::fail() {
   broken_ = true;
+  owes_end_of_fault_ = false;
   if (on_fail) on_fail();
   inform_of_fault();
   if (work_) end(false);
@@ -79,7 +89,7 @@ void Robot::repair() {
   if (!broken_) return;
   broken_ = false;
   if (on_repair) on_repair();
-  for (const std::string& one : plan_.capabilities) inform("fault", one + " OVER");
+  inform_of_repair();
 }
 
 void Robot::set_battery(const Battery& battery) {
@@ -111,6 +121,11 @@ std::string Robot::charge_text() const {
 
 void Robot::inform_of_fault() {
   for (const std::string& one : plan_.capabilities) inform("fault", one + " CRITICAL broken");
+}
+
+void Robot::inform_of_repair() {
+  owes_end_of_fault_ = !tell_;
+  for (const std::string& one : plan_.capabilities) inform("fault", one + " OVER");
 }
 
 void Robot::inform(const std::string& subtype, const std::string& data, const std::string& target) {

@@ -37,7 +37,7 @@ class Robot {
   void connect(std::function<void(std::string bytes)> tell);
   /// From now on it does nothing any more, and says so.
   void fail();
-  /// It can do all again, and says so.
+  /// It can do all again, and says so: without a connection once there is one.
   void repair();
   /// From now on it has this charge and tells it; if that is used up, it breaks.
   void set_battery(const Battery& battery);
@@ -47,6 +47,7 @@ class Robot {
   [[nodiscard]] const std::optional<Battery>& battery() const { return battery_; }
 
   std::function<void()> on_begin, on_end;    ///< for whoever watches
+  std::function<void()> on_give_up;          ///< the same: it breaks at its work, or is halted
   std::function<void()> on_fail, on_repair;  ///< the same: it breaks, it can do all again
   std::function<std::string()> task;         ///< the one that it is told now
   std::uint64_t overlaps = 0;                ///< commands that came while it was working
@@ -56,7 +57,9 @@ class Robot {
   void begin();
   [[nodiscard]] const SkillTime& time_of_work() const;
   void end(bool well);
+  void give_up();
   void inform_of_fault();
+  void inform_of_repair();
   void inform_of_charge();
   [[nodiscard]] std::string charge_text() const;
   void drain();
@@ -74,6 +77,7 @@ class Robot {
   std::size_t field_ = 0;
   std::string skill_;
   bool broken_ = false;
+  bool owes_end_of_fault_ = false;  ///< nobody could be told of the repair
   std::optional<Battery> battery_;
 };
 

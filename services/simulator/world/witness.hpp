@@ -14,6 +14,7 @@ namespace trb::world {
 class Witness {
  public:
   void on_begin(const std::string& robot, const AttemptKey& key, double at_s) {
+    moved_s_ = at_s;
     ++begun_[key];
     at_work_[robot] = key;
     if (!first_s_) first_s_ = at_s;
@@ -31,7 +32,7 @@ class Witness {
     if (at == at_work_.end()) return;
     ++done_[at->second.task];
     ended_[robot] = {at->second.task, at_s};
-    last_s_ = at_s;
+    moved_s_ = last_s_ = at_s;
     at_work_.erase(at);
   }
   /// Its node's processes end: how a task ended that was under way, or has just ended, nobody can know.
@@ -55,8 +56,10 @@ class Witness {
   }
   [[nodiscard]] std::size_t tasks_done() const { return done_.size(); }
   [[nodiscard]] const std::map<AttemptKey, std::uint32_t>& begun() const { return begun_; }
-  /// From the first task's begin to the last one's end.
-  [[nodiscard]] double makespan_s() const { return first_s_ ? last_s_ - *first_s_ : 0; }
+  /// When a robot last began or ended a task.
+  [[nodiscard]] double moved_s() const { return moved_s_; }
+  /// From the first task's begin to the last one's end; 0: none was done.
+  [[nodiscard]] double makespan_s() const { return done_.empty() ? 0 : last_s_ - *first_s_; }
 
  private:
   std::map<AttemptKey, std::uint32_t> begun_;
@@ -65,7 +68,7 @@ class Witness {
   std::map<std::string, std::pair<std::string, double>> ended_;  ///< by robot: its last task, and when
   std::set<std::string> unknown_, doubles_;
   std::optional<double> first_s_;
-  double last_s_ = 0;
+  double last_s_ = 0, moved_s_ = 0;
 };
 
 }  // namespace trb::world

@@ -15,6 +15,8 @@ namespace {
 constexpr double kLinksAtMost_s = 60;
 constexpr double kRest_s = 5;  ///< between the links and the submission, and behind the end
 constexpr double kSlow_s = 1800;
+constexpr double kStill_s =
+    120;  ///< nobody has begun or done a task for so long: it stands still (its end takes a minute)
 constexpr Duration kLook = std::chrono::milliseconds(100);
 constexpr Duration kUsualLife = std::chrono::hours(24);  ///< of a run
 constexpr double kBeyondTask_s = 60;                     ///< what a time-out has more than the longest task
@@ -50,10 +52,17 @@ double WorldPlan::longest_task_s() const {
   return out;
 }
 
+double WorldPlan::latest_s() const {
+  double out = 0;
+  for (const Fault& fault : faults) out = std::max({out, fault.at_s, fault.rate.repair_s.value_or(0)});
+  for (const PlannedSensor& sensor : sensors) out = std::max(out, sensor.course.end_s());
+  return out;
+}
+
 double WorldPlan::limit_s() const {
   if (until_s > 0) return until_s;
   const auto count = static_cast<double>(fleet.empty() ? tasks : scenario.tasks.size());
-  return std::min(kMaxUntil, kLinksAtMost_s + kSlow_s + count * (longest_task_s() + 1));
+  return std::min(kMaxUntil, kLinksAtMost_s + kSlow_s + latest_s() + count * (longest_task_s() + 1));
 }
 
 World::World(WorldPlan plan, Meddler meddler)
@@ -142,6 +151,8 @@ Played World::play() {
   events_.after(std::chrono::seconds(1), [this] { look_for_links(); });
   pass(plan_.limit_s());
   if (ended_) pass(events_.seconds_passed() + kRest_s);
+  outcome_.cut_off = !ended_ && !is_stopped();
+  if (is_cut_off_at_work()) leave_open();
   outcome_.over_everywhere = is_over_everywhere();
   if (const auto record = nodes_.at("cloud")->disk().archive.record(run_)) outcome_.state = record->view.state;
   outcome_.makespan_s = witness_.makespan_s();
@@ -158,6 +169,20 @@ void World::pass(double limit_s) {
   const MonotonicTime limit = events_.now() + seconds(limit_s - events_.seconds_passed());
   const bool ended = ended_;
   while (ended_ == ended && !is_stopped() && events_.step(limit)) report_second();
+}
+
+/// Nobody can say that such a run would not have ended.
+bool World::is_cut_off_at_work() const {
+  if (!outcome_.cut_off) return false;
+  if (!plan_.must_end || events_.seconds_passed() - witness_.moved_s() < kStill_s) return true;
+  return std::ranges::any_of(nodes_,
+                             [](const auto& one) { return one.second->robot() && one.second->robot()->works(); });
+}
+
+/// What was done a moment ago is on no disk yet.
+void World::leave_open() {
+  outcome_.left_open = true;
+  for (const auto& [id, node] : nodes_) witness_.on_kill(id, events_.seconds_passed());
 }
 
 void World::report_second() {

@@ -2,6 +2,8 @@
 // service, over a simulated network, disks, clocks and robots. One seed gives the same run to the byte.
 #pragma once
 
+#include <algorithm>
+#include <cstdint>
 #include <functional>
 #include <map>
 #include <memory>
@@ -28,7 +30,8 @@ struct WorldPlan {
   std::vector<std::string> assigned;         ///< who has each of its tasks at first (see bind_tasks)
   SkillTime task;                            ///< of skills without a time of their own
   std::map<std::string, SkillTime> times{};  ///< by skill, or of one task: "task:ID"
-  double until_s = 0;                        ///< 0: as long as the tasks may take, and some minutes
+  double until_s = 0;    ///< 0: as long as faults and sensors go on, then the tasks may take, and some minutes
+  bool must_end = true;  ///< false: that the run is open at `until_s` breaks nothing
   LinkKind link = kLinkKinds[0];
   std::uint64_t seed = 1;
   std::uint64_t until_event = 0;  ///< it ends behind this event, whatever it is then; 0: it does not
@@ -38,6 +41,8 @@ struct WorldPlan {
   std::vector<PlannedSensor> sensors;
   std::vector<std::string> relays;  ///< nodes that relay
   [[nodiscard]] double limit_s() const;
+  /// When the last thing happens that the plan has for a time of its own: a fault, a repair, a sensor's step.
+  [[nodiscard]] double latest_s() const;
   /// What no task takes longer than.
   [[nodiscard]] double longest_task_s() const;
 };
@@ -56,6 +61,8 @@ struct Played {
   std::uint64_t events = 0;
   std::uint64_t digest = 0;         ///< of every message: two runs with one digest were the same
   bool cut_short = false;           ///< by `until_event`: nobody asks then what must hold at the end
+  bool cut_off = false;             ///< the time was up before the run was over
+  bool left_open = false;           ///< and it was under way then, or nobody wanted more: that it is open is no fault
   std::vector<std::string> broken;  ///< invariants that do not hold, as text
 };
 
@@ -68,6 +75,8 @@ class World {
 
   /// Plays all of it.
   Played play();
+  /// It ends behind this event, as with `until_event`.
+  void stop() { plan_.until_event = std::max<std::uint64_t>(events_.count(), 1); }
   /// Called about each second of virtual time, for who waits; it changes nothing.
   std::function<void(const World&)> on_second;
   /// Called when a fault of the plan happens. A robot tells of itself when it breaks, by chance and battery, too.
@@ -90,6 +99,8 @@ class World {
   void watch(Node& node);
   void look_for_double(const Node& beginner);
   void pass(double limit_s);
+  [[nodiscard]] bool is_cut_off_at_work() const;
+  void leave_open();
   void report_second();
   [[nodiscard]] bool is_stopped() const { return plan_.until_event != 0 && events_.count() >= plan_.until_event; }
   void look_for_links();

@@ -92,3 +92,36 @@ TEST_CASE("a task that was begun in time is not skipped because its robot is gon
   check_all_done(world.play(), 2);
   for (const auto& [id, alert] : alerts_of(world)) CHECK(alert.verdict == Verdict::none);
 }
+
+TEST_CASE("a run that is under way when its time is up was cut off: nothing is broken") {
+  WorldPlan plan = plan_of(2, 4);
+  plan.until_s = 14;
+  const Played is = World(plan).play();
+  check_unbroken(is);
+  CHECK(is.cut_off);
+  CHECK_FALSE(is.over_everywhere);
+  CHECK_FALSE(World(plan_of(2, 4)).play().cut_off);
+}
+
+TEST_CASE("a run that stands still until its time is up is broken, unless somebody wanted no more of it") {
+  Meddler deaf;  // the cloud hears of no result
+  deaf.sends = [](const std::string&, const Send& send) { return !holds_alternative<Results>(send.body); };
+  WorldPlan plan = plan_of(2, 4, {{2, FaultKind::disk, "r0"}});  // what is sent again is no matter then
+  plan.until_s = 300;
+  const Played stuck = World(plan, deaf).play();
+  CHECK(stuck.cut_off);
+  CHECK_FALSE(stuck.broken.empty());
+  plan.must_end = false;
+  check_unbroken(World(plan, deaf).play());
+}
+
+TEST_CASE("who watches a world may stop it") {
+  World world(plan_of(2, 4));
+  world.meter().trace = [&](const Sending& sending, CostPhase) {
+    if (sending.subtype == Execute::kSubtype) world.stop();
+  };
+  const Played is = world.play();
+  CHECK(is.cut_short);
+  CHECK_FALSE(is.cut_off);
+  CHECK(is.tasks_done == 0);
+}
