@@ -92,16 +92,19 @@ bool Supervisor::change(std::vector<ServiceProgram> services) {
 
 int Supervisor::run(const Reload& reload, const std::function<bool()>& is_ready) {
   bool ready = false;
+  start_due(read_clocks());
   for (;;) {
     const Now now = read_clocks();
-    start_due(now);
     manager_.keep_alive(now.mono);
     const int signal = wait_signal(until_next(now, ready));
     if (signal == SIGTERM || signal == SIGINT) break;
     auto services = signal == SIGHUP ? reload() : std::nullopt;
     if (services && change(std::move(*services))) ready = false;
-    reap(read_clocks());
-    if (!ready && is_ready()) {
+    const Now after = read_clocks();
+    reap(after);
+    start_due(after);
+    // It may wait for a router that has to be started again first. Somebody ends or starts: the next round is soon.
+    if (signal == 0 && !ready && is_ready()) {
       ready = true;
       manager_.ready();
       notify_("ready");

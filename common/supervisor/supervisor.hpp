@@ -35,9 +35,9 @@ class Supervisor {
 
   /// Starts all services and keeps them running until SIGTERM or SIGINT. `reload` is called at SIGHUP; if it returns
   /// services, every service is asked to restart once it is idle, new ones are started, and removed ones end.
-  /// `is_ready` is called every 0.1 s until it is true. block_signals() must have been called before. Ends all
-  /// services, by force after 3 s, and returns 0. systemd hears that the services are ready, that this process is
-  /// alive, and that it ends.
+  /// `is_ready` is called every 0.1 s until it is true; it may take some tenths of a second. block_signals() must have
+  /// been called before. Ends all services, by force after 3 s, and returns 0. systemd hears that the services are
+  /// ready, that this process is alive, and that it ends.
   int run(const Reload& reload, const std::function<bool()>& is_ready);
 
  private:

@@ -9,6 +9,7 @@
 #include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <thread>
 
 #include "common/base/files.hpp"
 #include "common/supervisor/node_lock.hpp"
@@ -123,6 +124,31 @@ TEST_CASE("at SIGHUP a new service is started and one that was taken out ends, i
   CHECK(node.notes == std::vector<std::string>{"ready", "a was taken out, and ends", "b is new, and starts", "ready"});
   CHECK(node.pids("a").size() == 1);
   CHECK(is_gone(node.pids("a")[0]));
+}
+
+TEST_CASE("while a reload is not over yet, who asks whether all is ready keeps no service from its start") {
+  Node node;
+  const std::vector both{node.program("a", kRunOn), node.program("b", kRunOn)};
+  bool reloaded = false;
+  int waits_in_vain = 0;
+  Supervisor supervisor(node.dir, {both[0]}, [&](const std::string& note) {
+    if (note == "ready") send_self(reloaded ? SIGTERM : SIGHUP);
+  });
+  const auto reload = [&]() -> std::optional<std::vector<ServiceProgram>> {
+    reloaded = true;
+    return both;
+  };
+  // As a probe of the node's bus waits for its router, which is "a".
+  const auto is_ready = [&] {
+    if (!reloaded) return !node.pids("a").empty() || node.late();
+    const MonotonicTime end = read_clocks().mono + std::chrono::seconds(1);
+    while (node.pids("a").size() < 2 && read_clocks().mono < end) std::this_thread::yield();
+    if (node.pids("a").size() < 2) ++waits_in_vain;
+    return (node.pids("a").size() >= 2 && !node.pids("b").empty()) || node.late();
+  };
+  CHECK(supervisor.run(reload, is_ready) == 0);
+  CHECK(node.pids("a").size() == 2);
+  CHECK(waits_in_vain <= 1);  // 1: "a" has not yet ended, 0.1 s after it was asked to
 }
 
 TEST_CASE("a service that does not end in its time is killed, and has ended when the supervisor does") {
