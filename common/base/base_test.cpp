@@ -33,6 +33,12 @@ TEST_CASE("text of others cannot command a terminal, and is the same text in JSO
   CHECK(printable(std::string_view("\0\xc2", 2)) == "\\u0000\xc2");
 }
 
+TEST_CASE("text of others begins no line and no column of its own") {
+  CHECK(in_one_line("ur3\r\nur5\tONLINE \x1b[2m") == "ur3\\u000d\\u000aur5\\u0009ONLINE \x1b[2m");
+  CHECK(to_text({{"s.json", "tasks[0]\nx", "no robot 'a\nb'", "one\nof"}}) ==
+        "s.json: tasks[0]\\u000ax: no robot 'a\\u000ab'; one\\u000aof\n");
+}
+
 TEST_CASE("an id is short, lower-case and starts with a letter") {
   CHECK(is_valid_id("ur3"));
   CHECK(is_valid_id("pioneer-1_b"));

@@ -28,9 +28,9 @@ bool print_group(const std::vector<Command>& commands, const std::string& group)
 }
 
 void print_overview(const std::vector<Command>& commands) {
-  print_line("trb: probes and controls for a TalkRoBots fleet\n");
+  print("trb: probes and controls for a TalkRoBots fleet\n\n");
   for (const Command& command : commands) print_row(command);
-  print_line("\n`trb COMMAND --help` has options and examples; `trb help TOPIC` explains. " + topic_text(""));
+  print("\n`trb COMMAND --help` has options and examples; `trb help TOPIC` explains. " + topic_text("") + "\n");
 }
 
 const Command* find_command(const std::vector<Command>& commands, const std::vector<std::string>& given) {

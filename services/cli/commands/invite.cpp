@@ -120,7 +120,7 @@ void print_code(const Wish& wish, const std::string& code, UtcTime until, const 
     return print_event(wish, "code", "",
                        {{"code", Value{code}}, {"name", Value{wish.name}}, {"until", Value{to_iso8601(until)}}});
   }
-  print_line("the code for '" + wish.name + "', once, until " + to_iso8601(until) + ":\n\n  " + code + "\n");
+  print("the code for '" + wish.name + "', once, until " + to_iso8601(until) + ":\n\n  " + code + "\n\n");
   print_line("on the new computer:  trb node join DIR  (it asks for the code)");
   print_line("waiting for it at " + doors.id + " (" + doors.door.address + "); Ctrl-C withdraws the code");
 }

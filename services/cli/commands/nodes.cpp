@@ -119,7 +119,7 @@ int run_up(const Arguments& arguments) {
   const NodeCheck check = check_node_dir(dir, false, drivers::robot_transports());
   const ConfigFaults stopping = faults_that_stop(check.faults);
   if (!stopping.empty()) return print_faults(arguments, check.faults);
-  if (!check.faults.empty()) print_line(check.config.id + ": starts and waits: " + to_text(check.faults));
+  if (!check.faults.empty()) print(check.config.id + ": starts and waits: " + to_text(check.faults));
   const auto services = services_to_start(check.config, arguments.get("--without"));
   if (!services) return print_error(arguments, services.error());
   if (Status made = make_keys_of_bus(check.config); !made) return print_error(arguments, made.error());

@@ -100,7 +100,7 @@ Value::List bound_json(const std::vector<op::BoundTask>& bound) {
 
 /// What may wait (a sensor that is plugged in later) to standard error, and what becomes of tasks without a robot.
 void print_bound(const op::RunPlan& plan, const std::vector<op::BoundTask>& bound) {
-  std::fputs(to_text(plan.faults).c_str(), stderr);
+  print_problem(to_text(plan.faults));
   if (!plan.binder.why_not.empty()) {
     print_line("robots are chosen now, the first by id that can: " + plan.binder.why_not);
   }

@@ -47,11 +47,13 @@ void print_problem(const std::string& text) {
 }
 
 void print_line(const std::string& text) {
-  print(text + "\n");
+  std::size_t own = 0;
+  while (own < text.size() && text[own] == '\n') ++own;
+  print(text.substr(0, own) + in_one_line(std::string_view(text).substr(own)) + "\n");
 }
 
 void print_json(const Value& value) {
-  print_line(dump_json(value));
+  print(dump_json(value) + "\n");
 }
 
 int print_error(const Arguments& arguments, const Error& error) {
@@ -60,8 +62,8 @@ int print_error(const Arguments& arguments, const Error& error) {
         {"code", Value{std::string(errc_name(error.code))}}, {"what", Value{error.what}}, {"cure", Value{error.hint}}};
     print_json(Value{Value::Object{{"error", Value{std::move(inner)}}}});
   } else {
-    const std::string hint = error.hint.empty() ? "" : "\n     " + error.hint;
-    print_problem("trb: " + std::string(errc_name(error.code)) + ": " + error.what + hint + "\n");
+    const std::string hint = error.hint.empty() ? "" : "\n     " + in_one_line(error.hint);
+    print_problem("trb: " + std::string(errc_name(error.code)) + ": " + in_one_line(error.what) + hint + "\n");
   }
   return kFailed;
 }

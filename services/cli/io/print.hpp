@@ -17,6 +17,7 @@ constexpr int kWrongUse = 2;
 void print(const std::string& text);
 /// To standard error, as print().
 void print_problem(const std::string& text);
+/// One line, whatever it holds: a newline in it is shown, unless it begins with it.
 void print_line(const std::string& text);
 void print_json(const Value& value);
 
