@@ -61,6 +61,9 @@ Status take_option(const Usage& usage, const std::vector<std::string>& given, st
   const std::string name = word.substr(0, equals);
   const std::string* spec = find_option(usage, name);
   if (spec == nullptr) return unknown_option(usage, name);
+  if (!takes_value(*spec) && equals != std::string::npos) {
+    return fail(Errc::bad_value, word + ": " + name + " takes no value", "write " + name + ", or leave it out");
+  }
   std::string& value = out.options[name];
   if (!takes_value(*spec)) {
     value.clear();
