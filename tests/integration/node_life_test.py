@@ -48,6 +48,14 @@ class NodeLife(unittest.TestCase):
         self.assertEqual(fleet.trb("down", fleet.dir("cloud"), check=False).returncode, 1)
         self.assertEqual(self.up(fleet).returncode, 0)
 
+    def test_an_order_to_all_that_reaches_nobody_is_no_success(self):
+        fleet = self.make()
+        self.up(fleet)
+        for order in ("stop", "release"):
+            done = fleet.trb(order, "--all", node="cloud", check=False)
+            self.assertEqual((done.returncode, done.stdout), (1, ""))
+            self.assertIn("nothing is ordered: cloud knows no robot", done.stderr)
+
     def test_what_is_not_up_is_named(self):
         fleet = self.make()
         path = fleet.dir("cloud") / "node.json"
