@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "common/base/address.hpp"
+#include "common/base/config_fault.hpp"
 #include "common/base/files.hpp"
 #include "common/base/hex.hpp"
 #include "common/base/ids.hpp"

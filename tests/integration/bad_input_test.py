@@ -225,6 +225,9 @@ class Files(Case):
         self.sign(request, authority=folder, code="missing", what="fleet.json: no such file", cure="trb fleet init")
         self.sign(folder / "none.json", code="missing", what="none.json: no such file", cure="trb fleet request")
         self.sign(request, "--days", "0", code="bad_value", what="--days: '0'", cure="--days 5")
+        self.sign(request, "--days", "100000", code="bad_value", what="--days: '100000' is over 36500", cure="at most 36500")
+        shutil.copy(request, folder / "keys/other.json")
+        self.sign(request, folder / "keys/other.json", code="conflict", what="both certificates would be", cure="a folder of its own")
         changed("keys/request.json", "signature", "00" * 64)(folder)
         self.sign(request, code="bad_signature", what="request of 'ur3'", cure="trb fleet request")
         request.write_text(NO_JSON)
@@ -281,6 +284,8 @@ WORDS = {
     ("send", "ur3", "command", "move", "--timeout", "soon"): (1, "--timeout: 'soon' is no positive number", "--timeout 5"),
     ("tap", "--count", "-1"): (1, "--count: '-1' is no positive number", "--count 5"),
     ("stop",): (1, "which robot?", "--all"),
+    ("stop", "--all=false"): (2, "--all=false: --all takes no value", "leave it out"),
+    ("fleet", "renew", "a", "ur3", "--relay=no"): (2, "--relay=no: --relay takes no value", "leave it out"),
     ("service", "counters", "Router", "--node", "/"): (1, "SERVICE: 'Router' is no id", "lower-case letter"),
     ("logs", "/nowhere"): (1, "no log", "folder"),
 }
@@ -389,6 +394,8 @@ class Living(Case):
 
     def test_what_the_fleet_refuses(self):
         node = ("--node", self.cloud)
+        self.error_of("scenario", "run", self.scenario([task()]), "--expires-h", "9000", *node, code="bad_value",
+                      what="--expires-h: '9000' is over 8784", cure="at most 8784")
         self.error_of("send", "ridgebak", "command", "greeting", *node, code="unknown_target", what="'ridgebak'",
                       cure="trb route list")
         self.error_of("send", "cloud", "command", "greeting", *node, code="no_service", what="greeting", cure="trb service list")

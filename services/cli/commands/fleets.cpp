@@ -81,15 +81,37 @@ Result<CertificateFile> sign_file(Authority& authority, const Arguments& argumen
     return fail(text.error().code, text.error().what, "name a request.json that trb fleet request has written");
   auto record = from_json<SignedRecord>(*text);
   if (!record) return fail(record.error().code, path + ": " + record.error().what, "run trb fleet request again");
-  const auto days = arguments.number("--days", 365);
+  const auto days = arguments.number("--days", 365, kMostDays);
   if (!days) return days.error();
   const auto relay = relay_right(arguments);
   if (!relay) return relay.error();
   return sign_request(authority, arguments.words[0], *record, read_clocks().utc, seconds(*days * 86400), *relay);
 }
 
+/// The certificate's file: beside its request.
+std::string certificate_beside(const std::string& request) {
+  const auto slash = request.rfind('/');
+  return (slash == std::string::npos ? "" : request.substr(0, slash + 1)) + "certificate.json";
+}
+
+/// The second certificate would overwrite the first one. Errors: conflict.
+Status check_places(const Arguments& arguments) {
+  std::map<std::string, std::string> taken;  // request, by the certificate's place
+  for (std::size_t i = 1; i < arguments.words.size(); ++i) {
+    const std::string out = certificate_beside(arguments.words[i]);
+    std::error_code none;
+    const std::string place = std::filesystem::weakly_canonical(std::filesystem::absolute(out, none), none).string();
+    const auto [at, is_free] = taken.emplace(place, arguments.words[i]);
+    if (is_free) continue;
+    return fail(Errc::conflict, at->second + " and " + arguments.words[i] + ": both certificates would be " + out,
+                "put each request into a folder of its own");
+  }
+  return Done{};
+}
+
 int run_sign(const Arguments& arguments) {
   init_crypto();
+  if (Status good = check_places(arguments); !good) return print_error(arguments, good.error());
   auto secret = ask_for_passphrase(arguments, false);
   if (!secret) return print_error(arguments, secret.error());
   const auto lock = FleetLock::take(arguments.words[0]);
@@ -100,8 +122,7 @@ int run_sign(const Arguments& arguments) {
     const std::string& path = arguments.words[i];
     auto signed_file = sign_file(*authority, arguments, path);
     if (!signed_file) return print_error(arguments, signed_file.error());
-    const auto slash = path.rfind('/');
-    const std::string out = (slash == std::string::npos ? "" : path.substr(0, slash + 1)) + "certificate.json";
+    const std::string out = certificate_beside(path);
     if (Status written = write_file(out, certificate_file_to_json(*signed_file)); !written)
       return print_error(arguments, written.error());
     print_line("wrote " + out);

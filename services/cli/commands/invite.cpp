@@ -45,7 +45,7 @@ Result<Wish> invite_wish_of(const Arguments& arguments) {
   const std::string role = arguments.get("--role", "robot");
   if (role != "robot" && role != "cloud") return fail(Errc::bad_value, "--role: '" + role + "'", "use robot or cloud");
   wish.role = role == "cloud" ? Role::cloud : Role::robot;
-  const auto days = arguments.number("--days", 365);
+  const auto days = arguments.number("--days", 365, kMostDays);
   if (!days) return days.error();
   wish.validity = seconds(*days * 86400);
   auto passphrase = ask_for_passphrase(arguments, false);

@@ -82,7 +82,8 @@ Result<std::uint32_t> priority_of(const Arguments& arguments) {
 }
 
 Result<op::RunTerms> terms_of(const Arguments& arguments) {
-  const auto hours = arguments.number("--expires-h", 24);
+  constexpr double kMostHours = 366 * 24;  // as check_run_start
+  const auto hours = arguments.number("--expires-h", 24, kMostHours);
   if (!hours) return hours.error();
   const auto priority = priority_of(arguments);
   if (!priority) return priority.error();

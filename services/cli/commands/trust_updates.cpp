@@ -250,7 +250,7 @@ int run_renew(const Arguments& arguments) {
   auto held = open_for(arguments);
   if (!held) return print_error(arguments, held.error());
   Authority* const authority = &held->authority;
-  const auto days = arguments.number("--days", 365);
+  const auto days = arguments.number("--days", 365, kMostDays);
   if (!days) return print_error(arguments, days.error());
   const auto relay = relay_right(arguments);
   if (!relay) return print_error(arguments, relay.error());

@@ -1,5 +1,7 @@
 #include "services/cli/core/arguments.hpp"
 
+#include <cstdint>
+
 #include "common/base/number_text.hpp"
 #include "common/fleet/did_you_mean.hpp"
 
@@ -42,13 +44,17 @@ std::string Arguments::get(const std::string& option, const std::string& otherwi
   return at == options.end() ? otherwise : at->second;
 }
 
-Result<double> Arguments::number(const std::string& option, double otherwise) const {
+Result<double> Arguments::number(const std::string& option, double otherwise, double most) const {
   if (!has(option)) return otherwise;
   const std::string text = get(option);
   const auto value = parse_number<double>(text);
   if (!value || !(*value > 0 && *value < 1e9))
     return fail(Errc::bad_value, option + ": '" + text + "' is no positive number",
                 "write, for example, " + option + " 5");
+  if (*value > most) {
+    const std::string bound = std::to_string(static_cast<std::int64_t>(most));
+    return fail(Errc::bad_value, option + ": '" + text + "' is over " + bound, "use at most " + bound);
+  }
   return *value;
 }
 

@@ -23,6 +23,18 @@ TEST_CASE("an option's value is the next word, or behind '='") {
   CHECK(parse_arguments(kStop, {"--timeout"}).error().code == Errc::missing);
 }
 
+TEST_CASE("a number is positive, and within its bound") {
+  const auto given = [](const std::string& text) { return *parse_arguments(kStop, {"--timeout", text}); };
+  CHECK(*given("36500").number("--timeout", 3, 36500) == 36500);
+  CHECK(*parse_arguments(kStop, {})->number("--timeout", 3, 36500) == 3);
+  for (const std::string bad : {"0", "-1", "soon", "inf", "1e10"}) {
+    CHECK(given(bad).number("--timeout", 3).error().what == "--timeout: '" + bad + "' is no positive number");
+  }
+  const Error over = given("36501").number("--timeout", 3, 36500).error();
+  CHECK(over.what == "--timeout: '36501' is over 36500");
+  CHECK(over.hint == "use at most 36500");
+}
+
 TEST_CASE("a switch has no value: who writes --all=false did not mean all") {
   for (const std::string word : {"--all=false", "--all=no", "--all=", "--all=true"}) {
     const auto refused = parse_arguments(kStop, {word});
