@@ -171,7 +171,9 @@ int supervise(const DemoFleet& fleet, const std::string& dir) {
   supervisor::block_signals();
   supervisor::Supervisor supervisor(
       dir, programs_of(fleet, dir), [](const std::string& text) { print_line(text); }, kNodesGrace);
-  return supervisor.run([] { return std::nullopt; }, [] { return true; });
+  const int status = supervisor.run([] { return std::nullopt; }, [] { return true; });
+  forget_lost_output();
+  return status;
 }
 
 Status wait_fleet(const std::string& dir, pid_t child, Duration wait) {

@@ -2,8 +2,10 @@
 
 #include <unistd.h>
 
+#include <cerrno>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 
 #include "common/base/printable.hpp"
 
@@ -23,6 +25,8 @@ std::size_t colour_at(std::string_view text) {
   return 0;
 }
 
+std::string lost;  ///< why not all was written
+
 }  // namespace
 
 void print(const std::string& text) {
@@ -37,8 +41,17 @@ void print(const std::string& text) {
     out += printable(left.substr(0, end));
     left.remove_prefix(end);
   }
-  std::fwrite(out.data(), 1, out.size(), stdout);
-  std::fflush(stdout);
+  errno = 0;
+  const bool written = std::fwrite(out.data(), 1, out.size(), stdout) == out.size() && std::fflush(stdout) == 0;
+  if (!written && lost.empty()) lost = std::strerror(errno);  // NOLINT(concurrency-mt-unsafe): one thread
+}
+
+const std::string& lost_output() {
+  return lost;
+}
+
+void forget_lost_output() {
+  lost.clear();
 }
 
 void print_problem(const std::string& text) {

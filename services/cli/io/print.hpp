@@ -30,6 +30,11 @@ Value faults_json(const ConfigFaults& faults);
 /// The same as print_error for a list of faults.
 int print_faults(const Arguments& arguments, const ConfigFaults& faults);
 
+/// Empty, or why something that print() was given could not be written. The first failure counts.
+const std::string& lost_output();
+/// Of a program that goes on whatever becomes of its words.
+void forget_lost_output();
+
 enum class Colour { plain, good, bad, dim };
 /// Wraps the text in the terminal's colour, if standard output is one and NO_COLOR is not set.
 std::string coloured(Colour colour, const std::string& text);
