@@ -244,6 +244,10 @@ class Files(Case):
         self.error_of("fleet", "init", folder, "--passphrase-file", folder / "none", code="missing", what="none: no such file",
                       cure="passphrase")
         self.assertFalse(folder.exists())
+        folder.mkdir()
+        (folder / "authority.key").write_text("00")
+        self.error_of("fleet", "init", folder, TRB_PASSPHRASE="long enough for it", code="conflict", what="fleet.json is not",
+                      cure=f"rm {folder}/authority.key")
         self.error_of("fleet", "init", self.fleet.authority_dir(), TRB_PASSPHRASE="long enough for it", code="conflict",
                       what="holds a fleet authority already", cure="another folder")
 
@@ -305,6 +309,21 @@ class Words(Case):
                 if words[-1] != "--node":
                     error = json.loads(done.stdout)["error"]
                     self.assertTrue(error["code"] and error["what"] and error["cure"], error)
+
+    def test_output_that_is_not_written_is_no_success(self):
+        for words in (("manual",), ("help",), ("fleet", "show", "--help")):
+            with open("/dev/full", "w") as full:
+                done = subprocess.run([support.PROGRAMS / "trb", *words], stdout=full, stderr=subprocess.PIPE, text=True, timeout=30)
+            self.assertEqual(done.returncode, 1, words)
+            self.assertIn("not all of the output was written: No space left", done.stderr)
+
+    def test_a_folder_that_one_is_in_is_not_replaced(self):
+        folder = self.temporary()
+        done = subprocess.run([support.PROGRAMS / "trb", "node", "new", ".", "--cloud", "c1", "--network", "lo"], cwd=folder,
+                              capture_output=True, text=True, timeout=30)
+        self.assertEqual(done.returncode, 1, done.stdout)
+        self.assertIn(". is the folder that you are in", done.stderr)
+        self.assertEqual(list(folder.iterdir()), [])
 
     def test_an_unknown_topic_names_the_known_ones(self):
         done = run("help", "robots")
