@@ -121,6 +121,14 @@ class Folder(unittest.TestCase):
         self.refused("fleet", "revoke", copy, NODES[1], "--via", node)  # no router is up there: signed, and not handed on
         self.assertEqual(self.valid(copy), [NODES[2]])
 
+    def test_what_is_done_is_json_for_a_program(self):
+        made = json.loads(self.trb("fleet", "init", self.folder / "second", "--json"))
+        self.assertEqual((made["dir"], made["name"]), (str(self.folder / "second"), "fleet"))
+        self.assertEqual(json.loads(self.trb("fleet", "request", self.folder / NODES[0], "--json")),
+                         {"request": str(self.request(NODES[0]))})
+        signed = json.loads(self.trb("fleet", "sign", self.authority, *map(self.request, NODES[:2]), "--json"))
+        self.assertEqual(signed, {"certificates": [str(self.folder / node / "keys" / "certificate.json") for node in NODES[:2]]})
+
     def test_what_is_not_handed_on_names_the_way_and_a_repeat_goes_it(self):
         self.trb("fleet", "sign", self.authority, *map(self.request, NODES[:3]))
         node, before = self.folder / NODES[2], self.content()

@@ -49,6 +49,14 @@ class NodeLife(unittest.TestCase):
         self.assertEqual(fleet.trb("down", fleet.dir("cloud"), check=False).returncode, 1)
         self.assertEqual(self.up(fleet).returncode, 0)
 
+    def test_what_is_done_is_json_for_a_program(self):
+        fleet = self.make()
+        done = self.up(fleet, "--json")
+        self.assertEqual(json.loads(done.stdout)["node"], "cloud", done.stdout)
+        self.assertEqual(json.loads(fleet.trb("reload", fleet.dir("cloud"), "--json").stdout), {"node": "cloud"})
+        done = fleet.trb("down", fleet.dir("cloud"), "--json")
+        self.assertEqual(json.loads(done.stdout), {"dir": str(fleet.dir("cloud")), "state": "down"})
+
     def test_an_order_to_all_that_reaches_nobody_is_no_success(self):
         fleet = self.make()
         self.up(fleet)

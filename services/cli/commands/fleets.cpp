@@ -30,6 +30,11 @@ int run_init(const Arguments& arguments) {
   const std::string dir = arguments.words[0];
   auto authority = make_authority(dir, arguments.get("--name", "fleet"), *secret);
   if (!authority) return print_error(arguments, authority.error());
+  if (arguments.has("--json")) {
+    print_json(Value{Value::Object{
+        {"dir", Value{dir}}, {"name", Value{authority->fleet.name}}, {"fleet", Value{to_hex(authority->fleet.id())}}}});
+    return kGood;
+  }
   print_line("made the fleet '" + authority->fleet.name + "', id " + to_hex(authority->fleet.id()) + ", in " + dir);
   print_line("keep this folder off every node, and a copy of it and of the passphrase in a safe place");
   return kGood;
@@ -70,6 +75,10 @@ int run_fleet_request(const Arguments& arguments) {
   if (!made) return print_error(arguments, made.error());
   if (const Status keys = make_keys_of_bus(dir); !keys) return print_error(arguments, keys.error());
   give_keys_to_owner(dir);
+  if (arguments.has("--json")) {
+    print_json(Value{Value::Object{{"request", Value{dir + "/keys/request.json"}}}});
+    return kGood;
+  }
   print_line("wrote " + dir + "/keys/request.json; the secret keys stay in " + dir + "/keys");
   print_line("next, where the authority's folder is: trb fleet sign FLEET_DIR " + dir + "/keys/request.json");
   return kGood;
@@ -118,6 +127,7 @@ int run_sign(const Arguments& arguments) {
   if (!lock) return print_error(arguments, lock.error());
   auto authority = open_authority(arguments.words[0], *secret);
   if (!authority) return print_error(arguments, authority.error());
+  Value::List written_to;
   for (std::size_t i = 1; i < arguments.words.size(); ++i) {
     const std::string& path = arguments.words[i];
     auto signed_file = sign_file(*authority, arguments, path);
@@ -125,8 +135,10 @@ int run_sign(const Arguments& arguments) {
     const std::string out = certificate_beside(path);
     if (Status written = write_file(out, certificate_file_to_json(*signed_file)); !written)
       return print_error(arguments, written.error());
-    print_line("wrote " + out);
+    if (!arguments.has("--json")) print_line("wrote " + out);
+    written_to.push_back(Value{out});
   }
+  if (arguments.has("--json")) print_json(Value{Value::Object{{"certificates", Value{std::move(written_to)}}}});
   return kGood;
 }
 

@@ -88,8 +88,21 @@ int detached(const Arguments& arguments, const std::string& dir, const std::stri
              double wait_s) {
   if (supervisor < 0) return print_error(arguments, fail(Errc::io_error, "no process can be made", "free memory"));
   if (Status ready = wait_ready(dir, supervisor, seconds(wait_s)); !ready) return print_error(arguments, ready.error());
-  print_line(id + ": ready (pid " + std::to_string(supervisor) + "); end it with trb down " + arguments.words[0]);
+  if (arguments.has("--json")) {
+    print_json(Value{Value::Object{{"node", Value{id}}, {"pid", Value{static_cast<std::int64_t>(supervisor)}}}});
+  } else {
+    print_line(id + ": ready (pid " + std::to_string(supervisor) + "); end it with trb down " + arguments.words[0]);
+  }
   return kGood;
+}
+
+/// What trb up says of the node, a line each time; to log/up.log in words.
+void say(const Arguments& arguments, const std::string& id, const std::string& text) {
+  if (arguments.has("--json") && !arguments.has("--detach")) {
+    print_json(Value{Value::Object{{"node", Value{id}}, {"text", Value{text}}}});
+  } else {
+    print_line(id + ": " + text);
+  }
 }
 
 /// Until the node is ended.
@@ -98,7 +111,7 @@ int supervise(const Arguments& arguments, const std::string& dir, const std::str
   auto held = NodeLock::take(dir);
   if (!held) return print_error(arguments, held.error());
   supervisor::block_signals();
-  supervisor::Supervisor supervisor(dir, services, [&id](const std::string& text) { print_line(id + ": " + text); });
+  supervisor::Supervisor supervisor(dir, services, [&](const std::string& text) { say(arguments, id, text); });
   const auto reload = [&] { return services_of_new_files(arguments, dir); };
   ReadyCheck is_ready(dir);
   const int status = supervisor.run(reload, std::ref(is_ready));
@@ -123,7 +136,11 @@ int run_up(const Arguments& arguments) {
   const NodeCheck check = check_node_dir(dir, false, drivers::robot_transports());
   const ConfigFaults stopping = faults_that_stop(check.faults);
   if (!stopping.empty()) return print_faults(arguments, check.faults);
-  if (!check.faults.empty()) print(check.config.id + ": starts and waits: " + to_text(check.faults));
+  if (!check.faults.empty() && arguments.has("--json")) {
+    print_json(faults_json(check.faults));
+  } else if (!check.faults.empty()) {
+    print(check.config.id + ": starts and waits: " + to_text(check.faults));
+  }
   const auto services = services_to_start(check.config, arguments.get("--without"));
   if (!services) return print_error(arguments, services.error());
   if (Status made = make_keys_of_bus(check.config); !made) return print_error(arguments, made.error());
@@ -156,8 +173,16 @@ int run_reload(const Arguments& arguments) {
   if (!pid) return print_error(arguments, pid.error());
   if (::kill(*pid, SIGHUP) != 0)
     return print_error(arguments, fail(Errc::io_error, "cannot signal pid " + std::to_string(*pid)));
+  const std::string other = left_out_by(*pid);
+  const bool has_other = check.config.has_service(other);
+  if (arguments.has("--json")) {
+    Value::Object json{{"node", Value{check.config.id}}};
+    if (has_other) json.emplace_back("not_reached", Value{Value::List{Value{other}}});
+    print_json(Value{std::move(json)});
+    return kGood;
+  }
   print_line(check.config.id + ": each service takes the new files once it is idle");
-  if (const std::string other = left_out_by(*pid); check.config.has_service(other)) {
+  if (has_other) {
     print_line(check.config.id + ": " + other +
                " is for whoever starts it to ask (with Debian's package: systemctl reload talkrobots)");
   }
@@ -174,7 +199,11 @@ int run_down(const Arguments& arguments) {
     return print_error(arguments, fail(Errc::timeout, dir + " is still up (pid " + std::to_string(*pid) + ")",
                                        "are you its user? see " + dir + "/log"));
   }
-  print_line(arguments.words[0] + ": down");
+  if (arguments.has("--json")) {
+    print_json(Value{Value::Object{{"dir", Value{arguments.words[0]}}, {"state", Value{"down"}}}});
+  } else {
+    print_line(arguments.words[0] + ": down");
+  }
   return kGood;
 }
 
