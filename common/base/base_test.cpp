@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "common/base/address.hpp"
+#include "common/base/config_fault.hpp"
 #include "common/base/files.hpp"
 #include "common/base/hex.hpp"
 #include "common/base/ids.hpp"
@@ -31,6 +32,12 @@ TEST_CASE("text of others cannot command a terminal, and is the same text in JSO
   CHECK(printable("\xc2\x9b"
                   "31m\x7f\r") == "\\u009b31m\\u007f\\u000d");
   CHECK(printable(std::string_view("\0\xc2", 2)) == "\\u0000\xc2");
+}
+
+TEST_CASE("text of others begins no line and no column of its own") {
+  CHECK(in_one_line("ur3\r\nur5\tONLINE \x1b[2m") == "ur3\\u000d\\u000aur5\\u0009ONLINE \x1b[2m");
+  CHECK(to_text({{"s.json", "tasks[0]\nx", "no robot 'a\nb'", "one\nof"}}) ==
+        "s.json: tasks[0]\\u000ax: no robot 'a\\u000ab'; one\\u000aof\n");
 }
 
 TEST_CASE("an id is short, lower-case and starts with a letter") {

@@ -1,5 +1,7 @@
 #include "common/base/config_fault.hpp"
 
+#include "common/base/printable.hpp"
+
 namespace trb {
 
 ConfigFaults faults_that_stop(const ConfigFaults& faults) {
@@ -13,11 +15,11 @@ ConfigFaults faults_that_stop(const ConfigFaults& faults) {
 std::string to_text(const ConfigFaults& faults) {
   std::string out;
   for (const ConfigFault& fault : faults) {
-    out += fault.file + ": ";
-    if (!fault.key.empty()) out += fault.key + ": ";
-    out += fault.what;
-    if (!fault.hint.empty()) out += "; " + fault.hint;
-    out += '\n';
+    std::string line = fault.file + ": ";
+    if (!fault.key.empty()) line += fault.key + ": ";
+    line += fault.what;
+    if (!fault.hint.empty()) line += "; " + fault.hint;
+    out += in_one_line(line) + '\n';
   }
   return out;
 }

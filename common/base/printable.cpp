@@ -26,4 +26,21 @@ std::string printable(std::string_view text) {
   return out;
 }
 
+std::string in_one_line(std::string_view text) {
+  std::string out;
+  out.reserve(text.size());
+  for (const char c : text) {
+    if (c == '\n') {
+      out += "\\u000a";
+    } else if (c == '\r') {
+      out += "\\u000d";
+    } else if (c == '\t') {
+      out += "\\u0009";
+    } else {
+      out += c;
+    }
+  }
+  return out;
+}
+
 }  // namespace trb

@@ -10,4 +10,8 @@ namespace trb {
 /// same text.
 std::string printable(std::string_view text);
 
+/// Replaces each newline, carriage return and tab in the same way, so that foreign text within a line begins no line,
+/// and within a table no column, of its own. Other control characters stay: see printable().
+std::string in_one_line(std::string_view text);
+
 }  // namespace trb

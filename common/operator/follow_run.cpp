@@ -25,14 +25,20 @@ class Follow : public std::enable_shared_from_this<Follow> {
  private:
   void take(Result<RunView> view) {
     const bool late = session_.now().mono >= end_;
-    if (!view && (!followed_ || late)) return done_(view.error());
+    if (!view && (!followed_ || late || is_final(view.error().code))) return done_(view.error());
     if (view) {
       const bool goes_on = seen_(last_, *view);
       last_ = std::move(*view);
       followed_ = true;
+      wish_.run = last_.run;  // not a newer one from now on, nor one more with the same beginning
       if (!goes_on || late || ends()) return done_(std::move(last_));
     }
     session_.after(kLookAtRun, [self = shared_from_this()] { self->look(); });
+  }
+
+  /// The scheduler's own word, which the next look would have again.
+  static bool is_final(Errc code) {
+    return code == Errc::unknown_run || code == Errc::expired || code == Errc::bad_value;
   }
 
   [[nodiscard]] bool ends() const {
@@ -41,7 +47,7 @@ class Follow : public std::enable_shared_from_this<Follow> {
   }
 
   Session& session_;
-  const FollowWish wish_;
+  FollowWish wish_;
   const Seen seen_;
   const Callback<RunView> done_;
   const MonotonicTime end_;

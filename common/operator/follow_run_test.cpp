@@ -80,6 +80,15 @@ TEST_CASE("the first look must succeed; a later one is tried again until the tim
     person.node.refuse(Errc::unknown_run, "no run '3f2a'");
     CHECK(person.ending.error().code == Errc::unknown_run);
   }
+  SUBCASE("a later one that says that there is nothing more to see") {
+    person.show(RunState::running);
+    person.node.pass(kLook);
+    person.node.take<RunQuery>();
+    person.node.refuse(Errc::expired, "run 3f2a0000 is over; its record has made room for younger ones");
+    CHECK(person.ending.error().code == Errc::expired);
+    person.node.pass(kLook);
+    CHECK(person.node.is_quiet());
+  }
   SUBCASE("a later one") {
     person.show(RunState::running);
     person.node.pass(kLook);
@@ -90,4 +99,13 @@ TEST_CASE("the first look must succeed; a later one is tried again until the tim
     person.show(RunState::finished);
     CHECK(person.ending.value().state == RunState::finished);
   }
+}
+
+TEST_CASE("the run that was seen first is followed, though another is newer by now, or begins as was asked") {
+  Follower person;
+  person.follow({"", std::chrono::seconds(60)});
+  CHECK(person.node.take<RunQuery>().run.empty());
+  person.node.answer(view_of_run(RunState::running));
+  person.node.pass(kLook);
+  CHECK(person.node.take<RunQuery>().run == "3f2a0000");
 }

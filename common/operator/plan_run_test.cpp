@@ -117,6 +117,28 @@ TEST_CASE("a planned run is signed and submitted, with the certificates of whom 
     person.node.answer(RunAccepted{start->run});
     CHECK(run.value() == start->run);
   }
+  SUBCASE("again without an answer, as the same run") {
+    submit_run(person.node.session(), plan, {}, run);
+    const auto start = decode<RunStart>(person.node.take<SignRequest>().payload.bytes);
+    REQUIRE(start.ok());
+    const SignedRecord record{std::string(kSignedRunStart), "ant", {"start"}, {}};
+    person.node.answer(record);
+    CHECK(person.node.take<RunSubmit>().start == record);
+    person.node.pass(kAnswerWait);
+    CHECK_FALSE(run.has_come());
+    CHECK(person.node.take<RunSubmit>().start == record);
+    SUBCASE("which is accepted") {
+      person.node.answer(RunAccepted{start->run});
+      CHECK(run.value() == start->run);
+    }
+    SUBCASE("which may begin later, though nobody answers") {
+      person.node.pass(kAnswerWait);
+      CHECK(run.error().code == Errc::not_confirmed);
+      CHECK(run.error().what.starts_with("run " + start->run + " was submitted, and may still begin: no answer"));
+      CHECK(run.error().hint.find("trb scenario abort " + start->run) != std::string::npos);
+      CHECK(person.node.is_quiet());
+    }
+  }
   SUBCASE("unless a node of it is not known") {
     plan.robots = {"cart9"};
     submit_run(person.node.session(), plan, {}, run);

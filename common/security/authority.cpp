@@ -65,6 +65,11 @@ Result<Authority> make_authority(const std::string& dir, const std::string& name
     return fail(Errc::bad_value, "passphrase: under " + std::to_string(kMinPassphrase) + " characters",
                 "take a longer one");
   }
+  if (file_exists(key_path(dir)) && !file_exists(fleet_path(dir))) {
+    return fail(Errc::conflict, dir + ": " + key_path(dir) + " is there, " + fleet_path(dir) + " is not",
+                "if trb fleet init was ended half way: rm " + key_path(dir) +
+                    ", then run it again; if not: put the file back from the folder's copy");
+  }
   if (file_exists(key_path(dir)) || file_exists(fleet_path(dir))) {
     return fail(Errc::conflict, dir + ": holds a fleet authority already", "name another folder");
   }

@@ -15,6 +15,7 @@ namespace {
 
 // A node whose clock is slightly behind must not find its new certificate "not yet valid".
 constexpr Duration kClockLeeway = std::chrono::minutes(5);
+constexpr Duration kLongestValidity = std::chrono::hours(24 * 36500);
 constexpr std::size_t kMaxIssuedFile = 64U << 20U;
 constexpr std::size_t kMaxList = 400'000;  // a TrustUpdate must fit into one message
 constexpr std::size_t kMaxRenewed = 256;
@@ -106,6 +107,12 @@ Status read_revocations(Authority& authority, const std::string& dir) {
 
 Result<SignedRecord> issue(Authority& authority, const std::string& dir, Certificate certificate, UtcTime now,
                            Duration validity) {
+  // Beyond it the end would be before 1970: no clock of 64 bits has it.
+  if (validity <= Duration::zero() || validity > kLongestValidity) {
+    return fail(Errc::bad_value,
+                "the certificate of '" + certificate.id + "' would be valid for over 36500 days, or not",
+                "use --days 1 to 36500");
+  }
   certificate.fleet = {authority.fleet.id()};
   certificate.serial = authority.next_serial++;
   certificate.not_before = (now - kClockLeeway).ns;

@@ -16,7 +16,8 @@ Status read_revocations(Authority& authority, const std::string& dir);
 
 Status write_revocations(const std::string& dir, const SignedRecord& record);
 
-/// Takes the next serial and signs; serial and certificate are stored before this returns. Errors: io_error.
+/// Takes the next serial and signs; serial and certificate are stored before this returns. Errors: io_error,
+/// bad_value (`validity` is over 36500 days, or none).
 Result<SignedRecord> issue(Authority& authority, const std::string& dir, Certificate certificate, UtcTime now,
                            Duration validity);
 

@@ -108,6 +108,19 @@ TEST_CASE("another computer under the name of a living one is not certified") {
   CHECK(hall.ask("ur3", "ur3").ok());  // the same keys: a renewal
 }
 
+TEST_CASE("a validity that no clock can hold is refused, and takes no serial") {
+  Hall hall;
+  hall.join("ur3");
+  const auto serial = hall.authority.next_serial;
+  for (const Duration days :
+       {std::chrono::hours(24 * 100'000), std::chrono::hours(24 * 36'501), std::chrono::hours(0)}) {
+    CHECK(code_of(renew_certificate(hall.authority, hall.dir, hall.living("ur3"), kNow, days, RelayRight::by_role)) ==
+          Errc::bad_value);
+  }
+  CHECK(hall.authority.next_serial == serial);
+  CHECK(hall.reopened().next_serial == serial);
+}
+
 TEST_CASE("a renewed certificate has the same keys, a higher serial, and stands in the news until a newer one does") {
   Hall hall;
   hall.join("ur3");

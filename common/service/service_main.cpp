@@ -2,9 +2,11 @@
 
 #include <cstdio>
 #include <exception>
+#include <filesystem>
 #include <string>
 #include <variant>
 
+#include "common/log/log.hpp"
 #include "common/security/keys.hpp"
 
 namespace trb {
@@ -34,6 +36,13 @@ std::variant<std::string, int> run(const std::string& node_dir, const ServicePro
   return *ended;
 }
 
+/// The log of a node's folder that was up before; empty: there is none. Known before the service changes its folder.
+std::string log_of(const std::string& node_dir, const ServiceProgram& program) {
+  std::error_code none;
+  const std::string logs = std::filesystem::absolute(node_dir, none).string() + "/log";
+  return std::filesystem::is_directory(logs, none) ? logs + "/" + std::string(program.name) + ".log" : "";
+}
+
 }  // namespace
 
 int service_main(int argc, char** argv, const ServiceProgram& program) {
@@ -41,6 +50,7 @@ int service_main(int argc, char** argv, const ServiceProgram& program) {
     std::fputs(usage_of(program).c_str(), stdout);
     return argc == 2 ? 0 : 2;
   }
+  const std::string log = log_of(argv[1], program);
   std::string why;
   try {
     const auto ended = run(argv[1], program);
@@ -49,7 +59,13 @@ int service_main(int argc, char** argv, const ServiceProgram& program) {
   } catch (const std::exception& problem) {
     why = problem.what();
   }
-  std::fprintf(stderr, "trb-%s: %s\n", std::string(program.name).c_str(), why.c_str());
+  if (log.empty()) {
+    std::fprintf(stderr, "trb-%s: %s\n", std::string(program.name).c_str(), why.c_str());
+  } else {
+    // Whoever started it may keep no words of it: trb logs must show why. The log says it on standard error, too.
+    open_log(std::string(program.name), log);
+    log_event(Level::error, "not_started", why);
+  }
   return 1;
 }
 

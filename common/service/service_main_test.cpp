@@ -3,8 +3,10 @@
 
 #include <doctest/doctest.h>
 
+#include <filesystem>
 #include <stdexcept>
 
+#include "common/base/files.hpp"
 #include "tests/support/node_folder.hpp"
 
 using namespace trb;
@@ -61,4 +63,16 @@ TEST_CASE("a service runs on a good folder; its exit status is the service's, or
   CHECK(main_of({folder.path()}, cannot_start) == 1);
   CHECK(main_of({folder.path()}, throws) == 1);
   CHECK(ran == 1);
+}
+
+TEST_CASE("why a service could not start is in its log, if the node's folder has one") {
+  const NodeFolder folder;
+  folder.sign(folder.check().config.id, Role::robot);
+  CHECK(main_of({folder.path()}, cannot_start) == 1);
+  CHECK_FALSE(std::filesystem::exists(folder.path() + "/log"));
+  std::filesystem::create_directory(folder.path() + "/log");
+  CHECK(main_of({folder.path()}, cannot_start) == 1);
+  const auto log = read_file(folder.path() + "/log/scheduler.log");
+  REQUIRE(log.ok());
+  CHECK(log->find("error scheduler not_started io_error: state/journal.db: is locked") != std::string::npos);
 }

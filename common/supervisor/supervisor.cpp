@@ -15,7 +15,6 @@ namespace trb::supervisor {
 namespace {
 
 constexpr Duration kForkAgain = std::chrono::seconds(2);  ///< when a process could not be created
-constexpr Duration kGrace = std::chrono::seconds(3);
 constexpr Duration kReadyCheck = std::chrono::milliseconds(100);
 constexpr Duration kLongestWait = std::chrono::seconds(10);
 constexpr int kAgain = 75;  ///< EX_TEMPFAIL: the service asks to be started again
@@ -56,8 +55,8 @@ void block_signals() {
 }
 
 Supervisor::Supervisor(std::string node_dir, std::vector<ServiceProgram> services,
-                       std::function<void(const std::string&)> notify)
-    : node_dir_(std::move(node_dir)), notify_(std::move(notify)) {
+                       std::function<void(const std::string&)> notify, Duration grace)
+    : node_dir_(std::move(node_dir)), notify_(std::move(notify)), grace_(grace) {
   for (ServiceProgram& one : services) add(std::move(one));
 }
 
@@ -78,8 +77,10 @@ bool Supervisor::change(std::vector<ServiceProgram> services) {
     child.wanted = at != services.end();
     if (child.wanted) child.program = at->program;
     if (child.wanted) services.erase(at);
-    if (!child.wanted && child.pid > 0) ::kill(child.pid, SIGTERM);
-    if (!child.wanted) notify_(child.service + " was taken out, and ends");
+    if (child.wanted || child.kill_at) continue;
+    if (child.pid > 0) ::kill(child.pid, SIGTERM);
+    child.kill_at = read_clocks().mono + grace_;
+    notify_(child.service + " was taken out, and ends");
   }
   std::erase_if(children_, [](const Child& child) { return !child.wanted && child.pid == 0; });
   signal_all(SIGHUP);
@@ -92,16 +93,20 @@ bool Supervisor::change(std::vector<ServiceProgram> services) {
 
 int Supervisor::run(const Reload& reload, const std::function<bool()>& is_ready) {
   bool ready = false;
+  start_due(read_clocks());
   for (;;) {
     const Now now = read_clocks();
-    start_due(now);
     manager_.keep_alive(now.mono);
     const int signal = wait_signal(until_next(now, ready));
     if (signal == SIGTERM || signal == SIGINT) break;
     auto services = signal == SIGHUP ? reload() : std::nullopt;
     if (services && change(std::move(*services))) ready = false;
-    reap(read_clocks());
-    if (!ready && is_ready()) {
+    const Now after = read_clocks();
+    reap(after);
+    kill_overdue(after.mono);
+    start_due(after);
+    // It may wait for a router that has to be started again first. Somebody ends or starts: the next round is soon.
+    if (signal == 0 && !ready && is_ready()) {
       ready = true;
       manager_.ready();
       notify_("ready");
@@ -117,6 +122,7 @@ Duration Supervisor::until_next(Now now, bool ready) const {
   if (const auto alive = manager_.next()) wait = std::min(wait, *alive - now.mono);
   for (const Child& child : children_) {
     if (child.pid == 0) wait = std::min(wait, child.start_at - now.mono);
+    if (child.kill_at) wait = std::min(wait, *child.kill_at - now.mono);
   }
   return wait;
 }
@@ -143,8 +149,18 @@ void Supervisor::reap(Now now) {
   std::erase_if(children_, [](const Child& child) { return !child.wanted && child.pid == 0; });
 }
 
+void Supervisor::kill_overdue(MonotonicTime now) {
+  for (Child& child : children_) {
+    if (!child.kill_at || now < *child.kill_at || child.pid == 0) continue;
+    ::kill(child.pid, SIGKILL);
+    child.kill_at = now + grace_;
+    notify_(child.service + " does not end, and is killed");
+  }
+}
+
 void Supervisor::ended(Child& child, int status, Now now) {
   child.pid = 0;
+  child.kill_at.reset();
   if (!child.wanted) return;
   const bool asked = WIFEXITED(status) && WEXITSTATUS(status) == kAgain;
   child.start_at = now.mono + child.delay.after_end(asked, now.mono - child.started);
@@ -169,7 +185,7 @@ void Supervisor::end_all() {
     return std::any_of(children_.begin(), children_.end(), [](const Child& child) { return child.pid > 0; });
   };
   const auto wait_for_ends = [&] {
-    const MonotonicTime end = read_clocks().mono + kGrace;
+    const MonotonicTime end = read_clocks().mono + grace_;
     while (any_left() && read_clocks().mono < end) wait_signal(std::chrono::milliseconds(20));
   };
   wait_for_ends();

@@ -26,18 +26,19 @@ void block_signals();
 
 class Supervisor {
  public:
-  /// `notify` gets a line for the person: "ready", "router ended (signal 11), starting it again".
-  Supervisor(std::string node_dir, std::vector<ServiceProgram> services,
-             std::function<void(const std::string&)> notify);
+  /// `notify` gets a line for the person: "ready", "router ended (signal 11), starting it again". `grace`: how long a
+  /// service may take to end before it is killed.
+  Supervisor(std::string node_dir, std::vector<ServiceProgram> services, std::function<void(const std::string&)> notify,
+             Duration grace = std::chrono::seconds(3));
 
   /// The services that shall run from now on; empty: no change.
   using Reload = std::function<std::optional<std::vector<ServiceProgram>>()>;
 
   /// Starts all services and keeps them running until SIGTERM or SIGINT. `reload` is called at SIGHUP; if it returns
   /// services, every service is asked to restart once it is idle, new ones are started, and removed ones end.
-  /// `is_ready` is called every 0.1 s until it is true. block_signals() must have been called before. Ends all
-  /// services, by force after 3 s, and returns 0. systemd hears that the services are ready, that this process is
-  /// alive, and that it ends.
+  /// `is_ready` is called every 0.1 s until it is true; it may take some tenths of a second. block_signals() must have
+  /// been called before. Ends all services, by force after the grace, and returns 0. systemd hears that the services
+  /// are ready, that this process is alive, and that it ends.
   int run(const Reload& reload, const std::function<bool()>& is_ready);
 
  private:
@@ -49,13 +50,15 @@ class Supervisor {
     MonotonicTime started;
     MonotonicTime start_at;
     RestartDelay delay;
-    bool wanted = true;  ///< false: removed, to be ended
+    bool wanted = true;                    ///< false: removed, to be ended
+    std::optional<MonotonicTime> kill_at;  ///< of one that was asked to end
   };
   void add(ServiceProgram service);
   /// True if one is new.
   bool change(std::vector<ServiceProgram> services);
   void start_due(Now now);
   void reap(Now now);
+  void kill_overdue(MonotonicTime now);
   void ended(Child& child, int status, Now now);
   void signal_all(int signal) const;
   void end_all();
@@ -64,6 +67,7 @@ class Supervisor {
   std::string node_dir_;
   std::vector<Child> children_;
   std::function<void(const std::string&)> notify_;
+  Duration grace_;
   ServiceManager manager_;
 };
 

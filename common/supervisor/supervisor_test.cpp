@@ -9,6 +9,7 @@
 #include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <thread>
 
 #include "common/base/files.hpp"
 #include "common/supervisor/node_lock.hpp"
@@ -50,6 +51,7 @@ struct Node {
 };
 
 constexpr const char* kRunOn = "exec sleep 1000";
+constexpr Duration kShort = std::chrono::milliseconds(300);
 
 void send_self(int signal) {
   ::kill(::getpid(), signal);
@@ -125,10 +127,57 @@ TEST_CASE("at SIGHUP a new service is started and one that was taken out ends, i
   CHECK(is_gone(node.pids("a")[0]));
 }
 
+TEST_CASE("while a reload is not over yet, who asks whether all is ready keeps no service from its start") {
+  Node node;
+  const std::vector both{node.program("a", kRunOn), node.program("b", kRunOn)};
+  bool reloaded = false;
+  int waits_in_vain = 0;
+  Supervisor supervisor(node.dir, {both[0]}, [&](const std::string& note) {
+    if (note == "ready") send_self(reloaded ? SIGTERM : SIGHUP);
+  });
+  const auto reload = [&]() -> std::optional<std::vector<ServiceProgram>> {
+    reloaded = true;
+    return both;
+  };
+  // As a probe of the node's bus waits for its router, which is "a".
+  const auto is_ready = [&] {
+    if (!reloaded) return !node.pids("a").empty() || node.late();
+    const MonotonicTime end = read_clocks().mono + std::chrono::seconds(1);
+    while (node.pids("a").size() < 2 && read_clocks().mono < end) std::this_thread::yield();
+    if (node.pids("a").size() < 2) ++waits_in_vain;
+    return (node.pids("a").size() >= 2 && !node.pids("b").empty()) || node.late();
+  };
+  CHECK(supervisor.run(reload, is_ready) == 0);
+  CHECK(node.pids("a").size() == 2);
+  CHECK(waits_in_vain <= 1);  // 1: "a" has not yet ended, 0.1 s after it was asked to
+}
+
+TEST_CASE("a service that was taken out and does not end in its time is killed") {
+  Node node;
+  bool taken_out = false;
+  const auto on_note = [&](const std::string& note) {
+    node.notes.push_back(note);
+    if (note == "ready") send_self(taken_out ? SIGTERM : SIGHUP);
+  };
+  Supervisor supervisor(node.dir, {node.program("a", kRunOn, "trap '' TERM HUP")}, on_note, kShort);
+  const ServiceProgram b = node.program("b", kRunOn);
+  const auto reload = [&]() -> std::optional<std::vector<ServiceProgram>> {
+    taken_out = true;
+    return std::vector{b};
+  };
+  const auto is_ready = [&] {
+    const auto a = node.pids("a");
+    return taken_out ? is_gone(a[0]) || node.late() : !a.empty() || node.late();
+  };
+  CHECK(supervisor.run(reload, is_ready) == 0);
+  CHECK_FALSE(node.late());
+  CHECK(node.has_note("a does not end, and is killed"));
+}
+
 TEST_CASE("a service that does not end in its time is killed, and has ended when the supervisor does") {
   Node node;
-  Supervisor supervisor(node.dir, {node.program("a", kRunOn, "trap '' TERM")},
-                        [&](const std::string&) { send_self(SIGINT); });
+  Supervisor supervisor(
+      node.dir, {node.program("a", kRunOn, "trap '' TERM")}, [&](const std::string&) { send_self(SIGINT); }, kShort);
   CHECK(supervisor.run(no_reload, [&] { return !node.pids("a").empty() || node.late(); }) == 0);
   REQUIRE(node.pids("a").size() == 1);
   CHECK(is_gone(node.pids("a")[0]));

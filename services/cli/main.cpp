@@ -1,6 +1,6 @@
 // trb: the command line of TalkRoBots. See README.md.
 #include <algorithm>
-#include <cstdio>
+#include <exception>
 
 #include "common/fleet/did_you_mean.hpp"
 #include "services/cli/commands/command.hpp"
@@ -28,9 +28,9 @@ bool print_group(const std::vector<Command>& commands, const std::string& group)
 }
 
 void print_overview(const std::vector<Command>& commands) {
-  print_line("trb: probes and controls for a TalkRoBots fleet\n");
+  print("trb: probes and controls for a TalkRoBots fleet\n\n");
   for (const Command& command : commands) print_row(command);
-  print_line("\n`trb COMMAND --help` has options and examples; `trb help TOPIC` explains. " + topic_text(""));
+  print("\n`trb COMMAND --help` has options and examples; `trb help TOPIC` explains. " + topic_text("") + "\n");
 }
 
 const Command* find_command(const std::vector<Command>& commands, const std::vector<std::string>& given) {
@@ -113,14 +113,23 @@ int main_of(const std::vector<std::string>& given) {
   return kWrongUse;
 }
 
+/// What was not written is no success: a file of it would be taken for whole.
+int with_output(int status) {
+  if (status != kGood || lost_output().empty()) return status;
+  print_problem("trb: io_error: not all of the output was written: " + lost_output() +
+                "\n     make room (df -h), then run it again\n");
+  return kFailed;
+}
+
 }  // namespace
 }  // namespace trb::cli
 
 int main(int argc, char** argv) {
   try {
-    return trb::cli::main_of({argv + 1, argv + argc});
+    const int status = trb::cli::main_of({argv + 1, argv + argc});
+    return trb::cli::with_output(status);
   } catch (const std::exception& problem) {
-    std::fprintf(stderr, "trb: %s\n", problem.what());
-    return 1;
+    const auto asked = trb::cli::as_asked({argv + 1, argv + argc});
+    return trb::cli::print_error(asked, trb::fail(trb::Errc::io_error, problem.what(), "see trb doctor"));
   }
 }

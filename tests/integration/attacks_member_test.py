@@ -13,7 +13,7 @@ from attack_fleet import FRIEND, TARGET, Attacker, Case, Service
 from sealer import Signer
 
 FOR_EVER = 2**64 - 1
-ESCAPES = "\x1b]0;owned\x07\x1b[2J\x9b31m\x7f\r"
+ESCAPES = "\x1b]0;owned\x07\x1b[2J\x9b31m\x7f\r\nforged\tby"
 NOTHING = wire.pack([])
 
 
@@ -163,12 +163,13 @@ class Words(Case):
         self.assertEqual(self.row("gnu")["profile"]["maker"], ESCAPES)  # for a program the text is unchanged
 
     def assert_nothing_commands_a_terminal(self):
-        """In what trb prints and the routers log there is no control character but the newline."""
+        """In what trb prints and the routers log there is no control character but the newline, and each line is ours."""
         said = [self.fleet.trb(*words, node=TARGET, check=False)
                 for words in (("route", "list"), ("robot", "list"), ("doctor",), ("doctor", "gnu"), ("robot", "list", "--json"))]
         text = "".join(done.stdout + done.stderr for done in said)
         text += (self.fleet.dir(TARGET) / "log" / "router.log").read_text(errors="replace")
-        self.assertEqual({c for c in text if (ord(c) < 32 and c not in "\n\t") or 0x7F <= ord(c) < 0xA0}, set())
+        self.assertEqual({c for c in text if (ord(c) < 32 and c != "\n") or 0x7F <= ord(c) < 0xA0}, set())
+        self.assertEqual([line for line in text.splitlines() if line.startswith("forged")], [])
 
     def test_a_profile_a_hundred_times_a_second(self):
         hen = self.attacker("hen")

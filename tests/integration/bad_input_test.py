@@ -225,6 +225,9 @@ class Files(Case):
         self.sign(request, authority=folder, code="missing", what="fleet.json: no such file", cure="trb fleet init")
         self.sign(folder / "none.json", code="missing", what="none.json: no such file", cure="trb fleet request")
         self.sign(request, "--days", "0", code="bad_value", what="--days: '0'", cure="--days 5")
+        self.sign(request, "--days", "100000", code="bad_value", what="--days: '100000' is over 36500", cure="at most 36500")
+        shutil.copy(request, folder / "keys/other.json")
+        self.sign(request, folder / "keys/other.json", code="conflict", what="both certificates would be", cure="a folder of its own")
         changed("keys/request.json", "signature", "00" * 64)(folder)
         self.sign(request, code="bad_signature", what="request of 'ur3'", cure="trb fleet request")
         request.write_text(NO_JSON)
@@ -241,6 +244,10 @@ class Files(Case):
         self.error_of("fleet", "init", folder, "--passphrase-file", folder / "none", code="missing", what="none: no such file",
                       cure="passphrase")
         self.assertFalse(folder.exists())
+        folder.mkdir()
+        (folder / "authority.key").write_text("00")
+        self.error_of("fleet", "init", folder, TRB_PASSPHRASE="long enough for it", code="conflict", what="fleet.json is not",
+                      cure=f"rm {folder}/authority.key")
         self.error_of("fleet", "init", self.fleet.authority_dir(), TRB_PASSPHRASE="long enough for it", code="conflict",
                       what="holds a fleet authority already", cure="another folder")
 
@@ -281,6 +288,8 @@ WORDS = {
     ("send", "ur3", "command", "move", "--timeout", "soon"): (1, "--timeout: 'soon' is no positive number", "--timeout 5"),
     ("tap", "--count", "-1"): (1, "--count: '-1' is no positive number", "--count 5"),
     ("stop",): (1, "which robot?", "--all"),
+    ("stop", "--all=false"): (2, "--all=false: --all takes no value", "leave it out"),
+    ("fleet", "renew", "a", "ur3", "--relay=no"): (2, "--relay=no: --relay takes no value", "leave it out"),
     ("service", "counters", "Router", "--node", "/"): (1, "SERVICE: 'Router' is no id", "lower-case letter"),
     ("logs", "/nowhere"): (1, "no log", "folder"),
 }
@@ -300,6 +309,21 @@ class Words(Case):
                 if words[-1] != "--node":
                     error = json.loads(done.stdout)["error"]
                     self.assertTrue(error["code"] and error["what"] and error["cure"], error)
+
+    def test_output_that_is_not_written_is_no_success(self):
+        for words in (("manual",), ("help",), ("fleet", "show", "--help")):
+            with open("/dev/full", "w") as full:
+                done = subprocess.run([support.PROGRAMS / "trb", *words], stdout=full, stderr=subprocess.PIPE, text=True, timeout=30)
+            self.assertEqual(done.returncode, 1, words)
+            self.assertIn("not all of the output was written: No space left", done.stderr)
+
+    def test_a_folder_that_one_is_in_is_not_replaced(self):
+        folder = self.temporary()
+        done = subprocess.run([support.PROGRAMS / "trb", "node", "new", ".", "--cloud", "c1", "--network", "lo"], cwd=folder,
+                              capture_output=True, text=True, timeout=30)
+        self.assertEqual(done.returncode, 1, done.stdout)
+        self.assertIn(". is the folder that you are in", done.stderr)
+        self.assertEqual(list(folder.iterdir()), [])
 
     def test_an_unknown_topic_names_the_known_ones(self):
         done = run("help", "robots")
@@ -389,6 +413,8 @@ class Living(Case):
 
     def test_what_the_fleet_refuses(self):
         node = ("--node", self.cloud)
+        self.error_of("scenario", "run", self.scenario([task()]), "--expires-h", "9000", *node, code="bad_value",
+                      what="--expires-h: '9000' is over 8784", cure="at most 8784")
         self.error_of("send", "ridgebak", "command", "greeting", *node, code="unknown_target", what="'ridgebak'",
                       cure="trb route list")
         self.error_of("send", "cloud", "command", "greeting", *node, code="no_service", what="greeting", cure="trb service list")

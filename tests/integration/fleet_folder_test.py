@@ -121,6 +121,32 @@ class Folder(unittest.TestCase):
         self.refused("fleet", "revoke", copy, NODES[1], "--via", node)  # no router is up there: signed, and not handed on
         self.assertEqual(self.valid(copy), [NODES[2]])
 
+    def test_what_is_done_is_json_for_a_program(self):
+        made = json.loads(self.trb("fleet", "init", self.folder / "second", "--json"))
+        self.assertEqual((made["dir"], made["name"]), (str(self.folder / "second"), "fleet"))
+        self.assertEqual(json.loads(self.trb("fleet", "request", self.folder / NODES[0], "--json")),
+                         {"request": str(self.request(NODES[0]))})
+        signed = json.loads(self.trb("fleet", "sign", self.authority, *map(self.request, NODES[:2]), "--json"))
+        self.assertEqual(signed, {"certificates": [str(self.folder / node / "keys" / "certificate.json") for node in NODES[:2]]})
+
+    def test_what_is_not_handed_on_names_the_way_and_a_repeat_goes_it(self):
+        self.trb("fleet", "sign", self.authority, *map(self.request, NODES[:3]))
+        node, before = self.folder / NODES[2], self.content()
+        for words in (("revoke", self.authority, NODES[0]), ("renew", self.authority, NODES[0]), ("tell", self.authority)):
+            problem = self.refused("fleet", *words, "--via", self.folder / "mistyped")
+            self.assertIn("mistyped: no node.json there", problem)
+        self.assertEqual(self.content(), before, "something was signed")
+        way = f"trb fleet tell {self.authority} --via {node}"
+        problem = self.refused("fleet", "revoke", self.authority, NODES[0], "--via", node)  # no router is up there
+        self.assertIn(f"signed, and in {self.authority}, but the fleet does not know", problem)
+        self.assertIn(way, problem)
+        problem = self.refused("fleet", "revoke", self.authority, NODES[0], "--via", node)
+        self.assertIn("but the fleet does not know", problem)
+        self.assertIn(way, problem)
+        self.assertIn(f"trb fleet tell {self.authority} --via NODE_DIR", self.refused("fleet", "revoke", self.authority, NODES[0]))
+        self.refused("fleet", "revoke", self.authority, NODES[0], NODES[1], "--via", node)
+        self.assertEqual(self.valid(self.authority), [NODES[2]], "who is revoked already kept another from it")
+
     def news(self, authority):
         """What a node that has taken this folder's news has on disk."""
         news = json.loads((authority / "news.json").read_text())

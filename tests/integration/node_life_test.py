@@ -9,6 +9,7 @@ import unittest
 
 import support
 import trb_fleet
+from trb_process import wait_until
 
 BLOCK = 240
 
@@ -47,6 +48,22 @@ class NodeLife(unittest.TestCase):
         self.assertEqual(fleet.trb("down", fleet.dir("cloud")).returncode, 0)
         self.assertEqual(fleet.trb("down", fleet.dir("cloud"), check=False).returncode, 1)
         self.assertEqual(self.up(fleet).returncode, 0)
+
+    def test_what_is_done_is_json_for_a_program(self):
+        fleet = self.make()
+        done = self.up(fleet, "--json")
+        self.assertEqual(json.loads(done.stdout)["node"], "cloud", done.stdout)
+        self.assertEqual(json.loads(fleet.trb("reload", fleet.dir("cloud"), "--json").stdout), {"node": "cloud"})
+        done = fleet.trb("down", fleet.dir("cloud"), "--json")
+        self.assertEqual(json.loads(done.stdout), {"dir": str(fleet.dir("cloud")), "state": "down"})
+
+    def test_an_order_to_all_that_reaches_nobody_is_no_success(self):
+        fleet = self.make()
+        self.up(fleet)
+        for order in ("stop", "release"):
+            done = fleet.trb(order, "--all", node="cloud", check=False)
+            self.assertEqual((done.returncode, done.stdout), (1, ""))
+            self.assertIn("nothing is ordered: cloud knows no robot", done.stderr)
 
     def test_what_is_not_up_is_named(self):
         fleet = self.make()
@@ -105,6 +122,54 @@ class NodeLife(unittest.TestCase):
         done = self.up(fleet)
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         self.assertEqual(fleet.json("run", "list", node="cloud")["runs"], [])
+
+
+class Logs(unittest.TestCase):
+    """A node's folder with logs, without a node."""
+
+    def setUp(self):
+        self.dir = support.temporary_folder(self)
+        self.logs = self.dir / "log"
+        self.logs.mkdir()
+        self.write("router", "2026-03-01T12:00:00.001Z info router b", "2026-03-01T12:00:00.003Z info router a")
+        self.write("scheduler", "2026-03-01T12:00:00.002Z info scheduler c")
+        self.write("up", "cloud: ready", "cloud: router ended (signal 11), starting it again")
+
+    def write(self, name, *lines):
+        with open(self.logs / f"{name}.log", "a") as log:
+            log.writelines(line + "\n" for line in lines)
+
+    def shown(self, *words):
+        done = subprocess.run([support.PROGRAMS / "trb", "logs", self.dir, *words], capture_output=True, text=True, timeout=30)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return done.stdout.splitlines()
+
+    def test_lines_are_in_the_order_of_their_times_and_those_without_one_are_shown_if_asked_for(self):
+        self.assertEqual([line[-1] for line in self.shown()], ["b", "c", "a"])
+        self.assertEqual([line[-1] for line in self.shown("--lines", "2")], ["c", "a"])
+        self.assertEqual(self.shown("up"), ["cloud: ready", "cloud: router ended (signal 11), starting it again"])
+        self.assertEqual([json.loads(line)["line"][-1] for line in self.shown("--json")], ["b", "c", "a"])
+
+    def test_a_log_is_followed_into_its_next_file(self):
+        out = self.dir / "out"
+        with open(out, "w") as to:
+            child = subprocess.Popen([support.PROGRAMS / "trb", "logs", self.dir, "router", "--follow"], stdout=to,
+                                     preexec_fn=trb_fleet.end_with_parent)
+        self.addCleanup(child.wait)
+        self.addCleanup(child.kill)
+
+        def wait_last(letter):
+            self.assertIsNotNone(wait_until(lambda: out.read_text().rstrip().endswith(letter), 30), out.read_text())
+        wait_last("a")
+        self.write("router", "2026-03-01T12:00:00.004Z info router d")
+        wait_last("d")
+        (self.logs / "router.log").rename(self.logs / "router.1.log")
+        self.write("scheduler", "2026-03-01T12:00:00.005Z info scheduler e")
+        self.write("router", "2026-03-01T12:00:00.006Z info router f")
+        wait_last("f")
+        self.write("router", "2026-03-01T12:00:00.007Z info router g")
+        wait_last("g")
+        self.assertEqual([line[-1] for line in out.read_text().splitlines()], ["b", "a", "d", "f", "g"])
 
 
 class Wire(unittest.TestCase):

@@ -17,7 +17,7 @@ constexpr Cause kCauses[] = {
     {"cert_not_yet_valid", "clock_off", "its certificate is not valid yet by this node's clock",
      "set the clock of this node: timedatectl"},
     {"cert_revoked", "cert_revoked", "its certificate was revoked",
-     "if the node is yours again: new keys (remove keys/*.key), trb fleet request, trb fleet sign"},
+     "if the node is yours again: new keys (rm keys/identity.key keys/link.key), trb fleet request, trb fleet sign"},
     {"wrong_key", "wrong_key", "its certificate is for another link key than it used",
      "the certificate in its keys/ belongs to other keys: trb fleet request, trb fleet sign"},
     {"duplicate", "id_taken", "two nodes have the same id", "give each node its own id in node.json, and sign again"},

@@ -115,6 +115,8 @@ TEST_CASE("a revoked certificate is named: this node's by its router, another's 
   own.row("ant", "own.cert_revoked", "this node's certificate is revoked: stolen");
   check_only(own.seen, "cert_revoked", "ant");
   CHECK(diagnose(own.seen)[0].what == "this node's certificate is revoked: stolen");
+  // gateway.key, without which the page does not start, and bus/ are no keys of the certificate.
+  CHECK(diagnose(own.seen)[0].hint.find("rm keys/identity.key keys/link.key)") != std::string::npos);
   Ant other;
   other.row("cat", "cert_revoked", "by list 1: stolen");
   check_only(other.seen, "cert_revoked", "cat");

@@ -41,7 +41,8 @@ int run_password(const Arguments& arguments) {
     print_json(Value{Value::Object{{"user", Value{user}}, {"password", Value{password}}}});
     return kGood;
   }
-  print_line("user:     " + user + "\npassword: " + password);
+  print_line("user:     " + user);
+  print_line("password: " + password);
   print_line("It is shown this once, and counts from the next sign-in on. Change it in the page: Account.");
   return kGood;
 }

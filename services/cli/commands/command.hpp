@@ -15,6 +15,9 @@ struct Command {
   int (*run)(const Arguments&) = nullptr;
 };
 
+/// Of a certificate: a century.
+inline constexpr double kMostDays = 36500;
+
 // Options of several groups.
 inline constexpr const char* kJson = "--json|for programs";
 inline constexpr const char* kAskedNode = "--node DIR|the node to ask (else TRB_NODE, else this folder)";

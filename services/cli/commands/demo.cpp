@@ -159,14 +159,21 @@ class FleetReady {
   std::unique_ptr<Probe> cloud_;
 };
 
+/// Each of the nodes has a supervisor of its own, which kills what does not end in 3 s, and then waits for that: killed
+/// before, it would leave it running.
+constexpr Duration kNodesGrace = std::chrono::seconds(7);
+
 /// In the child, until it is ended.
 int supervise(const DemoFleet& fleet, const std::string& dir) {
   leave_terminal(dir);
   auto held = NodeLock::take(dir);
   if (!held) return kFailed;
   supervisor::block_signals();
-  supervisor::Supervisor supervisor(dir, programs_of(fleet, dir), [](const std::string& text) { print_line(text); });
-  return supervisor.run([] { return std::nullopt; }, [] { return true; });
+  supervisor::Supervisor supervisor(
+      dir, programs_of(fleet, dir), [](const std::string& text) { print_line(text); }, kNodesGrace);
+  const int status = supervisor.run([] { return std::nullopt; }, [] { return true; });
+  forget_lost_output();
+  return status;
 }
 
 Status wait_fleet(const std::string& dir, pid_t child, Duration wait) {

@@ -30,6 +30,11 @@ int run_init(const Arguments& arguments) {
   const std::string dir = arguments.words[0];
   auto authority = make_authority(dir, arguments.get("--name", "fleet"), *secret);
   if (!authority) return print_error(arguments, authority.error());
+  if (arguments.has("--json")) {
+    print_json(Value{Value::Object{
+        {"dir", Value{dir}}, {"name", Value{authority->fleet.name}}, {"fleet", Value{to_hex(authority->fleet.id())}}}});
+    return kGood;
+  }
   print_line("made the fleet '" + authority->fleet.name + "', id " + to_hex(authority->fleet.id()) + ", in " + dir);
   print_line("keep this folder off every node, and a copy of it and of the passphrase in a safe place");
   return kGood;
@@ -70,6 +75,10 @@ int run_fleet_request(const Arguments& arguments) {
   if (!made) return print_error(arguments, made.error());
   if (const Status keys = make_keys_of_bus(dir); !keys) return print_error(arguments, keys.error());
   give_keys_to_owner(dir);
+  if (arguments.has("--json")) {
+    print_json(Value{Value::Object{{"request", Value{dir + "/keys/request.json"}}}});
+    return kGood;
+  }
   print_line("wrote " + dir + "/keys/request.json; the secret keys stay in " + dir + "/keys");
   print_line("next, where the authority's folder is: trb fleet sign FLEET_DIR " + dir + "/keys/request.json");
   return kGood;
@@ -81,31 +90,55 @@ Result<CertificateFile> sign_file(Authority& authority, const Arguments& argumen
     return fail(text.error().code, text.error().what, "name a request.json that trb fleet request has written");
   auto record = from_json<SignedRecord>(*text);
   if (!record) return fail(record.error().code, path + ": " + record.error().what, "run trb fleet request again");
-  const auto days = arguments.number("--days", 365);
+  const auto days = arguments.number("--days", 365, kMostDays);
   if (!days) return days.error();
   const auto relay = relay_right(arguments);
   if (!relay) return relay.error();
   return sign_request(authority, arguments.words[0], *record, read_clocks().utc, seconds(*days * 86400), *relay);
 }
 
+/// The certificate's file: beside its request.
+std::string certificate_beside(const std::string& request) {
+  const auto slash = request.rfind('/');
+  return (slash == std::string::npos ? "" : request.substr(0, slash + 1)) + "certificate.json";
+}
+
+/// The second certificate would overwrite the first one. Errors: conflict.
+Status check_places(const Arguments& arguments) {
+  std::map<std::string, std::string> taken;  // request, by the certificate's place
+  for (std::size_t i = 1; i < arguments.words.size(); ++i) {
+    const std::string out = certificate_beside(arguments.words[i]);
+    std::error_code none;
+    const std::string place = std::filesystem::weakly_canonical(std::filesystem::absolute(out, none), none).string();
+    const auto [at, is_free] = taken.emplace(place, arguments.words[i]);
+    if (is_free) continue;
+    return fail(Errc::conflict, at->second + " and " + arguments.words[i] + ": both certificates would be " + out,
+                "put each request into a folder of its own");
+  }
+  return Done{};
+}
+
 int run_sign(const Arguments& arguments) {
   init_crypto();
+  if (Status good = check_places(arguments); !good) return print_error(arguments, good.error());
   auto secret = ask_for_passphrase(arguments, false);
   if (!secret) return print_error(arguments, secret.error());
   const auto lock = FleetLock::take(arguments.words[0]);
   if (!lock) return print_error(arguments, lock.error());
   auto authority = open_authority(arguments.words[0], *secret);
   if (!authority) return print_error(arguments, authority.error());
+  Value::List written_to;
   for (std::size_t i = 1; i < arguments.words.size(); ++i) {
     const std::string& path = arguments.words[i];
     auto signed_file = sign_file(*authority, arguments, path);
     if (!signed_file) return print_error(arguments, signed_file.error());
-    const auto slash = path.rfind('/');
-    const std::string out = (slash == std::string::npos ? "" : path.substr(0, slash + 1)) + "certificate.json";
+    const std::string out = certificate_beside(path);
     if (Status written = write_file(out, certificate_file_to_json(*signed_file)); !written)
       return print_error(arguments, written.error());
-    print_line("wrote " + out);
+    if (!arguments.has("--json")) print_line("wrote " + out);
+    written_to.push_back(Value{out});
   }
+  if (arguments.has("--json")) print_json(Value{Value::Object{{"certificates", Value{std::move(written_to)}}}});
   return kGood;
 }
 

@@ -45,7 +45,7 @@ Result<Wish> invite_wish_of(const Arguments& arguments) {
   const std::string role = arguments.get("--role", "robot");
   if (role != "robot" && role != "cloud") return fail(Errc::bad_value, "--role: '" + role + "'", "use robot or cloud");
   wish.role = role == "cloud" ? Role::cloud : Role::robot;
-  const auto days = arguments.number("--days", 365);
+  const auto days = arguments.number("--days", 365, kMostDays);
   if (!days) return days.error();
   wish.validity = seconds(*days * 86400);
   auto passphrase = ask_for_passphrase(arguments, false);
@@ -120,7 +120,7 @@ void print_code(const Wish& wish, const std::string& code, UtcTime until, const 
     return print_event(wish, "code", "",
                        {{"code", Value{code}}, {"name", Value{wish.name}}, {"until", Value{to_iso8601(until)}}});
   }
-  print_line("the code for '" + wish.name + "', once, until " + to_iso8601(until) + ":\n\n  " + code + "\n");
+  print("the code for '" + wish.name + "', once, until " + to_iso8601(until) + ":\n\n  " + code + "\n\n");
   print_line("on the new computer:  trb node join DIR  (it asks for the code)");
   print_line("waiting for it at " + doors.id + " (" + doors.door.address + "); Ctrl-C withdraws the code");
 }

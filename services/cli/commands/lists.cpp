@@ -2,6 +2,7 @@
 #include <cstdio>
 
 #include "common/base/ids.hpp"
+#include "common/base/printable.hpp"
 #include "common/operator/phases.hpp"
 #include "services/cli/commands/command.hpp"
 #include "services/cli/core/table.hpp"
@@ -62,10 +63,12 @@ std::string out_of_use_lines(const RouteTable& table) {
   for (const Route& route : table.routes) {
     for (const OutOfUse& one : route.profile.out_of_use) {
       const std::string what = one.capability.empty() ? "" : one.capability + " ";
-      out += route.id + ": " +
-             (one.retired ? "retired by " + one.by : what + "out of use, " + std::string(name_of(one.severity))) +
-             " since " + to_iso8601({one.since}) + ": " + one.text + "; trb robot " +
-             (one.retired ? "return " : "repaired ") + route.id + "\n";
+      const std::string line =
+          route.id + ": " +
+          (one.retired ? "retired by " + one.by : what + "out of use, " + std::string(name_of(one.severity))) +
+          " since " + to_iso8601({one.since}) + ": " + one.text + "; trb robot " +
+          (one.retired ? "return " : "repaired ") + route.id;
+      out += in_one_line(line) + "\n";
     }
   }
   return out;

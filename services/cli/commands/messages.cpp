@@ -143,6 +143,11 @@ int order(const Arguments& arguments, const Body& body, const std::string& done)
   if (!probe) return kFailed;
   const auto robots = robots_to_order(arguments, *probe);
   if (!robots) return print_error(arguments, robots.error());
+  // An empty table would look as if all were done.
+  if (robots->empty()) {
+    return print_error(arguments, fail(Errc::missing, "nothing is ordered: " + probe->node() + " knows no robot",
+                                       "see trb route list; name the robots, or send from another node: --node DIR"));
+  }
   const auto wait = arguments.number("--timeout", 3);
   if (!wait) return print_error(arguments, wait.error());
   const auto orders = probe->wait<std::vector<op::RobotOrder>>([&](op::Session& session, const auto& gathered) {

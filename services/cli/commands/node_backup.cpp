@@ -142,7 +142,7 @@ void print_restored(const NodeBackup& backup, const std::string& dir, const Conf
   print_line("made " + dir + ": " + backup.node + " as it was at " + to_iso8601({backup.made_s * 1'000'000'000}));
   print_line("its old PC must not run any more: of two nodes with the same keys the fleet takes one");
   print_line("next:");
-  if (!faults.empty()) print_line("  put right           what trb check " + dir + " says:\n" + to_text(faults));
+  if (!faults.empty()) print("  put right           what trb check " + dir + " says:\n" + to_text(faults));
   print_line("  start it            trb up " + dir);
   print_line(
       "  a robot             look what it holds and does: what it did since is not known. Then trb robot repaired " +

@@ -140,7 +140,7 @@ int print_made(const Arguments& arguments, const std::string& dir, const char* w
     return kGood;
   }
   next_steps();
-  if (!left.empty()) print_line("not good yet:\n" + to_text(left));
+  if (!left.empty()) print("not good yet:\n" + to_text(left));
   return kGood;
 }
 

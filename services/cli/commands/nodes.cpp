@@ -1,14 +1,16 @@
 // up, down, check, reload, logs.
-#include <poll.h>
 #include <sys/inotify.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <csignal>
+#include <deque>
 #include <filesystem>
 #include <fstream>
-#include <iostream>
+#include <map>
 #include <optional>
 
+#include "common/base/descriptor.hpp"
 #include "common/base/files.hpp"
 #include "common/config/node_config.hpp"
 #include "common/drivers/registry.hpp"
@@ -86,8 +88,21 @@ int detached(const Arguments& arguments, const std::string& dir, const std::stri
              double wait_s) {
   if (supervisor < 0) return print_error(arguments, fail(Errc::io_error, "no process can be made", "free memory"));
   if (Status ready = wait_ready(dir, supervisor, seconds(wait_s)); !ready) return print_error(arguments, ready.error());
-  print_line(id + ": ready (pid " + std::to_string(supervisor) + "); end it with trb down " + arguments.words[0]);
+  if (arguments.has("--json")) {
+    print_json(Value{Value::Object{{"node", Value{id}}, {"pid", Value{static_cast<std::int64_t>(supervisor)}}}});
+  } else {
+    print_line(id + ": ready (pid " + std::to_string(supervisor) + "); end it with trb down " + arguments.words[0]);
+  }
   return kGood;
+}
+
+/// What trb up says of the node, a line each time; to log/up.log in words.
+void say(const Arguments& arguments, const std::string& id, const std::string& text) {
+  if (arguments.has("--json") && !arguments.has("--detach")) {
+    print_json(Value{Value::Object{{"node", Value{id}}, {"text", Value{text}}}});
+  } else {
+    print_line(id + ": " + text);
+  }
 }
 
 /// Until the node is ended.
@@ -96,10 +111,12 @@ int supervise(const Arguments& arguments, const std::string& dir, const std::str
   auto held = NodeLock::take(dir);
   if (!held) return print_error(arguments, held.error());
   supervisor::block_signals();
-  supervisor::Supervisor supervisor(dir, services, [&id](const std::string& text) { print_line(id + ": " + text); });
+  supervisor::Supervisor supervisor(dir, services, [&](const std::string& text) { say(arguments, id, text); });
   const auto reload = [&] { return services_of_new_files(arguments, dir); };
   ReadyCheck is_ready(dir);
-  return supervisor.run(reload, std::ref(is_ready));
+  const int status = supervisor.run(reload, std::ref(is_ready));
+  forget_lost_output();  // a full disk does not make the node's end a failure
+  return status;
 }
 
 /// Who is 1 now is not who started this: that one has ended.
@@ -119,7 +136,11 @@ int run_up(const Arguments& arguments) {
   const NodeCheck check = check_node_dir(dir, false, drivers::robot_transports());
   const ConfigFaults stopping = faults_that_stop(check.faults);
   if (!stopping.empty()) return print_faults(arguments, check.faults);
-  if (!check.faults.empty()) print_line(check.config.id + ": starts and waits: " + to_text(check.faults));
+  if (!check.faults.empty() && arguments.has("--json")) {
+    print_json(faults_json(check.faults));
+  } else if (!check.faults.empty()) {
+    print(check.config.id + ": starts and waits: " + to_text(check.faults));
+  }
   const auto services = services_to_start(check.config, arguments.get("--without"));
   if (!services) return print_error(arguments, services.error());
   if (Status made = make_keys_of_bus(check.config); !made) return print_error(arguments, made.error());
@@ -152,8 +173,16 @@ int run_reload(const Arguments& arguments) {
   if (!pid) return print_error(arguments, pid.error());
   if (::kill(*pid, SIGHUP) != 0)
     return print_error(arguments, fail(Errc::io_error, "cannot signal pid " + std::to_string(*pid)));
+  const std::string other = left_out_by(*pid);
+  const bool has_other = check.config.has_service(other);
+  if (arguments.has("--json")) {
+    Value::Object json{{"node", Value{check.config.id}}};
+    if (has_other) json.emplace_back("not_reached", Value{Value::List{Value{other}}});
+    print_json(Value{std::move(json)});
+    return kGood;
+  }
   print_line(check.config.id + ": each service takes the new files once it is idle");
-  if (const std::string other = left_out_by(*pid); check.config.has_service(other)) {
+  if (has_other) {
     print_line(check.config.id + ": " + other +
                " is for whoever starts it to ask (with Debian's package: systemctl reload talkrobots)");
   }
@@ -170,70 +199,109 @@ int run_down(const Arguments& arguments) {
     return print_error(arguments, fail(Errc::timeout, dir + " is still up (pid " + std::to_string(*pid) + ")",
                                        "are you its user? see " + dir + "/log"));
   }
-  print_line(arguments.words[0] + ": down");
+  if (arguments.has("--json")) {
+    print_json(Value{Value::Object{{"dir", Value{arguments.words[0]}}, {"state", Value{"down"}}}});
+  } else {
+    print_line(arguments.words[0] + ": down");
+  }
   return kGood;
 }
 
 // ---- logs
 
-std::vector<fs::path> log_files(const std::string& dir, const std::string& service) {
-  std::vector<fs::path> out;
+/// True for the file that a service writes to now, not one that it has left: "router.log", not "router.1.log".
+bool is_current_log(const std::string& name) {
+  return name.ends_with(".log") && name.find('.') == name.size() - 4;
+}
+
+/// True if it is asked for. What trb up --detach has said is not asked for by itself: its lines have no time, and the
+/// services' warnings are in both.
+bool is_asked(const std::string& name, const std::string& service) {
+  return is_current_log(name) && (service.empty() ? name != "up.log" : name == service + ".log");
+}
+
+/// By name; each is read to where it was shown.
+using Logs = std::map<std::string, std::ifstream>;
+
+Logs open_logs(const std::string& folder, const std::string& service) {
+  Logs out;
   std::error_code none;
-  for (const auto& entry : fs::directory_iterator(dir + "/log", none)) {
+  for (const auto& entry : fs::directory_iterator(folder, none)) {
     const std::string name = entry.path().filename().string();
-    const bool current = entry.path().extension() == ".log" && name.find('.') == name.size() - 4;
-    if (current && (service.empty() || name == service + ".log")) out.push_back(entry.path());
+    if (is_asked(name, service)) out[name].open(entry.path());
   }
-  std::sort(out.begin(), out.end());
   return out;
 }
 
-/// The last lines of all files, in the order of their times, which every line begins with.
-std::vector<std::string> last_lines(const std::vector<fs::path>& files, std::size_t most) {
+/// The last lines of all files; of several, in the order of their times, which every line begins with.
+std::vector<std::string> last_lines(Logs& logs, std::size_t most) {
+  constexpr std::size_t kTime = sizeof "2026-03-01T12:00:00.250Z" - 1;
   std::vector<std::string> lines;
-  for (const fs::path& path : files) {
-    std::ifstream in(path);
-    std::vector<std::string> own;
-    for (std::string line; std::getline(in, line);) own.push_back(std::move(line));
-    if (own.size() > most) own.erase(own.begin(), own.end() - static_cast<std::ptrdiff_t>(most));
+  for (auto& [name, file] : logs) {
+    std::deque<std::string> own;
+    for (std::string line; std::getline(file, line);) {
+      own.push_back(std::move(line));
+      if (own.size() > most) own.pop_front();
+    }
     lines.insert(lines.end(), own.begin(), own.end());
   }
-  std::stable_sort(lines.begin(), lines.end());
+  if (logs.size() > 1) {
+    std::stable_sort(lines.begin(), lines.end(), [](const std::string& a, const std::string& b) {
+      return std::string_view(a).substr(0, kTime) < std::string_view(b).substr(0, kTime);
+    });
+  }
   if (lines.size() > most) lines.erase(lines.begin(), lines.end() - static_cast<std::ptrdiff_t>(most));
   return lines;
 }
 
-int follow(const std::vector<fs::path>& files) {
-  const int watch = ::inotify_init1(IN_CLOEXEC);
-  std::vector<std::ifstream> streams;
-  for (const fs::path& path : files) {
-    ::inotify_add_watch(watch, path.c_str(), IN_MODIFY);
-    streams.emplace_back(path, std::ios::ate);
-  }
-  for (pollfd item{watch, POLLIN, 0}; ::poll(&item, 1, -1) > 0;) {
-    char events[4096];
-    if (::read(watch, events, sizeof events) <= 0) break;
-    for (std::ifstream& stream : streams) {
-      stream.clear();
-      for (std::string line; std::getline(stream, line);) print_line(line);
+/// What the terminal or the program gets of a line.
+void print_log_line(const Arguments& arguments, const std::string& line) {
+  arguments.has("--json") ? print_json(Value{Value::Object{{"line", Value{line}}}}) : print_line(line);
+}
+
+void print_new_lines(const Arguments& arguments, std::ifstream& file) {
+  file.clear();
+  for (std::string line; std::getline(file, line);) print_log_line(arguments, line);
+}
+
+/// Until output or watch ends. A log that grew too large goes on as a new file of the same name.
+int follow(const Arguments& arguments, const std::string& folder, const std::string& service, const Descriptor& watch,
+           Logs& logs) {
+  alignas(inotify_event) char events[4096];
+  while (lost_output().empty()) {
+    const ssize_t size = ::read(watch.get(), events, sizeof events);
+    if (size <= 0) break;
+    for (ssize_t at = 0; at < size;) {
+      const auto* event = reinterpret_cast<const inotify_event*>(events + at);
+      at += static_cast<ssize_t>(sizeof(inotify_event) + event->len);
+      const std::string name = event->len == 0 ? "" : event->name;
+      if (!is_asked(name, service)) continue;
+      std::ifstream& file = logs[name];
+      if (file.is_open()) print_new_lines(arguments, file);
+      if ((event->mask & (IN_CREATE | IN_MOVED_TO)) == 0) continue;
+      file = std::ifstream(folder + "/" + name);
+      print_new_lines(arguments, file);
     }
   }
-  ::close(watch);
   return kFailed;
 }
 
 int run_logs(const Arguments& arguments) {
   const std::string service = arguments.words.size() > 1 ? arguments.words[1] : "";
-  const auto files = log_files(arguments.words[0], service);
-  if (files.empty()) {
-    return print_error(
-        arguments, fail(Errc::missing, arguments.words[0] + "/log: no log" + (service.empty() ? "" : " of " + service),
-                        "name a node's folder that was up, and one of its services"));
+  const std::string folder = arguments.words[0] + "/log";
+  // Before the files are read: nothing comes between.
+  const Descriptor watch(::inotify_init1(IN_CLOEXEC));
+  ::inotify_add_watch(watch.get(), folder.c_str(), IN_MODIFY | IN_CREATE | IN_MOVED_TO);
+  Logs logs = open_logs(folder, service);
+  if (logs.empty()) {
+    return print_error(arguments, fail(Errc::missing, folder + ": no log" + (service.empty() ? "" : " of " + service),
+                                       "name a node's folder that was up, and one of its services; trb logs " +
+                                           arguments.words[0] + " up shows what trb up --detach has said"));
   }
   const auto most = arguments.number("--lines", 50);
   if (!most) return print_error(arguments, most.error());
-  for (const std::string& line : last_lines(files, static_cast<std::size_t>(*most))) print_line(line);
-  return arguments.has("--follow") ? follow(files) : kGood;
+  for (const std::string& line : last_lines(logs, static_cast<std::size_t>(*most))) print_log_line(arguments, line);
+  return arguments.has("--follow") ? follow(arguments, folder, service, watch, logs) : kGood;
 }
 
 const std::vector<Command> kNodeCommands = {
@@ -278,7 +346,7 @@ const std::vector<Command> kNodeCommands = {
      run_reload},
     {{"logs"},
      {"logs NODE_DIR [SERVICE]",
-      "Shows the services' logs, newest last.",
+      "Shows the services' logs, newest last. SERVICE up: what trb up --detach has said.",
       {"--lines N|how many (50)", "--follow|go on with what comes", kJson},
       {"trb logs nodes/ur3 router --lines 200"},
       1,

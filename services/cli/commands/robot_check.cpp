@@ -59,7 +59,7 @@ std::string channel_text(const Description& description) {
 
 void print_good(const std::string& file, const RobotCheck& check) {
   const Description& robot = check.description;
-  print_line(file + ": no faults\n");
+  print(file + ": no faults\n\n");
   print(format_table({{"robot", robot.maker + " " + robot.model},
                       {"capabilities", joined(robot.capabilities, ", ")},
                       {"spoken to as", spoken_text(check)},

@@ -1,7 +1,5 @@
 #include "services/cli/commands/scenario_check.hpp"
 
-#include <cstdio>
-
 #include "common/base/files.hpp"
 #include "common/scenario/definition.hpp"
 #include "services/cli/io/print.hpp"
@@ -27,7 +25,7 @@ int print_good(const Arguments& arguments, std::size_t tasks, const ConfigFaults
     print_json(json);
     return kGood;
   }
-  std::fputs(to_text(faults).c_str(), stderr);
+  print_problem(to_text(faults));
   print_line(arguments.words[0] + ": " + std::to_string(tasks) + (tasks == 1 ? " task" : " tasks") + ", no faults" +
              (without != nullptr ? "" : " (robots, skills, places and sensors were not checked: no --node)"));
   if (without == nullptr) return kGood;

@@ -82,7 +82,8 @@ Result<std::uint32_t> priority_of(const Arguments& arguments) {
 }
 
 Result<op::RunTerms> terms_of(const Arguments& arguments) {
-  const auto hours = arguments.number("--expires-h", 24);
+  constexpr double kMostHours = 366 * 24;  // as check_run_start
+  const auto hours = arguments.number("--expires-h", 24, kMostHours);
   if (!hours) return hours.error();
   const auto priority = priority_of(arguments);
   if (!priority) return priority.error();
@@ -100,7 +101,7 @@ Value::List bound_json(const std::vector<op::BoundTask>& bound) {
 
 /// What may wait (a sensor that is plugged in later) to standard error, and what becomes of tasks without a robot.
 void print_bound(const op::RunPlan& plan, const std::vector<op::BoundTask>& bound) {
-  std::fputs(to_text(plan.faults).c_str(), stderr);
+  print_problem(to_text(plan.faults));
   if (!plan.binder.why_not.empty()) {
     print_line("robots are chosen now, the first by id that can: " + plan.binder.why_not);
   }

@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "common/base/files.hpp"
+#include "common/base/printable.hpp"
 #include "common/operator/read_sensor.hpp"
 #include "common/operator/watched_sensor.hpp"
 #include "services/cli/commands/command.hpp"
@@ -42,11 +43,11 @@ Value sensors_json(const RouteTable& table) {
 }
 
 void print_unknown(const SensorTable& table) {
-  if (!table.bus.empty()) print_line("the D-Bus: " + table.bus + "\n");
+  if (!table.bus.empty()) print("the D-Bus: " + in_one_line(table.bus) + "\n\n");
   if (table.unknown.empty()) print_line(table.node + ": every device that could be a sensor is known to a rule");
   for (const UnknownDevice& one : table.unknown) {
-    print_line(one.device + "\n\n" + one.properties + "\na rule to edit, for NODE_DIR/sensors/NAME.json:\n\n" +
-               one.rule + "\n");
+    print(in_one_line(one.device) + "\n\n" + one.properties + "\na rule to edit, for NODE_DIR/sensors/NAME.json:\n\n" +
+          one.rule + "\n\n");
   }
 }
 

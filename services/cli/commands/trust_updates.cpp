@@ -55,12 +55,13 @@ bool is_file(const std::string& path) {
 }
 
 /// Why no certificate that could be renewed or revoked is behind this word.
-Error nothing_found(const Authority& authority, const std::string& word) {
+Error nothing_found(const Authority& authority, const std::string& dir, const std::string& word) {
   std::vector<std::string> ids;
   for (const Certificate& row : authority.issued) {
     if (row.id == word || row.serial == serial_of(word)) {
       return fail(Errc::cert_revoked, "'" + word + "' is revoked already",
-                  "trb fleet request with new keys and trb fleet sign make it a member again");
+                  "if the fleet does not know it: trb fleet tell " + dir +
+                      " --via NODE_DIR; trb fleet request with new keys and trb fleet sign make it a member again");
     }
     if (std::find(ids.begin(), ids.end(), row.id) == ids.end()) ids.push_back(row.id);
   }
@@ -88,13 +89,19 @@ Result<Certificate> find_certificate(Authority& authority, const std::string& di
     }
   }
   const Certificate* living = find_renewable(authority, id);
-  return living == nullptr ? Result<Certificate>(nothing_found(authority, id)) : *living;
+  return living == nullptr ? Result<Certificate>(nothing_found(authority, dir, id)) : *living;
 }
 
-Result<std::vector<Certificate>> find_certificates(Authority& authority, const Arguments& arguments) {
+/// `or_revoked`: those that are revoked already are named, and left out.
+Result<std::vector<Certificate>> find_certificates(Authority& authority, const Arguments& arguments,
+                                                   bool or_revoked = false) {
   std::vector<Certificate> out;
   for (std::size_t i = 1; i < arguments.words.size(); ++i) {
     auto found = find_certificate(authority, arguments.words[0], arguments.words[i]);
+    if (!found && or_revoked && found.error().code == Errc::cert_revoked) {
+      print_line("note: " + found.error().what);
+      continue;
+    }
     if (!found) return found.error();
     if (std::find(out.begin(), out.end(), *found) == out.end()) out.push_back(std::move(*found));
   }
@@ -155,6 +162,13 @@ Result<std::vector<Certificate>> chosen_certificates(Authority& authority, const
               "trb fleet sign and trb fleet invite make members");
 }
 
+/// Before anything is signed: of a mistyped folder nothing is learnt, and nothing is handed on by it. Errors: missing.
+Status check_via(const Arguments& arguments) {
+  const std::string via = arguments.get("--via");
+  if (via.empty() || is_file(via + "/node.json")) return Done{};
+  return fail(Errc::missing, "--via " + via + ": no node.json there", "name the folder of a node that is up");
+}
+
 /// A node that is up knows what this folder does not, if it is an older copy of itself.
 Result<bool> learn_from(Authority& authority, const std::string& dir, const std::string& via) {
   if (via.empty()) return false;
@@ -181,39 +195,62 @@ Status check_one_list(const Authority& authority, const Arguments& arguments) {
                   " with one that is revoked here: the next list has what both have");
 }
 
-/// The list itself is in the folder by now.
-Error not_handed_on(const Status& told, const std::string& dir) {
-  return fail(told.error().code, "signed, and in " + dir + ", but the fleet does not know: " + told.error().what,
-              "make room there (df -h " + dir + "), then trb fleet tell " + dir + " --via NODE_DIR");
+/// What is signed is in the folder by now. `first`: what is to be done before it is told again.
+Error not_handed_on(const Error& why, const std::string& dir, const std::string& via, const std::string& first) {
+  // A router that has not answered in time may have told it; to tell it again does no harm.
+  return fail(why.code, "signed, and in " + dir + ", but the fleet does not know: " + why.what,
+              (first.empty() ? "" : first + ", then ") + "trb fleet tell " + dir + " --via " + via);
+}
+
+/// Writes what the fleet is to be told; the list itself is in the folder.
+Status publish(const Authority& authority, const std::string& dir, const std::vector<SignedRecord>& renewed,
+               UtcTime now) {
+  Status told = publish_trust_updates(authority, dir, renewed, now);
+  if (told) return told;
+  return not_handed_on(told.error(), dir, "NODE_DIR", "make room there (df -h " + dir + ")");
 }
 
 /// Hands news.json to the fleet by a running node's router, or says how else it gets there.
 int hand_on(const Arguments& arguments) {
-  const std::string path = std::filesystem::absolute(arguments.words[0] + "/news.json").string();
+  const std::string& dir = arguments.words[0];
+  const std::string path = std::filesystem::absolute(dir + "/news.json").string();
   const std::string via = arguments.get("--via");
   if (via.empty()) {
     print_line("wrote " + path + "; the fleet does not know it yet. Bring it to any one node that is up:");
-    print_line("  on this machine   trb fleet tell " + arguments.words[0] + " --via NODE_DIR");
+    print_line("  on this machine   trb fleet tell " + dir + " --via NODE_DIR");
     print_line(
         "  on another one    copy news.json into its NODE_DIR/keys; its router takes it at once and tells the others");
     return kGood;
   }
+  const auto not_told = [&](const Error& why) {
+    return print_error(arguments, not_handed_on(why, dir, via, why.hint));
+  };
   auto updates = read_trust_updates(path);
-  if (!updates) return print_error(arguments, updates.error());
+  if (!updates) return not_told(updates.error());
   auto probe = Probe::open(via);
-  if (!probe) return print_error(arguments, probe.error());
+  if (!probe) return not_told(probe.error());
   auto answer = (*probe)->ask_node<Ack>(std::move(*updates));
-  if (!answer) return print_error(arguments, answer.error());
+  // The router's own words for a full disk: it is in force.
+  if (!answer && answer.error().code == Errc::io_error) return print_error(arguments, answer.error());
+  if (!answer) return not_told(answer.error());
   print_line((*probe)->node() + ": " + answer->text);
   return kGood;
 }
 
+/// Makes news.json if it is not what the folder has: it was not written if the disk was full when the list was.
+Status publish_again(const Authority& authority, const std::string& dir, bool learned) {
+  const auto updates = read_trust_updates(dir + "/news.json");
+  if (!learned && updates && updates->revocations == authority.revocations) return Done{};
+  return publish(authority, dir, {}, read_clocks().utc);
+}
+
 int run_renew(const Arguments& arguments) {
   if (Status clear = check_choice(arguments); !clear) return print_error(arguments, clear.error());
+  if (Status node = check_via(arguments); !node) return print_error(arguments, node.error());
   auto held = open_for(arguments);
   if (!held) return print_error(arguments, held.error());
   Authority* const authority = &held->authority;
-  const auto days = arguments.number("--days", 365);
+  const auto days = arguments.number("--days", 365, kMostDays);
   if (!days) return print_error(arguments, days.error());
   const auto relay = relay_right(arguments);
   if (!relay) return print_error(arguments, relay.error());
@@ -233,23 +270,26 @@ int run_renew(const Arguments& arguments) {
     const Certificate& fresh = authority->issued.back();
     print_line(fresh.id + ": serial " + std::to_string(fresh.serial) + ", valid to " + to_iso8601({fresh.not_after}));
   }
-  if (Status told = publish_trust_updates(*authority, dir, renewed, now); !told)
-    return print_error(arguments, told.error());
+  if (Status told = publish(*authority, dir, renewed, now); !told) return print_error(arguments, told.error());
   return hand_on(arguments);
 }
 
 int run_revoke(const Arguments& arguments) {
+  if (Status node = check_via(arguments); !node) return print_error(arguments, node.error());
   auto held = open_for(arguments);
   if (!held) return print_error(arguments, held.error());
   Authority* const authority = &held->authority;
   const std::string& dir = arguments.words[0];
-  if (auto learned = learn_from(*authority, dir, arguments.get("--via")); !learned)
-    return print_error(arguments, learned.error());
-  auto over = find_certificates(*authority, arguments);
-  // Two lists of one number are made one by a next list, even if it revokes nobody else.
-  const bool merges = !check_one_list(*authority, arguments).ok();
-  if (!over && over.error().code == Errc::cert_revoked && merges) over = std::vector<Certificate>{};
+  const auto learned = learn_from(*authority, dir, arguments.get("--via"));
+  if (!learned) return print_error(arguments, learned.error());
+  // With a node named, the fleet is told of whom was revoked before, too: it may not know it yet.
+  auto over = find_certificates(*authority, arguments, arguments.has("--via"));
   if (!over) return print_error(arguments, over.error());
+  // Two lists of one number are made one by a next list, even if it revokes nobody else.
+  if (over->empty() && check_one_list(*authority, arguments)) {
+    if (Status told = publish_again(*authority, dir, *learned); !told) return print_error(arguments, told.error());
+    return hand_on(arguments);
+  }
   const UtcTime now = read_clocks().utc;
   const Status done = revoke_certificates(*authority, dir, *over, arguments.get("--reason", "revoked"), now);
   if (!done) return print_error(arguments, done.error());
@@ -261,13 +301,13 @@ int run_revoke(const Arguments& arguments) {
              std::to_string(authority->list.beacon_keys.size()) + " nodes that stay");
   note_unknown(*authority,
                "such a node gets no new beacon key. Name its certificate.json in trb fleet renew, then revoke again.");
-  if (Status told = publish_trust_updates(*authority, dir, {}, now); !told)
-    return print_error(arguments, not_handed_on(told, dir));
+  if (Status told = publish(*authority, dir, {}, now); !told) return print_error(arguments, told.error());
   return hand_on(arguments);
 }
 
 int run_tell(const Arguments& arguments) {
   init_crypto();
+  if (Status node = check_via(arguments); !node) return print_error(arguments, node.error());
   const std::string& dir = arguments.words[0];
   auto held = hold_fleet(dir, std::nullopt);
   if (!held) return print_error(arguments, held.error());
@@ -275,12 +315,7 @@ int run_tell(const Arguments& arguments) {
   auto learned = learn_from(*authority, dir, arguments.get("--via"));
   if (!learned) return print_error(arguments, learned.error());
   if (Status one = check_one_list(*authority, arguments); !one) return print_error(arguments, one.error());
-  // It was not written if the disk was full when the list was.
-  const auto updates = read_trust_updates(dir + "/news.json");
-  if (*learned || !updates || !(updates->revocations == authority->revocations)) {
-    if (Status told = publish_trust_updates(*authority, dir, {}, read_clocks().utc); !told)
-      return print_error(arguments, told.error());
-  }
+  if (Status told = publish_again(*authority, dir, *learned); !told) return print_error(arguments, told.error());
   return hand_on(arguments);
 }
 

@@ -1,5 +1,7 @@
 #include "services/cli/core/arguments.hpp"
 
+#include <cstdint>
+
 #include "common/base/number_text.hpp"
 #include "common/fleet/did_you_mean.hpp"
 
@@ -42,13 +44,17 @@ std::string Arguments::get(const std::string& option, const std::string& otherwi
   return at == options.end() ? otherwise : at->second;
 }
 
-Result<double> Arguments::number(const std::string& option, double otherwise) const {
+Result<double> Arguments::number(const std::string& option, double otherwise, double most) const {
   if (!has(option)) return otherwise;
   const std::string text = get(option);
   const auto value = parse_number<double>(text);
   if (!value || !(*value > 0 && *value < 1e9))
     return fail(Errc::bad_value, option + ": '" + text + "' is no positive number",
                 "write, for example, " + option + " 5");
+  if (*value > most) {
+    const std::string bound = std::to_string(static_cast<std::int64_t>(most));
+    return fail(Errc::bad_value, option + ": '" + text + "' is over " + bound, "use at most " + bound);
+  }
   return *value;
 }
 
@@ -61,6 +67,9 @@ Status take_option(const Usage& usage, const std::vector<std::string>& given, st
   const std::string name = word.substr(0, equals);
   const std::string* spec = find_option(usage, name);
   if (spec == nullptr) return unknown_option(usage, name);
+  if (!takes_value(*spec) && equals != std::string::npos) {
+    return fail(Errc::bad_value, word + ": " + name + " takes no value", "write " + name + ", or leave it out");
+  }
   std::string& value = out.options[name];
   if (!takes_value(*spec)) {
     value.clear();

@@ -25,8 +25,8 @@ struct Arguments {
 
   [[nodiscard]] bool has(const std::string& option) const { return options.count(option) != 0; }
   [[nodiscard]] std::string get(const std::string& option, const std::string& otherwise = {}) const;
-  /// A positive number of seconds or things. Errors: bad_value.
-  [[nodiscard]] Result<double> number(const std::string& option, double otherwise) const;
+  /// A positive number of seconds or things, `most` at most. Errors: bad_value.
+  [[nodiscard]] Result<double> number(const std::string& option, double otherwise, double most = 1e9) const;
 };
 
 /// Errors: bad_value naming the word, with the nearest option as the hint.

@@ -5,8 +5,9 @@
 
 namespace trb::cli {
 
-/// Rows of text in aligned columns, two spaces apart; the first row is the heading. Empty without rows.
-std::string format_table(const std::vector<std::vector<std::string>>& rows);
+/// Rows of text in aligned columns, two spaces apart; the first row is the heading. Empty without rows. A cell's
+/// newlines and tabs are shown: it forges no row.
+std::string format_table(std::vector<std::vector<std::string>> rows);
 
 /// What an empty cell shows: "-".
 std::string or_dash(const std::string& text);

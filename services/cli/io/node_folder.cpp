@@ -74,6 +74,9 @@ Status make_whole_folder(const std::string& path, const std::function<Status(con
   std::error_code problem;
   if (fs::exists(dir, problem) && !fs::is_empty(dir, problem))
     return fail(Errc::conflict, dir + " is there already, with files in it", "name a new folder");
+  // The new one takes the place of the empty one, in which whoever types would then not be any more.
+  if (fs::equivalent(dir, fs::current_path(problem), problem))
+    return fail(Errc::conflict, path + " is the folder that you are in", "go up (cd ..), and name it from there");
   const std::string making = dir + ".making";
   fs::remove_all(making, problem);
   Status written = write(making);

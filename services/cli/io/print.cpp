@@ -2,8 +2,10 @@
 
 #include <unistd.h>
 
+#include <cerrno>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 
 #include "common/base/printable.hpp"
 
@@ -23,6 +25,8 @@ std::size_t colour_at(std::string_view text) {
   return 0;
 }
 
+std::string lost;  ///< why not all was written
+
 }  // namespace
 
 void print(const std::string& text) {
@@ -37,8 +41,17 @@ void print(const std::string& text) {
     out += printable(left.substr(0, end));
     left.remove_prefix(end);
   }
-  std::fwrite(out.data(), 1, out.size(), stdout);
-  std::fflush(stdout);
+  errno = 0;
+  const bool written = std::fwrite(out.data(), 1, out.size(), stdout) == out.size() && std::fflush(stdout) == 0;
+  if (!written && lost.empty()) lost = std::strerror(errno);  // NOLINT(concurrency-mt-unsafe): one thread
+}
+
+const std::string& lost_output() {
+  return lost;
+}
+
+void forget_lost_output() {
+  lost.clear();
 }
 
 void print_problem(const std::string& text) {
@@ -47,11 +60,13 @@ void print_problem(const std::string& text) {
 }
 
 void print_line(const std::string& text) {
-  print(text + "\n");
+  std::size_t own = 0;
+  while (own < text.size() && text[own] == '\n') ++own;
+  print(text.substr(0, own) + in_one_line(std::string_view(text).substr(own)) + "\n");
 }
 
 void print_json(const Value& value) {
-  print_line(dump_json(value));
+  print(dump_json(value) + "\n");
 }
 
 int print_error(const Arguments& arguments, const Error& error) {
@@ -60,8 +75,8 @@ int print_error(const Arguments& arguments, const Error& error) {
         {"code", Value{std::string(errc_name(error.code))}}, {"what", Value{error.what}}, {"cure", Value{error.hint}}};
     print_json(Value{Value::Object{{"error", Value{std::move(inner)}}}});
   } else {
-    const std::string hint = error.hint.empty() ? "" : "\n     " + error.hint;
-    print_problem("trb: " + std::string(errc_name(error.code)) + ": " + error.what + hint + "\n");
+    const std::string hint = error.hint.empty() ? "" : "\n     " + in_one_line(error.hint);
+    print_problem("trb: " + std::string(errc_name(error.code)) + ": " + in_one_line(error.what) + hint + "\n");
   }
   return kFailed;
 }

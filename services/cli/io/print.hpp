@@ -17,6 +17,7 @@ constexpr int kWrongUse = 2;
 void print(const std::string& text);
 /// To standard error, as print().
 void print_problem(const std::string& text);
+/// One line, whatever it holds: a newline in it is shown, unless it begins with it.
 void print_line(const std::string& text);
 void print_json(const Value& value);
 
@@ -28,6 +29,11 @@ Value faults_json(const ConfigFaults& faults);
 
 /// The same as print_error for a list of faults.
 int print_faults(const Arguments& arguments, const ConfigFaults& faults);
+
+/// Empty, or why something that print() was given could not be written. The first failure counts.
+const std::string& lost_output();
+/// Of a program that goes on whatever becomes of its words.
+void forget_lost_output();
 
 enum class Colour { plain, good, bad, dim };
 /// Wraps the text in the terminal's colour, if standard output is one and NO_COLOR is not set.

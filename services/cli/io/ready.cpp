@@ -26,10 +26,11 @@ std::string log_of(const std::string& node_dir) {
 
 bool ReadyCheck::operator()() {
   if (!probe_) {
-    // Over TCP nobody can see whether it is there; a short wait does not hold up the supervisor.
+    // The file of a socket outlasts its router, and over TCP nobody can see whether it is there: a short wait does not
+    // hold up the supervisor.
     const auto bus = read_bus(dir_);
     if (!bus || (bus->empty() && !file_exists(dir_ + "/bus/probe.ipc"))) return false;
-    auto probe = Probe::open(dir_, bus->empty() ? std::chrono::seconds(2) : std::chrono::milliseconds(250));
+    auto probe = Probe::open(dir_, std::chrono::milliseconds(250));
     if (!probe) return false;
     probe_ = std::move(*probe);
   }
