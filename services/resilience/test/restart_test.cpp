@@ -207,6 +207,20 @@ TEST_CASE("a clock that is a month ahead for minutes, also at a start, ends no h
   CHECK(size() < before);
 }
 
+TEST_CASE("what was decided of a run is kept while it is open, and no longer") {
+  auto fixture = paper();
+  fixture->fault("ridgeback", "mobile");
+  fixture->end_task("t4", TaskOutcome::failed, "mobile is broken");
+  CHECK(fixture->decide(Verdict::accept) == "accepted");
+  fixture->wait(seconds(10));
+  REQUIRE(fixture->taken.size() == 1);
+  CHECK(fixture->kept_decisions() == 1);
+  fixture->view.state = RunState::finished;
+  fixture->changed();
+  fixture->wait(seconds(3));
+  CHECK(fixture->kept_decisions() == 0);
+}
+
 TEST_CASE(
     "a scheduler that has lost its journal: of an epoch that was decided nothing is signed anew, the alert says why") {
   auto fixture = paper();
