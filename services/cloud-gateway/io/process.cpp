@@ -94,7 +94,7 @@ Result<int> Process::run(const HttpServerSettings& settings, const std::vector<s
   answer_last(**person, api);
   for (AuditRecord& record : access_.refusals.take_all(trb::now())) access_.note(std::move(record));
   static_cast<void>(gateway.commit());
-  write_history(trb::now());
+  write_history(gateway);
   return unwritten_ ? 1 : service_.exit_status();
 }
 
@@ -109,7 +109,7 @@ void Process::add_timers(Gateway& gateway, SignIns& sign_ins) {
                  [&gateway](Now now) { gateway.simulations->tick(now); });
   // A batch that is being written wakes the loop when it is done.
   service_.timer([this] { return history_.is_writing() ? std::nullopt : recorder_.next_deadline(); },
-                 [this](Now now) { record(now); });
+                 [this, &gateway](Now now) { record(gateway, now); });
   service_.timer([this] { return std::optional(house_kept_ + kHouse); },
                  [this, &gateway](Now now) { keep_house(gateway, now); });
   service_.timer(
@@ -191,16 +191,17 @@ void Process::follow_topics(Now now) {
   view_.watch_robots(clients_.watches_robots(now), now);
 }
 
-void Process::record(Now now) {
+void Process::record(Gateway& gateway, Now now) {
   recorder_.tick(now);
-  if (recorder_.is_due(now) && !history_.is_writing()) write_history(now);
+  if (recorder_.is_due(now) && !history_.is_writing()) write_history(gateway);
 }
 
-/// A history that cannot be written ends nothing: it is told once, and what is lost is counted.
-void Process::write_history(Now now) {
+/// A history that cannot be written ends nothing: it is told once, and what is lost is counted. A clock that is ahead
+/// for a moment makes nothing old.
+void Process::write_history(Gateway& gateway) {
   std::vector<HistoryEntry> batch = recorder_.take();
   const std::size_t size = batch.size();
-  history_.add(std::move(batch), now.utc, [this, size](const Status& written) {
+  history_.add(std::move(batch), gateway.steady(), [this, size](const Status& written) {
     if (!written) recorder_.count_lost(size);
     if (!written && !is_history_lost_) log_event(Level::error, "history_not_written", written.error().text());
     is_history_lost_ = !written;

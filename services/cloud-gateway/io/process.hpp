@@ -36,8 +36,8 @@ class Process {
   void answer_last(op::BusSession& person, const Api& api);
   void pump(Gateway& gateway);
   void follow_topics(Now now);
-  void record(Now now);
-  void write_history(Now now);
+  void record(Gateway& gateway, Now now);
+  void write_history(Gateway& gateway);
   void keep_house(Gateway& gateway, Now now);
   void warn_of_certificate(Now now);
   void end_unwritten(const Error& error);

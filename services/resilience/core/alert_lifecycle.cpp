@@ -1,5 +1,8 @@
 #include "services/resilience/core/alert_lifecycle.hpp"
 
+#include <algorithm>
+#include <limits>
+
 #include "proto/body.hpp"
 #include "proto/value.hpp"
 
@@ -30,6 +33,21 @@ void AlertLifecycle::restore(std::vector<Alert> alerts, const std::vector<Stored
 void AlertLifecycle::keep(const Decision& decision, const SignedRecord& record, Outbox& out) {
   decided_.insert({decision.run, decision.epoch});
   out.record(RunDecision{record});
+}
+
+void AlertLifecycle::note_over(const std::string& run) {
+  const auto first = decided_.lower_bound({run, 0});
+  if (first != decided_.end() && first->first == run) over_.insert(run);
+}
+
+void AlertLifecycle::forget_over(Outbox& out) {
+  std::erase_if(over_, [&](const std::string& run) {
+    if (std::ranges::any_of(open(), [&](const Alert* alert) { return alert->run == run; })) return false;
+    decided_.erase(decided_.lower_bound({run, 0}),
+                   decided_.upper_bound({run, std::numeric_limits<std::uint32_t>::max()}));
+    out.record(DecisionsOver{run});
+    return true;
+  });
 }
 
 AlertWork& AlertLifecycle::work(std::string_view alert) {

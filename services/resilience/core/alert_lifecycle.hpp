@@ -45,6 +45,11 @@ struct DecisionOver {
   DecisionEnd end{};
 };
 
+/// A record: the run is over, and no decision on it is needed any more.
+struct DecisionsOver {
+  std::string run;
+};
+
 /// An alert of a run and a robot, without what may change: the cause, and what follows from it.
 [[nodiscard]] Alert alert_of(const WatchedRun& run, const std::string& robot, Now now);
 
@@ -59,6 +64,11 @@ class AlertLifecycle {
   [[nodiscard]] bool has_decision(const std::string& run, std::uint32_t epoch) const {
     return decided_.contains({run, epoch});
   }
+
+  /// The scheduler has reported the run's end.
+  void note_over(const std::string& run);
+  /// Forgets the decisions of runs that are over, once no open alert is about the run.
+  void forget_over(Outbox& out);
 
   AlertBook& book() { return book_; }
   /// Those that are not over, by time, then id.
@@ -93,6 +103,7 @@ class AlertLifecycle {
   AlertBook book_;
   std::map<std::string, AlertWork, std::less<>> works_;
   std::set<std::pair<std::string, std::uint32_t>> decided_;  ///< the database's decisions, by run and epoch
+  std::set<std::string> over_;                               ///< runs of those that are over
 };
 
 }  // namespace trb::resilience

@@ -143,7 +143,8 @@ bool is_sensor_of(const ReplacementCriterion& criterion, const RobotRecord& robo
 
 std::vector<Question> questions(const Criteria& criteria, const RobotRecord& robot, UtcTime now, Duration fresh) {
   std::vector<Question> out;
-  const auto is_old = [&](const auto& told) { return !told || told->at + fresh < now; };
+  // What seems to come was told before the clock was set back: nobody knows when.
+  const auto is_old = [&](const auto& told) { return !told || told->at > now || told->at + fresh < now; };
   const std::string charge(charge_request(robot.profile.is));
   if (is_old(charge_of(robot))) out.push_back({charge, charge, ""});
   const std::string position(kPositionRequest);

@@ -59,6 +59,7 @@ void Detection::look(Now now, Outbox& out) {
   for (const std::string& id : situation_.take_due_runs(now)) {
     const WatchedRun* run = situation_.runs().find(id);
     if (run == nullptr) overdue_.forget(id);
+    if (run == nullptr && situation_.runs().ended(id)) alerts_.note_over(id);
     if (run != nullptr && run->is_known()) look_at(*run, now, out);
   }
   for (const std::string& id : situation_.runs().take_timed()) {

@@ -121,6 +121,7 @@ class Ranker {
   void note_age(std::size_t robot, const ReplacementCriterion& criterion, UtcTime at) {
     const Duration age{of_.now.ns - at.ns};
     const std::string what = criterion.from == CriterionSource::distance ? "position" : criterion.name;
+    if (age < Duration{0}) return note(robot, what + " is of an unknown time: the clock was set back");
     if (age > kOld) note(robot, what + " is " + std::to_string(age / std::chrono::seconds(1)) + " s old");
   }
 

@@ -207,6 +207,7 @@ void ResilienceCore::look_at_alerts(Now now, Outbox& out) {
       parts_.alert_updater.look(*alert, now, out);
     }
   }
+  parts_.alerts.forget_over(out);
   parts_.alerts.book().prune();
 }
 

@@ -2,11 +2,23 @@
 
 #include <algorithm>
 
+#include "common/base/errc.hpp"
+
 namespace trb::resilience {
 
 const SignedRecord* Situation::certificate_of(std::string_view robot) const {
   const auto at = certificates_.find(robot);
   return at == certificates_.end() ? nullptr : &at->second;
+}
+
+bool Situation::is_missing(std::string_view robot) const {
+  return judged_ && !listed_.contains(robot);
+}
+
+void Situation::forget(const std::string& robot, Now now) {
+  fleet_.forget(robot, now.utc);
+  certificates_.erase(robot);
+  note_robot(robot, now);
 }
 
 bool Situation::decides_on(const WatchedRun* run) const {
@@ -51,11 +63,14 @@ void Situation::receive(const PeerJoined& peer, Now now, Outbox& out) {
 void Situation::receive(const PeerExpired& peer, Now now) {
   fleet_.on_expired(peer.id, peer.reason, now.utc);
   note_robot(peer.id, now, true);
+  // A run's alert tells what has become of its robot: then it is kept for a person's word.
+  if (peer.reason.starts_with(errc_name(Errc::cert_revoked)) && open_tasks_.of(peer.id) == 0) forget(peer.id, now);
 }
 
 void Situation::receive(const RouteTable& table, Now now, Outbox& out) {
   const bool first = !std::exchange(judged_, true);
   liveness_.begin();
+  listed_.clear();
   for (const Route& route : table.routes) {
     // A cloud node has no robot: it takes no tasks, and its certificate is the run's already.
     if (route.role != Role::robot) continue;
@@ -65,6 +80,7 @@ void Situation::receive(const RouteTable& table, Now now, Outbox& out) {
       continue;
     }
     certificates_[route.id] = route.certificate;
+    listed_.insert(route.id);
     fleet_.set_later_tasks(route.id, open_tasks_.of(route.id));  // the robot may be new here
     if (*changed && !first) note_robot(route.id, now);
   }

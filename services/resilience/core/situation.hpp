@@ -36,6 +36,10 @@ class Situation {
   [[nodiscard]] const DueRuns& due_runs() const { return due_runs_; }
   /// The robot's certificate, from the router's table; nullptr: not known.
   [[nodiscard]] const SignedRecord* certificate_of(std::string_view robot) const;
+  /// Does the router's last table not have the robot? Its router may also have started anew a moment ago.
+  [[nodiscard]] bool is_missing(std::string_view robot) const;
+  /// The robot has left the fleet for good.
+  void forget(const std::string& robot, Now now);
   /// Has the router's first table come? Before that no robot counts as reached, and nothing is judged.
   [[nodiscard]] bool is_judged() const { return judged_; }
   /// Does this node decide on the run: is it the first cloud node among its members?
@@ -73,6 +77,7 @@ class Situation {
   DueRuns due_runs_;
   OpenTasks open_tasks_;
   std::map<std::string, SignedRecord, std::less<>> certificates_;
+  std::set<std::string, std::less<>> listed_;  ///< the robots of the router's last table
   bool changed_ = true;
   bool judged_ = false;
 };

@@ -48,6 +48,7 @@ void StandingAlerts::look(Alert& alert, Now now, Outbox& out) {
   const RobotRecord* robot = situation_.fleet().find(alert.robot);
   if (robot == nullptr || worst_fault(*robot, alert.capability) == nullptr) {
     const bool mended = alert.verdict == Verdict::retry;
+    if (robot == nullptr) return alerts_.close(alert, alert.robot + " is known no more", out);
     return alerts_.close(alert, mended ? "taken as mended" : "the fault is over", out);
   }
   if (alert.verdict == Verdict::retry && repairs_.is_awaited(alert, now, out)) return;

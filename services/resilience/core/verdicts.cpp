@@ -123,6 +123,7 @@ Result<std::string> Verdicts::decide_lone(Alert& alert, const AlertDecide& body,
     return fail(Errc::bad_value, "no run needs " + alert.robot + ": there is nothing to move or to skip",
                 "say --retry once it works again");
   }
+  if (situation_.is_missing(alert.robot)) return forget_robot(alert, body, now, out);
   if (situation_.settings().role != Role::cloud && !repairs_.still_broken(alert).empty()) {
     return fail(Errc::not_permitted, "this node puts no robot back into use",
                 "say it on the cloud's node, or on the robot's: trb robot repaired " + alert.robot);
@@ -137,6 +138,17 @@ Result<std::string> Verdicts::decide_lone(Alert& alert, const AlertDecide& body,
   standing_.look(alert, now, out);
   if (!is_open(alert)) return alert.robot + " is taken as mended";
   return "alert " + alert.id + " " + decided_text(alert) + "; waits for: " + alert.waits_for;
+}
+
+/// Nobody else can tell the end of the faults of a robot that was sold, or has another name since. One that is only
+/// away tells its faults anew when it is back.
+std::string Verdicts::forget_robot(Alert& alert, const AlertDecide& body, Now now, Outbox& out) {
+  alert.verdict = body.verdict;
+  alert.person = body.person;
+  alert.reason = body.reason;
+  situation_.forget(alert.robot, now);
+  standing_.look(alert, now, out);
+  return alert.robot + " is not in the router's table: it is forgotten";
 }
 
 /// The open alert of the fault, which has outlived this alert.

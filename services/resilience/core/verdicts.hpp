@@ -51,6 +51,7 @@ class Verdicts {
   Result<std::string> decide_again(Alert& alert, const AlertDecide& body, Now now, Outbox& out);
   Result<std::string> mend_again(Alert& alert, const AlertDecide& body, Now now, Outbox& out);
   Result<std::string> decide_lone(Alert& alert, const AlertDecide& body, Now now, Outbox& out);
+  std::string forget_robot(Alert& alert, const AlertDecide& body, Now now, Outbox& out);
   Result<std::string> decide_tasks(const AlertDecide& body, Now now, Outbox& out);
   [[nodiscard]] Alert* alert_of_fault(const Alert& alert);
   [[nodiscard]] Result<const WatchedRun*> choose_run(const std::string& beginning) const;

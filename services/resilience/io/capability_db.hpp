@@ -49,7 +49,8 @@ class CapabilityDb final : public HistoryReader {
   /// Fills an empty fleet from the file. Errors: malformed, io_error, and those of Fleet::restore.
   Status load(Fleet& fleet);
 
-  /// Writes the changes in one transaction, and then marks them as written. On an error (io_error, for example a full
+  /// Writes the changes in one transaction, and then marks them as written; removes what is old at `now`, which must be
+  /// no clock that jumps. On an error (io_error, for example a full
   /// disk) nothing is written, and all changes are kept.
   Status write(Fleet& fleet, UtcTime now);
 

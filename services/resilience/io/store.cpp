@@ -29,10 +29,15 @@ Status put(CapabilityDb& db, const DecisionOver& is) {
   return db.set_delivered(is.run, is.epoch);
 }
 
+Status put(CapabilityDb& db, const DecisionsOver& is) {
+  return db.drop_decisions(is.run);
+}
+
 Status put(CapabilityDb& db, const Journal& one) {
   if (const auto* alert = std::any_cast<Alert>(&one.record)) return put(db, *alert);
   if (const auto* decision = std::any_cast<RunDecision>(&one.record)) return put(db, *decision);
   if (const auto* over = std::any_cast<DecisionOver>(&one.record)) return put(db, *over);
+  if (const auto* over = std::any_cast<DecisionsOver>(&one.record)) return put(db, *over);
   return fail(Errc::bad_value, "what was recorded is no record of this journal");
 }
 
@@ -86,15 +91,24 @@ Status restore(CapabilityDb& db, ResilienceCore& core) {
   const auto rows = db.decisions();
   if (!rows) return rows.error();
   std::vector<StoredDecision> decisions;
+  std::set<std::string> over;
   for (const DecisionRow& row : *rows) {
     if (!open.contains(row.run)) {
-      if (Status dropped = db.drop_decisions(row.run); !dropped) return dropped;
+      over.insert(row.run);
       continue;
     }
     auto record = decode<SignedRecord>(row.record);
     if (!record) return damaged("the decision of run " + row.run + " cannot be read");
     decisions.push_back({std::move(*record), row.delivered});
   }
+  // Together: each transaction waits for the disk.
+  const Status dropped = db.transact([&]() -> Status {
+    for (const std::string& run : over) {
+      if (Status done = db.drop_decisions(run); !done) return done;
+    }
+    return Done{};
+  });
+  if (!dropped) return dropped;
   core.restore(std::move(*alerts), decisions);
   return Done{};
 }

@@ -88,6 +88,8 @@ class Fixture {
   void put_clock(double ahead_s);
   void restart();
 
+  /// How many signed decisions capability.db keeps.
+  [[nodiscard]] std::size_t kept_decisions() const { return db_->decisions()->size(); }
   [[nodiscard]] Now now() const { return clock_.now(); }
   std::map<std::string, Route> routes;
   std::map<std::string, std::map<std::string, std::string>> values;  ///< the robots' answers, by name

@@ -85,6 +85,25 @@ TEST_CASE("robots whose values are old are asked, and their answers count the ne
   CHECK(later.proposals[0].robot == "near");
 }
 
+TEST_CASE("values that a clock since set back has told count as old: the robots are asked, and a note says so") {
+  const auto fixture = near_or_full();
+  fixture->wait(seconds(20));
+  fixture->put_clock(-3600);
+  fixture->values["near"]["battery"] = "100";
+  fixture->mute.insert("full");
+  const int asked = fixture->heard["battery"];
+  ranked(*fixture, {{"battery", 1}});
+  CHECK(fixture->heard["battery"] > asked);
+  fixture->settle();
+  const AlertRanking later = ranked(*fixture, {{"battery", 1}, {"distance", 1}});
+  CHECK(later.proposals[0].robot == "near");
+  for (const Proposal& one : later.proposals) {
+    CAPTURE(one.robot);
+    const bool is_unsure = one.note.find("battery is of an unknown time: the clock was set back") != std::string::npos;
+    CHECK(is_unsure == (one.robot == "full"));
+  }
+}
+
 TEST_CASE("a robot that does not answer is not waited for") {
   const auto fixture = near_or_full();
   fixture->wait(seconds(60));

@@ -183,6 +183,46 @@ TEST_CASE("what has happened to a robot is told newest first, also after a resta
   CHECK(get<Nack>(fixture->ask(HistoryListRequest{"nobody", 5})).code == "unknown_target");
 }
 
+TEST_CASE("a clock that is a month ahead for minutes, also at a start, ends no history; one that stays so does") {
+  auto fixture = paper();
+  fixture->fault("ridgeback", "mobile");
+  fixture->wait(seconds(1));
+  const auto size = [&] { return get<HistoryTable>(fixture->ask(HistoryListRequest{"", 500})).events.size(); };
+  const std::size_t before = size();
+  constexpr double kAhead_s = 31 * 24 * 3600;
+  fixture->put_clock(kAhead_s);
+  fixture->silence("ridgeback");
+  fixture->wait(seconds(300));
+  CHECK(size() == before + 1);
+  fixture->put_clock(0);
+  fixture->back("ridgeback");
+  fixture->wait(seconds(700));
+  CHECK(size() == before + 2);
+  fixture->put_clock(kAhead_s);
+  fixture->restart();
+  fixture->silence("ridgeback");
+  fixture->wait(seconds(300));
+  CHECK(size() > before + 2);
+  fixture->wait(seconds(400));
+  fixture->back("ridgeback");
+  fixture->wait(seconds(6));
+  CHECK(size() < before);
+}
+
+TEST_CASE("what was decided of a run is kept while it is open, and no longer") {
+  auto fixture = paper();
+  fixture->fault("ridgeback", "mobile");
+  fixture->end_task("t4", TaskOutcome::failed, "mobile is broken");
+  CHECK(fixture->decide(Verdict::accept) == "accepted");
+  fixture->wait(seconds(10));
+  REQUIRE(fixture->taken.size() == 1);
+  CHECK(fixture->kept_decisions() == 1);
+  fixture->view.state = RunState::finished;
+  fixture->changed();
+  fixture->wait(seconds(3));
+  CHECK(fixture->kept_decisions() == 0);
+}
+
 TEST_CASE(
     "a scheduler that has lost its journal: of an epoch that was decided nothing is signed anew, the alert says why") {
   auto fixture = paper();

@@ -310,6 +310,40 @@ TEST_CASE("retry speaks of what its alert tells, and of nothing else that is bro
   CHECK(stays.cause == "robot_fault");
 }
 
+TEST_CASE("the alert of a robot that has left the fleet for good is closed by retry, and the robot is forgotten") {
+  auto fixture = paper();
+  fixture->stand("pioneer2", "mobile");
+  fixture->wait(seconds(3));
+  const std::string id = fixture->alert().id;
+  fixture->silence("pioneer2");
+  fixture->routes.erase("pioneer2");
+  fixture->wait(seconds(60));
+  CHECK(fixture->alert().id == id);  // its router may only have started anew
+  CHECK(fixture->decide(AlertDecide{id, Verdict::retry, "", "", "", false}) == "accepted");
+  CHECK(fixture->last_text == "pioneer2 is not in the router's table: it is forgotten");
+  CHECK(fixture->any(id).state == AlertState::closed);
+  CHECK(fixture->any(id).person == "ann");
+  CHECK(kinds(*fixture, "pioneer2").back() == "forgotten");
+  fixture->restart();
+  fixture->wait(seconds(40));
+  CHECK(fixture->alerts().empty());
+}
+
+TEST_CASE("a robot whose certificate is revoked, and that no run needs, is forgotten with its faults") {
+  auto fixture = paper();
+  fixture->stand("pioneer2", "mobile");
+  fixture->wait(seconds(3));
+  const std::string id = fixture->alert().id;
+  fixture->routes.erase("pioneer2");
+  fixture->say("cloud", PeerExpired{"pioneer2", "cert_revoked: sold"});
+  fixture->wait(seconds(10));
+  CHECK(fixture->alerts().empty());
+  CHECK(fixture->any(id).waits_for == "pioneer2 is known no more");
+  const auto told = kinds(*fixture, "pioneer2");
+  CHECK(told.back() == "forgotten");
+  CHECK(count_of(told, "expired") == 1);
+}
+
 TEST_CASE("a robot's fault has the router asked at once, for its profile may have changed with it") {
   auto fixture = paper();
   fixture->wait(seconds(40));

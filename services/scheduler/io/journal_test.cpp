@@ -61,6 +61,19 @@ void sql(const Folder& folder, const std::string& text) {
   sqlite3_close(db);
 }
 
+/// How SQLite carries out the query.
+std::string plan_of(const Folder& folder, const std::string& query) {
+  sqlite3* db = nullptr;
+  REQUIRE(sqlite3_open(folder.file().c_str(), &db) == SQLITE_OK);
+  sqlite3_stmt* plan = nullptr;
+  REQUIRE(sqlite3_prepare_v2(db, ("EXPLAIN QUERY PLAN " + query).c_str(), -1, &plan, nullptr) == SQLITE_OK);
+  std::string out;
+  while (sqlite3_step(plan) == SQLITE_ROW) out += reinterpret_cast<const char*>(sqlite3_column_text(plan, 3));
+  sqlite3_finalize(plan);
+  sqlite3_close(db);
+  return out;
+}
+
 }  // namespace
 
 TEST_CASE("records come back in the order of writing, also after the file is opened again") {
@@ -168,6 +181,16 @@ TEST_CASE("an archived record that is damaged is told from one that has made roo
   CHECK(journal->record("c").error().code == Errc::missing);
   sql(folder, "DROP TABLE archive");
   CHECK(journal->record("a").error().code == Errc::io_error);
+}
+
+TEST_CASE("the oldest record is found without a look at every run that is over, also in a file of an earlier build") {
+  const Folder folder;
+  REQUIRE(opened(folder)->commit({{over_of("a", RunState::finished, 1)}}).ok());
+  const std::string oldest = "SELECT LENGTH(record) FROM archive WHERE record IS NOT NULL ORDER BY seq LIMIT 1";
+  CHECK(plan_of(folder, oldest) == "SCAN archive USING INDEX archive_of_record");
+  sql(folder, "DROP INDEX IF EXISTS archive_of_record");
+  CHECK(opened(folder)->record("a").ok());
+  CHECK(plan_of(folder, oldest) == "SCAN archive USING INDEX archive_of_record");
 }
 
 TEST_CASE("of the time the newest is kept, and so of the word that a journal was lost") {

@@ -203,3 +203,31 @@ TEST_CASE("late acknowledgements are counted, not believed") {
     CHECK(out.counts[0].starts_with("late."));
   }
 }
+
+TEST_CASE("a run of a clock that is over a year ahead is refused: it would be known as over until its far end") {
+  Known known;
+  const auto refusals = [&](Duration ahead) {
+    auto start = *decode<RunStart>(known.start.payload.bytes);
+    start.run = std::string(32, 'd');
+    start.created = (known.fleet.now().utc + ahead).ns;
+    start.expires = start.created + Duration(seconds(3600)).count();
+    return sent<Nack>(known.fleet.tell("cloud", "cloud", MessageType::command,
+                                       RunSubmit{known.fleet.sign("cloud", kSignedRunStart, encode(start))}));
+  };
+  const auto refused = refusals(std::chrono::hours(24 * 367));
+  REQUIRE(refused.size() == 1);
+  CHECK(refused[0].code == "bad_value");
+  CHECK(refused[0].hint.find("clocks") != std::string::npos);
+  CHECK(refusals(std::chrono::hours(24 * 360)).empty());
+}
+
+TEST_CASE("a node that starts without a clock takes runs: one that is before its own certificate judges nobody's") {
+  Known known;
+  known.fleet.stop("drone");
+  known.fleet["drone"].clock.set({.is_1970 = true});
+  known.fleet.start("drone");
+  const std::string run(32, 'd');
+  known.fleet.ask("cloud", MessageType::command,
+                  RunSubmit{known.fleet.make_start(chain({"drone"}), "cloud", seconds(3600), run)});
+  CHECK(known.fleet.until([&] { return known.fleet.view("cloud", run).state == RunState::finished; }));
+}

@@ -20,6 +20,7 @@ void Identities::add(const std::string& id, Role role) {
   certificate.role = role;
   certificate.identity_key.bytes = is.key.public_key;
   certificate.link_key.bytes = Bytes(32, 'l');
+  certificate.not_before = 1'700'000'000'000'000'000;
   is.certificate = trb::sign(kSignedCertificate, "", authority_.id(), encode(certificate), authority_key_);
 }
 

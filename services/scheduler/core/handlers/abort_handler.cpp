@@ -61,8 +61,8 @@ void AbortHandler::confirm(Run& run, Step step) const {
 }
 
 void AbortHandler::order_on_failure(Run& run, Step step) const {
-  if (!run.is_open(step.steady)) return;
   PendingSignatures& signatures = run.work().signatures();
+  if (!run.is_open(step.steady)) return signatures.drop(kAbort);
   if (const auto task = run.facts().ending_task(); task && !signatures.wants(kAbort)) {
     signatures.want(kAbort, {kSignedRunAbort, encode(abort_order(run, *task, step.now.utc)), step.now});
   }

@@ -8,6 +8,9 @@ namespace trb::scheduler {
 namespace {
 
 constexpr Duration kRoutesPatience = std::chrono::seconds(1);
+/// A run that is over stays known until its end. So far apart are clocks only if one is wrong; a robot that has no
+/// clock without power may well be some months behind.
+constexpr Duration kFarthest = std::chrono::hours(24 * 366);
 
 Error unexpected() {
   return fail(Errc::unknown_run, "a definition that nothing waits for");
@@ -15,8 +18,19 @@ Error unexpected() {
 
 }  // namespace
 
-/// The run is not expired, and there is room for it.
+/// The run does not begin in a far future. A node that is before its own certificate is behind: it judges nobody's
+/// clock.
+Status DefinitionHandler::check_created(const Run& run, UtcTime steady) const {
+  const Certificate* own = run.members().find(node_);
+  const bool is_behind = own != nullptr && steady.ns < own->not_before;
+  if (is_behind || run.definition().start().created - kFarthest.count() <= steady.ns) return Done{};
+  return fail(Errc::bad_value, "run " + run.id() + " is over a year ahead of this node's time",
+              "compare the nodes' clocks (trb doctor), and begin it anew");
+}
+
+/// The run is not expired, begins in no far future, and there is room for it.
 Status DefinitionHandler::check_new(const Run& run, Step step) const {
+  if (auto created = check_created(run, step.steady); !created) return created;
   if (run.definition().expired(step.steady)) {
     return fail(Errc::expired, "run " + run.id() + " has expired before it came here",
                 "compare the nodes' clocks (trb doctor), or give it a longer life: --expires-h");

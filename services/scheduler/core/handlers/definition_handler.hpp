@@ -24,6 +24,7 @@ class DefinitionHandler {
   void on_routes(const RouteTable& table, Step step);
 
  private:
+  [[nodiscard]] Status check_created(const Run& run, UtcTime steady) const;
   [[nodiscard]] Status check_new(const Run& run, Step step) const;
   Status submit(std::unique_ptr<Run> run, Run* known, Step step);
   void handle_compact(const Inbound& from, Step step, bool may_wait);

@@ -82,6 +82,16 @@ TEST_CASE("a task whose failure ends the run makes its robot order the abort, on
   CHECK(ordering.orders().is_aborted());
 }
 
+TEST_CASE("a node whose router signs nothing gives up its order to abort once the run is over: no time is missed") {
+  Ordering ordering;
+  ordering.known.add(ordering.known.result("task-0", "ur3", TaskOutcome::failed));
+  CHECK(sent<SignRequest>(ordering.at_end_of_step()).size() == 1);
+  CHECK(ordering.known.run().work().next() > ordering.known.now.mono);
+  ordering.known.pass(4000);  // it has expired
+  CHECK(sent<SignRequest>(ordering.at_end_of_step()).empty());
+  CHECK_FALSE(ordering.known.run().work().next().has_value());
+}
+
 TEST_CASE("an order to hold is journaled and confirmed with the number that counts") {
   Ordering ordering;
   const Outbox out = ordering.known.send(ordering.pauses, "cloud", RunPause{ordering.known.pause(2, true)});
