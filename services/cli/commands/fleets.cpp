@@ -102,7 +102,8 @@ int run_sign(const Arguments& arguments) {
     if (!signed_file) return print_error(arguments, signed_file.error());
     const auto slash = path.rfind('/');
     const std::string out = (slash == std::string::npos ? "" : path.substr(0, slash + 1)) + "certificate.json";
-    if (Status written = write_file(out, certificate_file_to_json(*signed_file)); !written)
+    // For anybody to read: it holds no secret, and is carried to the node as another user than the node's.
+    if (Status written = write_file(out, certificate_file_to_json(*signed_file), 0644); !written)
       return print_error(arguments, written.error());
     print_line("wrote " + out);
   }
