@@ -111,6 +111,18 @@ class Notify(unittest.TestCase):
         self.hear_until("STOPPING=1")
         self.assertEqual(self.up.wait(15), 0)
 
+    def test_it_says_what_it_waits_for(self):
+        """Here a service that ends at each start."""
+        self.hear_until("READY=1")
+        node_json = self.fleet.dir("cloud") / "node.json"
+        names = json.loads(node_json.read_text())
+        node_json.write_text(json.dumps({**names, "own_services": {"surveyor": "/bin/false"}}))
+        self.fleet.trb("reload", self.fleet.dir("cloud"))
+        self.hear_until("STATUS=waits: not up: surveyor")
+        node_json.write_text(json.dumps(names))
+        self.fleet.trb("reload", self.fleet.dir("cloud"))
+        self.hear_until("STATUS=")
+
     def test_its_services_do_not_speak_to_systemd(self):
         self.hear_until("READY=1")
         for service in ("router", "scheduler"):

@@ -166,7 +166,7 @@ int supervise(const DemoFleet& fleet, const std::string& dir) {
   if (!held) return kFailed;
   supervisor::block_signals();
   supervisor::Supervisor supervisor(dir, programs_of(fleet, dir), [](const std::string& text) { print_line(text); });
-  return supervisor.run([] { return std::nullopt; }, [] { return true; });
+  return supervisor.run([] { return std::nullopt; }, [] { return std::string(); });
 }
 
 Status wait_fleet(const std::string& dir, pid_t child, Duration wait) {

@@ -99,7 +99,7 @@ int supervise(const Arguments& arguments, const std::string& dir, const std::str
   supervisor::Supervisor supervisor(dir, services, [&id](const std::string& text) { print_line(id + ": " + text); });
   const auto reload = [&] { return services_of_new_files(arguments, dir); };
   ReadyCheck is_ready(dir);
-  return supervisor.run(reload, std::ref(is_ready));
+  return supervisor.run(reload, [&] { return is_ready() ? std::string() : is_ready.waits_for(); });
 }
 
 /// Who is 1 now is not who started this: that one has ended.
