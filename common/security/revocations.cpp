@@ -46,7 +46,8 @@ Result<TrustUpdate> read_trust_updates(const std::string& path) {
 }
 
 Status write_trust_updates(const std::string& path, const TrustUpdate& update) {
-  return write_file(path, to_json(update) + "\n");
+  // For anybody to read: it holds no secret, and is carried to a node as another user than the node's.
+  return write_file(path, to_json(update) + "\n", 0644);
 }
 
 }  // namespace trb

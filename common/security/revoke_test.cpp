@@ -171,6 +171,12 @@ TEST_CASE("news carry 256 renewals; of older ones as many as have room beside th
   CHECK(told()[1] == renewed.front());
 }
 
+TEST_CASE("news may be read by whoever gets them: they are carried to a node as another user") {
+  Hall hall;
+  REQUIRE(publish_trust_updates(hall.authority, hall.dir, {}, kNow).ok());
+  CHECK((std::filesystem::status(hall.dir + "/news.json").permissions()) == std::filesystem::perms(0644));
+}
+
 TEST_CASE("news that are not there, or damaged, are told with their path") {
   const Hall hall;
   const std::string path = hall.dir + "/news.json";

@@ -18,6 +18,12 @@ void ServiceManager::ready() const {
   ::sd_notify(0, "READY=1");
 }
 
+void ServiceManager::waits(const std::string& text) {
+  if (text == waits_) return;
+  waits_ = text;
+  ::sd_notify(0, ("STATUS=" + (text.empty() ? "" : "waits: " + text)).c_str());
+}
+
 void ServiceManager::stopping() const {
   ::sd_notify(0, "STOPPING=1");
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 
 #include "common/base/time.hpp"
 
@@ -14,6 +15,8 @@ class ServiceManager {
   ServiceManager();
 
   void ready() const;
+  /// What `systemctl status` shows from now on; empty: nothing. The same again is not said again.
+  void waits(const std::string& text);
   void stopping() const;
   /// Says that this process is alive, if that is due: twice in the time within which it is expected.
   void keep_alive(MonotonicTime now);
@@ -25,6 +28,7 @@ class ServiceManager {
 
  private:
   Duration period_{};  ///< zero: nobody waits
+  std::string waits_;  ///< what was said last
   std::optional<MonotonicTime> next_;
 };
 

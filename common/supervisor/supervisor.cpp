@@ -91,30 +91,40 @@ bool Supervisor::change(std::vector<ServiceProgram> services) {
   return !services.empty();
 }
 
-int Supervisor::run(const Reload& reload, const std::function<bool()>& is_ready) {
-  bool ready = false;
+int Supervisor::run(const Reload& reload, const WaitsFor& waits_for, Duration patience) {
+  Progress progress{read_clocks().mono};
   start_due(read_clocks());
   for (;;) {
     const Now now = read_clocks();
     manager_.keep_alive(now.mono);
-    const int signal = wait_signal(until_next(now, ready));
+    const int signal = wait_signal(until_next(now, progress.ready));
     if (signal == SIGTERM || signal == SIGINT) break;
     auto services = signal == SIGHUP ? reload() : std::nullopt;
-    if (services && change(std::move(*services))) ready = false;
+    if (services && change(std::move(*services))) progress = {read_clocks().mono};
     const Now after = read_clocks();
     reap(after);
     kill_overdue(after.mono);
     start_due(after);
     // It may wait for a router that has to be started again first. Somebody ends or starts: the next round is soon.
-    if (signal == 0 && !ready && is_ready()) {
-      ready = true;
-      manager_.ready();
-      notify_("ready");
-    }
+    if (signal == 0 && !progress.ready) look(progress, waits_for, patience);
   }
   manager_.stopping();
   end_all();
   return 0;
+}
+
+void Supervisor::look(Progress& progress, const WaitsFor& waits_for, Duration patience) {
+  const std::string waits = waits_for();
+  progress.ready = waits.empty();
+  manager_.waits(waits);
+  if (progress.ready) {
+    manager_.ready();
+    return notify_("ready");
+  }
+  if (progress.late || read_clocks().mono - progress.since < patience) return;
+  progress.late = true;
+  manager_.ready();
+  notify_("still waits: " + waits);
 }
 
 Duration Supervisor::until_next(Now now, bool ready) const {

@@ -33,13 +33,17 @@ class Supervisor {
 
   /// The services that shall run from now on; empty: no change.
   using Reload = std::function<std::optional<std::vector<ServiceProgram>>()>;
+  /// What is not up, in words for a person; empty: all services are.
+  using WaitsFor = std::function<std::string()>;
 
   /// Starts all services and keeps them running until SIGTERM or SIGINT. `reload` is called at SIGHUP; if it returns
   /// services, every service is asked to restart once it is idle, new ones are started, and removed ones end.
-  /// `is_ready` is called every 0.1 s until it is true; it may take some tenths of a second. block_signals() must have
-  /// been called before. Ends all services, by force after the grace, and returns 0. systemd hears that the services
-  /// are ready, that this process is alive, and that it ends.
-  int run(const Reload& reload, const std::function<bool()>& is_ready);
+  /// `waits_for` is called every 0.1 s until all are up; it may take some tenths of a second. block_signals() must have
+  /// been called before. Ends all services, by force after the grace, and returns 0. systemd hears that the services are
+  /// ready, what they wait for, that this process is alive, and that it ends. A start that takes longer than `patience`
+  /// counts as done for systemd, so that neither the computer's start nor apt waits for ever for a service that cannot
+  /// start; its status still says what is not up.
+  int run(const Reload& reload, const WaitsFor& waits_for, Duration patience = std::chrono::seconds(60));
 
  private:
   struct Child {
@@ -53,6 +57,13 @@ class Supervisor {
     bool wanted = true;                    ///< false: removed, to be ended
     std::optional<MonotonicTime> kill_at;  ///< of one that was asked to end
   };
+  /// How far a start has come.
+  struct Progress {
+    MonotonicTime since;
+    bool ready = false;
+    bool late = false;  ///< systemd was told that the start is over, though it is not
+  };
+  void look(Progress& progress, const WaitsFor& waits_for, Duration patience);
   void add(ServiceProgram service);
   /// True if one is new.
   bool change(std::vector<ServiceProgram> services);

@@ -3,14 +3,19 @@
 #include "common/base/test/temporary_folder.hpp"
 
 #include <doctest/doctest.h>
+#include <sys/socket.h>
+#include <sys/un.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <csignal>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <thread>
 
+#include "common/base/descriptor.hpp"
 #include "common/base/files.hpp"
 #include "common/supervisor/node_lock.hpp"
 #include "common/transport/loop.hpp"
@@ -61,6 +66,39 @@ bool is_gone(pid_t pid) {
   return ::kill(pid, 0) != 0 && errno == ESRCH;
 }
 
+/// In the words of a test: whether all is up.
+Supervisor::WaitsFor until(std::function<bool()> is_up) {
+  return [is_up = std::move(is_up)] { return is_up() ? std::string() : std::string("not up"); };
+}
+
+/// What this process says to systemd, which this test plays.
+struct Ear {
+  TemporaryFolder folder;
+  std::string path = folder.path + "/notify";
+  Descriptor socket{::socket(AF_UNIX, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0)};
+  std::vector<std::string> heard;
+
+  Ear() {
+    sockaddr_un at{};
+    at.sun_family = AF_UNIX;
+    REQUIRE(path.size() < sizeof at.sun_path);
+    std::copy(path.begin(), path.end(), at.sun_path);
+    REQUIRE(::bind(socket.get(), reinterpret_cast<const sockaddr*>(&at), sizeof at) == 0);
+    ::setenv("NOTIFY_SOCKET", path.c_str(), 1);
+  }
+  ~Ear() { ::unsetenv("NOTIFY_SOCKET"); }
+  Ear(const Ear&) = delete;
+  Ear& operator=(const Ear&) = delete;
+
+  bool has(const std::string& word) {
+    char text[256];
+    for (ssize_t size = 0; (size = ::recv(socket.get(), text, sizeof text, 0)) >= 0;) {
+      heard.emplace_back(text, static_cast<std::size_t>(size));
+    }
+    return std::ranges::find(heard, word) != heard.end();
+  }
+};
+
 std::optional<std::vector<ServiceProgram>> no_reload() {
   return std::nullopt;
 }
@@ -74,7 +112,7 @@ TEST_CASE("all services are started, 'ready' is said once, and they end with the
     send_self(SIGTERM);
   });
   const auto is_ready = [&] { return (!node.pids("a").empty() && !node.pids("b").empty()) || node.late(); };
-  CHECK(supervisor.run(no_reload, is_ready) == 0);
+  CHECK(supervisor.run(no_reload, until(is_ready)) == 0);
   CHECK(node.notes == std::vector<std::string>{"ready"});
   REQUIRE(node.pids("a").size() == 1);
   CHECK(is_gone(node.pids("a")[0]));
@@ -97,11 +135,30 @@ TEST_CASE("a service that ends is started again, the second time with a wait; on
     ends.push_back(read_clocks().mono);
     if (note == "ready") send_self(SIGTERM);
   });
-  CHECK(supervisor.run(no_reload, [&] { return node.pids("a").size() >= 3 || node.late(); }) == 0);
+  CHECK(supervisor.run(no_reload, until([&] { return node.pids("a").size() >= 3 || node.late(); })) == 0);
   REQUIRE(node.notes.size() == 3);
   CHECK(node.notes[1] == (asks ? "a starts again with the new files" : "a ended (status 1), starting it again"));
   CHECK(node.notes[2] == "ready");
   if (!asks) CHECK(ends[2] - ends[1] >= std::chrono::milliseconds(100));
+}
+
+TEST_CASE("a start that takes too long is over for systemd, whose status says what it waits for until all is up") {
+  Node node;
+  Ear ear;
+  Supervisor supervisor(node.dir, {node.program("a", kRunOn)}, [&](const std::string& note) {
+    node.notes.push_back(note);
+    if (note == "ready") send_self(SIGTERM);
+  });
+  int asked = 0;
+  const auto waits_for = [&]() -> std::string {
+    if (++asked == 1) return "its router does not answer";
+    return ear.has("READY=1") || node.late() ? "" : "not up: b";
+  };
+  CHECK(supervisor.run(no_reload, waits_for, std::chrono::milliseconds(150)) == 0);
+  CHECK(node.notes == std::vector<std::string>{"still waits: not up: b", "ready"});
+  CHECK(ear.has("STOPPING=1"));
+  CHECK(ear.heard == std::vector<std::string>{"STATUS=waits: its router does not answer", "STATUS=waits: not up: b",
+                                              "READY=1", "STATUS=", "READY=1", "STOPPING=1"});
 }
 
 TEST_CASE("at SIGHUP a new service is started and one that was taken out ends, if the new files are good") {
@@ -121,7 +178,7 @@ TEST_CASE("at SIGHUP a new service is started and one that was taken out ends, i
     return std::vector{b};
   };
   const auto is_ready = [&] { return !node.pids(good ? "b" : "a").empty() || node.late(); };
-  CHECK(supervisor.run(reload, is_ready) == 0);
+  CHECK(supervisor.run(reload, until(is_ready)) == 0);
   CHECK(node.notes == std::vector<std::string>{"ready", "a was taken out, and ends", "b is new, and starts", "ready"});
   CHECK(node.pids("a").size() == 1);
   CHECK(is_gone(node.pids("a")[0]));
@@ -147,7 +204,7 @@ TEST_CASE("while a reload is not over yet, who asks whether all is ready keeps n
     if (node.pids("a").size() < 2) ++waits_in_vain;
     return (node.pids("a").size() >= 2 && !node.pids("b").empty()) || node.late();
   };
-  CHECK(supervisor.run(reload, is_ready) == 0);
+  CHECK(supervisor.run(reload, until(is_ready)) == 0);
   CHECK(node.pids("a").size() == 2);
   CHECK(waits_in_vain <= 1);  // 1: "a" has not yet ended, 0.1 s after it was asked to
 }
@@ -169,7 +226,7 @@ TEST_CASE("a service that was taken out and does not end in its time is killed")
     const auto a = node.pids("a");
     return taken_out ? is_gone(a[0]) || node.late() : !a.empty() || node.late();
   };
-  CHECK(supervisor.run(reload, is_ready) == 0);
+  CHECK(supervisor.run(reload, until(is_ready)) == 0);
   CHECK_FALSE(node.late());
   CHECK(node.has_note("a does not end, and is killed"));
 }
@@ -178,7 +235,7 @@ TEST_CASE("a service that does not end in its time is killed, and has ended when
   Node node;
   Supervisor supervisor(
       node.dir, {node.program("a", kRunOn, "trap '' TERM")}, [&](const std::string&) { send_self(SIGINT); }, kShort);
-  CHECK(supervisor.run(no_reload, [&] { return !node.pids("a").empty() || node.late(); }) == 0);
+  CHECK(supervisor.run(no_reload, until([&] { return !node.pids("a").empty() || node.late(); })) == 0);
   REQUIRE(node.pids("a").size() == 1);
   CHECK(is_gone(node.pids("a")[0]));
 }

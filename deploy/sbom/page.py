@@ -3,14 +3,11 @@ import json
 
 from documents import Part, Supplier, purl
 
-D3 = Supplier("Mike Bostock", None, False)
-XYFLOW = Supplier("webkid GmbH", None, True)
-# The page's own packages, with what of theirs runs in the browser; the rest of the lock file builds and tests. Who they are from, which
-# the lock file does not say: the author in package.json, or who has the copyright in the licence.
+# What of others runs in the browser, as the page itself says (src/views/about/licences.ts); the rest of the lock file builds and tests. Who
+# they are from, which the lock file does not say: the author in package.json, or who has the copyright in the licence.
 BUNDLED = {
-    "svelte": Supplier("Svelte Contributors", None, True), "clsx": Supplier("Luke Edwards", None, False), "uplot": Supplier("Leon Sorokin", None, False),
-    "@xyflow/svelte": XYFLOW, "@xyflow/system": XYFLOW, "@svelte-put/shortcut": Supplier("Quang Phan", None, False),
-    **{f"d3-{name}": D3 for name in ("color", "dispatch", "drag", "ease", "interpolate", "selection", "timer", "transition", "zoom")},
+    "svelte": Supplier("Svelte Contributors", None, True), "uplot": Supplier("Leon Sorokin", None, False),
+    "esm-env": Supplier("Ben McCann", None, False), "clsx": Supplier("Luke Edwards", None, False),
 }
 
 

@@ -86,6 +86,7 @@ class Backup(unittest.TestCase):
         file = self.folder / "ridgeback.backup"
         refused = self.backup(ROBOT, file, check=False)
         self.assertIn("is up: its router answers", refused.stderr)
+        self.assertIn("systemctl stop talkrobots", refused.stderr)  # there trb down ends it for a second
         self.stop_node(ROBOT)
         self.backup(ROBOT, file)
         self.assertEqual(stat.S_IMODE(file.stat().st_mode), 0o600)

@@ -89,7 +89,15 @@ class Revoked(Life):
         said = self.fleet.trb("fleet", "revoke", self.fleet.authority_dir(), "cat").stdout
         self.assertIn("the fleet does not know it yet", said)
         self.assertIn("cat", self.online())
-        shutil.copy(self.fleet.authority_dir() / "news.json", self.fleet.dir("bee") / "keys" / "news.json")
+        news = self.fleet.authority_dir() / "news.json"
+        self.assertEqual(news.stat().st_mode & 0o777, 0o644)  # who copies it as root must not close it to the node's user
+        brought = self.fleet.dir("bee") / "keys" / "news.json"
+        brought.with_name("a folder").mkdir()
+        brought.with_name("a folder").rename(brought)  # nobody can read it, root neither
+        self.fleet.wait("bee says that it cannot read it",
+                        lambda: "not in force: keys/news.json: cannot read" in self.fleet.services("bee")["router"]["note"], 60)
+        brought.rmdir()
+        shutil.copy(news, brought)
         for node in ("ant", "bee"):
             self.fleet.wait(f"{node} has no cat", lambda: "cat" not in self.routes(node), 60)
         self.assert_same_processes()

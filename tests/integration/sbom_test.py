@@ -1,6 +1,7 @@
 """The lists of what a package is made of (deploy/sbom), made from this build's own programs and judged by what they are."""
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -14,6 +15,7 @@ sys.path.insert(0, str(support.REPO / "deploy" / "sbom"))
 
 import debian  # noqa: E402
 import documents  # noqa: E402
+import page  # noqa: E402
 
 PROGRAMS = ("trb-router", "trb-sensor-bus")
 COMPILED_IN = ("libmsgpack-cxx-dev", "cppzmq-dev")
@@ -65,7 +67,14 @@ class Sbom(unittest.TestCase):
         parts = {part["name"]: part for part in self.read("cyclonedx")["components"]}
         locked = json.loads((support.REPO / "services/cloud-gateway/web/package-lock.json").read_text())["packages"]
         self.assertEqual(parts["uplot"]["version"], locked["node_modules/uplot"]["version"])
-        self.assertEqual(parts["@xyflow/svelte"]["licenses"], [{"license": {"id": "MIT"}}])
+        self.assertEqual(parts["uplot"]["licenses"], [{"license": {"id": "MIT"}}])
+
+    def test_the_page_s_parts_are_those_that_the_page_itself_names(self):
+        """Its own test holds that list against what it imports."""
+        web = support.REPO / "services/cloud-gateway/web"
+        rows = re.findall(r"\{ name: '([^']+)', version: '([^']+)', licence: '([^']+)' \}", (web / "src/views/about/licences.ts").read_text())
+        self.assertIn("svelte", [name for name, _, _ in rows])
+        self.assertEqual({(part.name, part.version, part.licence) for part in page.parts(web / "package-lock.json")}, set(rows))
 
     def test_a_licence_is_an_expression_only_where_it_is_certain(self):
         for said, meant in (("Expat", "MIT"), ("GPL-2+ or LGPL-3+", "GPL-2.0-or-later OR LGPL-3.0-or-later"), ("PostgreSQL", "PostgreSQL")):

@@ -62,6 +62,11 @@ class Units(unittest.TestCase):
                 print(f"{unit.name}: exposure {exposed}")
                 self.assertLessEqual(exposed, MOST_EXPOSED, done.stdout)
 
+    def test_no_device_is_closed_to_the_sensors(self):
+        """By what this computer's systemd makes of it that would not be seen: a later one does not do it any more."""
+        text = (UNITS / "talkrobots-sensor-bus.service").read_text()
+        self.assertNotRegex(text, re.compile("^(ProtectClock=(?!no)|DeviceAllow=|DevicePolicy=(?!auto))", re.MULTILINE))
+
     def test_its_user_is_one_that_systemd_can_make(self):
         root = self.folder / "root"
         (root / "etc").mkdir(parents=True)
@@ -110,6 +115,18 @@ class Notify(unittest.TestCase):
         self.up.send_signal(signal.SIGTERM)
         self.hear_until("STOPPING=1")
         self.assertEqual(self.up.wait(15), 0)
+
+    def test_it_says_what_it_waits_for(self):
+        """Here a service that ends at each start."""
+        self.hear_until("READY=1")
+        node_json = self.fleet.dir("cloud") / "node.json"
+        names = json.loads(node_json.read_text())
+        node_json.write_text(json.dumps({**names, "own_services": {"surveyor": "/bin/false"}}))
+        self.fleet.trb("reload", self.fleet.dir("cloud"))
+        self.hear_until("STATUS=waits: not up: surveyor")
+        node_json.write_text(json.dumps(names))
+        self.fleet.trb("reload", self.fleet.dir("cloud"))
+        self.hear_until("STATUS=")
 
     def test_its_services_do_not_speak_to_systemd(self):
         self.hear_until("READY=1")

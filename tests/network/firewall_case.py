@@ -87,6 +87,21 @@ def doors(lab, node):
             if reaches(lab, host, address, port, source)}
 
 
+@case("firewall-ipv6", 3, 1)
+def firewall_six(report, rounds):
+    """The same rules without IPv4: who may not ask for a neighbour's hardware address reaches nobody."""
+    with Lab(report.tag) as lab:
+        lab.add_hosts(NODES, family=6)
+        for node in NODES:
+            subprocess.run(lab.inside(node, "bash", "-ec", rules()), check=True)
+        with report.standing(NetFleet(lab, {node: "eth0" for node in NODES})):
+            for number in range(1, rounds + 1):
+                lab.pull_cable(NODES[0])
+                time.sleep(3)  # as below
+                lab.plug_cable(NODES[0])
+                report.healed(number, rounds, time.monotonic())
+
+
 @case("firewall", 3, 1)
 def firewall(report, rounds):
     """The fleet forms and heals behind the handbook's rules; besides its doors, and the robot's, all are closed."""

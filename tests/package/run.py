@@ -23,6 +23,7 @@ COMPILED_IN = {"talkrobots": ("libmsgpack-cxx-dev", "nlohmann-json3-dev", "cppzm
 # What a purge may leave, by Debian's policy: the user, whose number is not given away again.
 MAY_STAY = {"etc/passwd", "etc/passwd-", "etc/group", "etc/group-", "etc/shadow", "etc/shadow-", "etc/gshadow", "etc/gshadow-", "etc/.pwd.lock"}
 HANDBOOK = REPO / "deploy/handbook/README.md"
+UPGRADE = re.search(r"\*\*Upgrade\*\*: `(apt install [^`]+)`", (REPO / "deploy/README.md").read_text())[1]
 PACKAGES_PAGE = REPO / "deploy/handbook/packages.md"
 # apt asks a person whether to go on; the answer here is yes, as by a person who presses Enter.
 YES = "echo 'APT::Get::Assume-Yes \"true\";' >/etc/apt/apt.conf.d/90-yes; trap 'rm /etc/apt/apt.conf.d/90-yes' EXIT\n"
@@ -215,12 +216,17 @@ def what_it_is_made_of(story):
 
 @step
 def an_upgrade(story):
-    """a lower version, then this one: what is no more is gone, keys and journals are the same, the node is up again"""
+    """a lower version, then this one, by the command of deploy/README.md: what is no more is gone, keys and journals are the same, the node is
+    up again; apt says that `talkrobots` alone would remove others"""
     older_debs = [older(path, story.folder) for path in story.user]
     story.install(older_debs, "--allow-downgrades")
     check((story.root.path / "usr/share/doc/talkrobots/gone").exists(), "the older version is there")
     check(story.state() == story.kept, "going back has left the node's folder as it was")
-    done = story.install(story.user)
+    begin = f"{YES}export TERM=dumb; rm -rf /tmp/newer; mkdir /tmp/newer; cp {' '.join(story.root.share(*story.user))} /tmp/newer; cd /tmp/newer\n"
+    alone = story.root.run(f"{begin}apt-get install -s ./talkrobots_*.deb").said
+    check("Remv talkrobots-cloud" in alone, alone)
+    done = story.root.run(f"{begin}{UPGRADE}\nrm -r /tmp/newer")
+    check("REMOVED" not in done.said, done.said)
     story.figures.append(f"upgrade: {done.seconds:.1f} s")
     left = [path for path in story.root.files("usr/share/doc") if path.endswith("/gone")]
     check(not left, f"of the older version: {left}")

@@ -116,14 +116,15 @@ class OpenVpn(Tunnels):
         for name in ("ca.crt", "tls-crypt.key", "crl.pem", "cloud.crt", "cloud.key"):
             shutil.copy(self.root / tenant.name / "pki" / name, folder / name)
         (folder / "server.conf").write_text(filled(RECIPES / "openvpn/server.conf", TENANT=tenant.name, PORT=tenant.port,
-                                                   NETWORK=f"{tenant.network}.0", SERVER="cloud"))
+                                                   NETWORK=f"{tenant.network}.0", SERVER="cloud", FOLDER=folder))
         for node, address in tenant.nodes.items():
             (folder / "nodes" / node).write_text(f"ifconfig-push {address} 255.255.255.0\n")
         for path in (folder, folder / "nodes"):
             path.chmod(0o755)
         for path in (folder / "nodes").iterdir():
             path.chmod(0o644)
-        self.start(f"{tenant.name}-cloud", self.cloud_host, folder, "server.conf")
+        # As systemd's unit starts it: not in the tenant's folder.
+        self.start(f"{tenant.name}-cloud", self.cloud_host, folder.parent, folder / "server.conf")
 
     def revoke(self, tenant, node):
         self.pki(tenant, "revoke", node)

@@ -171,7 +171,7 @@ int supervise(const DemoFleet& fleet, const std::string& dir) {
   supervisor::block_signals();
   supervisor::Supervisor supervisor(
       dir, programs_of(fleet, dir), [](const std::string& text) { print_line(text); }, kNodesGrace);
-  const int status = supervisor.run([] { return std::nullopt; }, [] { return true; });
+  const int status = supervisor.run([] { return std::nullopt; }, [] { return std::string(); });
   forget_lost_output();
   return status;
 }

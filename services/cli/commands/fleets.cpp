@@ -133,7 +133,8 @@ int run_sign(const Arguments& arguments) {
     auto signed_file = sign_file(*authority, arguments, path);
     if (!signed_file) return print_error(arguments, signed_file.error());
     const std::string out = certificate_beside(path);
-    if (Status written = write_file(out, certificate_file_to_json(*signed_file)); !written)
+    // For anybody to read: it holds no secret, and is carried to the node as another user than the node's.
+    if (Status written = write_file(out, certificate_file_to_json(*signed_file), 0644); !written)
       return print_error(arguments, written.error());
     if (!arguments.has("--json")) print_line("wrote " + out);
     written_to.push_back(Value{out});

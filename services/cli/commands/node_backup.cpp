@@ -64,8 +64,11 @@ Result<supervisor::NodeLock> lock_stopped(const std::string& dir) {
   if (!file_exists(dir + "/node.json"))
     return fail(Errc::missing, dir + "/node.json: no such file", "name a node's folder");
   if (router_listens(dir)) {
-    return fail(Errc::conflict, dir + " is up: its router answers",
-                "stop it first (trb down " + dir + "): what it writes meanwhile would be in the backup by halves");
+    return fail(
+        Errc::conflict, dir + " is up: its router answers",
+        "stop it first (trb down " + dir +
+            "; with systemd, which starts it again: systemctl stop talkrobots): what it writes meanwhile would be "
+            "in the backup by halves");
   }
   return supervisor::NodeLock::take(dir);
 }

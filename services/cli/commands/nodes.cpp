@@ -114,7 +114,7 @@ int supervise(const Arguments& arguments, const std::string& dir, const std::str
   supervisor::Supervisor supervisor(dir, services, [&](const std::string& text) { say(arguments, id, text); });
   const auto reload = [&] { return services_of_new_files(arguments, dir); };
   ReadyCheck is_ready(dir);
-  const int status = supervisor.run(reload, std::ref(is_ready));
+  const int status = supervisor.run(reload, [&] { return is_ready() ? std::string() : is_ready.waits_for(); });
   forget_lost_output();  // a full disk does not make the node's end a failure
   return status;
 }

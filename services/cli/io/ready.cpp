@@ -25,6 +25,7 @@ std::string log_of(const std::string& node_dir) {
 }  // namespace
 
 bool ReadyCheck::operator()() {
+  waits_for_ = "its router does not answer";
   if (!probe_) {
     // The file of a socket outlasts its router, and over TCP nobody can see whether it is there: a short wait does not
     // hold up the supervisor.

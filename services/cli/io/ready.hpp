@@ -14,7 +14,7 @@ class ReadyCheck {
  public:
   explicit ReadyCheck(std::string dir) : dir_(std::move(dir)) {}
   bool operator()();
-  /// What is not up, in words, as the last look has shown it.
+  /// What is not up, in words, as the last look has shown it; empty: all is.
   [[nodiscard]] const std::string& waits_for() const { return waits_for_; }
 
  private:

@@ -32,9 +32,33 @@ Result<std::string> TrustUpdates::on_update(const TrustUpdate& update, LinkId fr
 void TrustUpdates::on_file(const TrustUpdate& update, Now now, Effects& out) {
   auto taken = on_update(update, 0, now, out);
   // An old file that was left there is no attack.
+  if (!taken && taken.error().code != Errc::downgraded) refuse("a file", taken.error(), out);
+}
+
+void TrustUpdates::on_brought(const std::string& path, const Result<TrustUpdate>& read, Now now, Effects& out) {
+  refused_files_.erase(path);
+  const auto taken = read ? on_update(*read, 0, now, out) : Result<std::string>(read.error());
   if (taken || taken.error().code == Errc::downgraded) return;
-  out.count("refused." + std::string(errc_name(taken.error().code)));
-  out.log(LogLevel::warning, "news_refused", "of a file: " + taken.error().text());
+  refuse(path, taken.error(), out);
+  // Of a file that was left there the certificates end, and nobody need do anything.
+  if (taken.error().code == Errc::cert_expired || taken.error().code == Errc::cert_revoked) return;
+  // Whoever reads a file names it in the error; whoever checks what is in it does not.
+  const Error why =
+      read ? fail(taken.error().code, path + ": " + taken.error().what, taken.error().hint) : read.error();
+  refused_files_.insert_or_assign(path, why);
+}
+
+void TrustUpdates::refuse(const std::string& path, const Error& why, Effects& out) {
+  out.count("refused." + std::string(errc_name(why.code)));
+  out.log(LogLevel::warning, "news_refused", "of " + path + ": " + why.text());
+}
+
+std::string TrustUpdates::note() const {
+  std::string out = unstored_.note();
+  for (const auto& [path, why] : refused_files_) {
+    out += (out.empty() ? "not in force: " : "; not in force: ") + why.what + (why.hint.empty() ? "" : ": " + why.hint);
+  }
+  return out;
 }
 
 void TrustUpdates::on_bus_request(ConnectionId from, const Message& message, const TrustUpdate& update, Now now,

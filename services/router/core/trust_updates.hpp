@@ -2,6 +2,7 @@
 // at once, stored, sent to every other link, and acknowledged once on disk.
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -31,8 +32,12 @@ class TrustUpdates {
   Result<std::string> on_update(const TrustUpdate& update, LinkId from, Now now, Effects& out);
   void on_link_message(const Link& link, const Message& message, Now now, Effects& out);
   void on_bus_request(ConnectionId from, const Message& message, const TrustUpdate& update, Now now, Effects& out);
-  /// Refusals are counted and logged.
+  /// What was in force before this start. Refusals are counted and logged.
   void on_file(const TrustUpdate& update, Now now, Effects& out);
+  /// A person has brought this file into keys/, and it was read, or could not be. Why it is not in force is also noted
+  /// for people, until it is good or gone.
+  void on_brought(const std::string& path, const Result<TrustUpdate>& read, Now now, Effects& out);
+  void on_gone(const std::string& path) { refused_files_.erase(path); }
 
   /// The link is up: sends what the other side does not know. `known_list`: the number of its list.
   void send_known(const Link& link, std::uint64_t known_list, Now now, Effects& out);
@@ -40,8 +45,8 @@ class TrustUpdates {
   /// The shell has carried out a Store effect, or could not. Then the contents stay in force, people are notified, and
   /// it is tried again.
   void on_stored(Kept what, const Status& done, Now now, Effects& out);
-  /// For people: what is not on disk; empty if all is.
-  [[nodiscard]] std::string note() const { return unstored_.note(); }
+  /// For people: what is not on disk, and which file is not in force; empty if all is.
+  [[nodiscard]] std::string note() const;
   void tick(Now now, Effects& out);
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const { return unstored_.next(); }
 
@@ -52,6 +57,7 @@ class TrustUpdates {
     Message request;  ///< without its data
     std::string text;
   };
+  void refuse(const std::string& path, const Error& why, Effects& out);
   void store(Effects& out);
   std::size_t pass_on(const TrustUpdate& fresh, LinkId from, Effects& out);
   void send(const Link& link, const TrustUpdate& update, Effects& out);
@@ -64,6 +70,7 @@ class TrustUpdates {
   OwnMessages& messages_;
   LocalBus& bus_;
   Unstored unstored_;
+  std::map<std::string, Error> refused_files_;  ///< of keys/, by path
   std::vector<Waiting> waiting_;
 };
 

@@ -177,6 +177,34 @@ TEST_CASE("an old file that was left on the node is no attack; one that the auth
   CHECK(three.ant.count("news.lists") == 2);
 }
 
+TEST_CASE("why a file of keys/ is not in force is noted for people until it is good, or gone") {
+  Three three;
+  const auto bring = [&](const std::string& path, const Result<TrustUpdate>& read) {
+    Effects effects;
+    three.ant.core->updates().on_brought(path, read, three.fleet.now, effects);
+    three.fleet.carry_out(three.ant, effects);
+    return three.ant.core->updates().note();
+  };
+  const Error unread =
+      fail(Errc::io_error, "keys/news.json: cannot open: Permission denied", "chmod a+r keys/news.json");
+  CHECK(bring("keys/news.json", unread) ==
+        "not in force: keys/news.json: cannot open: Permission denied: chmod a+r keys/news.json");
+  CHECK(three.ant.count("refused.io_error") == 1);
+  CHECK(logged(three.ant, "news_refused of keys/news.json: "));
+  CHECK(bring("keys/certificate.json", TrustUpdate{}) != "");
+  CHECK(bring("keys/news.json", TrustUpdate{list_of(three.fleet.authority, 4, {}), {}}) == "");
+  CHECK(bring("keys/news.json", TrustUpdate{list_of(TestAuthority(), 5, {}), {}}).starts_with("not in force: "));
+  // An older one is no fault: what is in force is newer.
+  CHECK(bring("keys/news.json", TrustUpdate{list_of(three.fleet.authority, 3, {}), {}}) == "");
+  // Nor one whose certificates have ended since.
+  Certificate ended = three.renewed("bee", 9);
+  ended.not_before = ended.not_after = 1;
+  CHECK(bring("keys/news.json", TrustUpdate{{}, {three.sign_certificate(ended)}}) == "");
+  (void)bring("keys/news.json", unread);
+  three.ant.core->updates().on_gone("keys/news.json");
+  CHECK(three.ant.core->updates().note() == "");
+}
+
 TEST_CASE("news that are too much for one message go in several: the list first, then the certificates") {
   Three three;
   TrustUpdate all{list_of(three.fleet.authority, 1, {"dog"}, {"ant", "bee", "cat"}), {}};

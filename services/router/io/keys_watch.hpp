@@ -1,4 +1,4 @@
-// Notifies when a file is written into a folder: a person brings trust updates by hand.
+// Notifies when a file is written into a folder, gets other rights, or goes: a person brings trust updates by hand.
 #pragma once
 
 #include <functional>

@@ -18,6 +18,13 @@ Status in_full(const Status& done, const std::string& path) {
               "make room for " + whole + " (df -h " + whole + "), or let it be written to");
 }
 
+/// Adds a cure: a file that came with scp as another user may be closed to this one.
+Result<TrustUpdate> readable(Result<TrustUpdate> read, const std::string& path) {
+  if (read || read.error().code != Errc::io_error) return read;
+  return fail(Errc::io_error, read.error().what,
+              "let the node's user read it: chmod a+r " + std::filesystem::absolute(path).string());
+}
+
 Status store_update_file(const TrustUpdate& update) {
   const Bytes bytes = encode(update);
   // At each start the update is read from this very file.
@@ -90,17 +97,18 @@ void TrustFiles::watch_keys() {
 }
 
 void TrustFiles::read_keys() {
-  if (auto file = read_certificate_file("keys/certificate.json")) take({file->revocations, {file->certificate}});
-  if (!file_exists("keys/news.json")) return;
-  auto update = read_trust_updates("keys/news.json");
-  if (update) return take(*update);
-  shell_.count("refused." + std::string(errc_name(update.error().code)));
-  shell_.log(Level::warning, "news_refused", update.error().text());
+  take("keys/certificate.json", [](const std::string& path) -> Result<TrustUpdate> {
+    auto file = read_certificate_file(path);
+    if (!file) return file.error();
+    return TrustUpdate{file->revocations, {file->certificate}};
+  });
+  take("keys/news.json", read_trust_updates);
 }
 
-void TrustFiles::take(const TrustUpdate& update) {
+void TrustFiles::take(const std::string& path, const std::function<Result<TrustUpdate>(const std::string&)>& read) {
+  if (!file_exists(path)) return shell_.core().updates().on_gone(path);
   Effects effects;
-  shell_.core().updates().on_file(update, read_clocks(), effects);
+  shell_.core().updates().on_brought(path, readable(read(path), path), read_clocks(), effects);
   shell_.carry_out(effects);
 }
 

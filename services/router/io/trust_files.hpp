@@ -2,7 +2,9 @@
 // keys/news.json.
 #pragma once
 
+#include <functional>
 #include <memory>
+#include <string>
 
 #include "common/security/node_keys.hpp"
 #include "services/router/io/beacon_channel.hpp"
@@ -30,15 +32,15 @@ class TrustFiles {
   void store(const StoreUtc& store);
   static void store(const StorePeers& store);
 
-  /// Reads keys/ now, and whenever a file in it is written: a person may have put a certificate or a trust update
-  /// there.
+  /// Reads keys/ now, and whenever a file in it is written, given other rights or removed: a person may have put a
+  /// certificate or a trust update there.
   void watch_keys();
 
  private:
   void stored(Kept what, const Status& done);
   void take_beacon_key(const StoreUpdate& store);
   void read_keys();
-  void take(const TrustUpdate& update);
+  void take(const std::string& path, const std::function<Result<TrustUpdate>(const std::string&)>& read);
 
   ShellContext& shell_;
   BeaconChannel& beacons_;

@@ -57,6 +57,30 @@ TEST_CASE("what a person puts into keys/ is read at once; what is no trust updat
   CHECK(parts.turn_until([&] { return !parts.core.counters().table("ant", "router").values.empty(); }));
 }
 
+TEST_CASE("a file in keys/ that cannot be read is noted, with what to do, until it is gone") {
+  ShellParts parts;
+  const auto note = [&] { return parts.core.updates().note(); };
+  std::filesystem::create_directories("keys/news.json");  // nobody reads it, root neither
+  parts.files.watch_keys();
+  CHECK(note().starts_with("not in force: keys/news.json: cannot read: "));
+  CHECK(note().find("chmod a+r") != std::string::npos);
+  std::filesystem::remove("keys/news.json");
+  CHECK(parts.turn_until([&] { return note().empty(); }));
+  std::filesystem::create_directories("keys/certificate.json");
+  (void)write_file("keys/other", "");
+  CHECK(parts.turn_until([&] { return note().starts_with("not in force: keys/certificate.json: "); }));
+}
+
+TEST_CASE("rights that a person gives a file later are noticed") {
+  ShellParts parts;
+  std::filesystem::create_directories("keys");
+  int changes = 0;
+  REQUIRE(write_file("keys/news.json", "no JSON").ok());
+  const KeysWatch watch(parts.shell.loop(), "keys", [&] { ++changes; });
+  std::filesystem::permissions("keys/news.json", std::filesystem::perms(0644));
+  CHECK(parts.turn_until([&] { return changes > 0; }));
+}
+
 TEST_CASE("what cannot be written is an error with what to do") {
   ShellParts parts;
   std::filesystem::remove_all("state");
