@@ -37,7 +37,7 @@ class ServiceShell final : public Service {
         instance_(random_u64()),
         link_(context_, bus,
               ServiceHello{options_.name, options_.subtypes, instance_, static_cast<std::uint32_t>(::getpid()),
-                           kVersion, options_.hears}) {}
+                           kVersion, options_.hears, options_.waits}) {}
 
   [[nodiscard]] std::uint64_t instance() const override { return instance_; }
   void on_journal(std::function<Status(const std::vector<Journal>&)> commit) override { commit_ = std::move(commit); }

@@ -19,6 +19,7 @@ struct ServiceOptions {
   std::vector<std::string> subtypes;  ///< the subtypes that it takes
   std::vector<std::string> hears{};   ///< information that it wants a copy of, even if another service takes it
   bool own_log = true;                ///< log to NODE_DIR/log/NAME.log; false: to standard error
+  std::string waits{};  ///< why it does nothing yet, for people, 245 bytes at most; empty: it does its work
 };
 
 /// Runs one core. Everything happens on the thread that calls run().

@@ -7,6 +7,8 @@
 
 #include "common/base/disk_state.hpp"
 #include "common/log/log.hpp"
+#include "proto/bodies/bus.hpp"
+#include "proto/value.hpp"
 
 namespace trb {
 namespace {
@@ -39,8 +41,9 @@ int until(MonotonicTime due) {
 }
 
 /// The service as it waits, until `open` is done or has another error. A status: it was asked to end.
-Result<std::optional<int>> wait(const ServiceOptions& options, const Error& why, Status& opened,
+Result<std::optional<int>> wait(ServiceOptions options, const Error& why, Status& opened,
                                 const std::function<Status()>& open) {
+  options.waits = waits_of(why);
   const auto service = Service::open(options);
   if (!service) return service.error();
   report(options, why);
@@ -63,7 +66,11 @@ Result<std::optional<int>> wait(const ServiceOptions& options, const Error& why,
 }  // namespace
 
 void WaitingCore::on(const Inbound& message, Now, Outbox& out) {
-  out.nack(message, fail(Errc::no_service, "it waits: " + why_.what, why_.hint));
+  out.nack(message, fail(Errc::no_service, std::string(kWaitsNote) + why_.what, why_.hint));
+}
+
+std::string waits_of(const Error& why) {
+  return cut_utf8(why.what + (why.hint.empty() ? "" : "; " + why.hint), kMaxWaits);
 }
 
 Result<std::optional<int>> wait_for_files(const ServiceOptions& options, const std::function<Status()>& open) {

@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <optional>
+#include <string>
 
 #include "common/actor/core.hpp"
 #include "common/base/result.hpp"
@@ -24,6 +25,9 @@ class WaitingCore final : public Core {
  private:
   Error why_;
 };
+
+/// The reason as its router gets it and notes it for people: with the cure, as long as a note may be.
+std::string waits_of(const Error& why);
 
 /// Calls `open` until it is done; if that fails with io_error, or the disk of the node's folder has next to no room,
 /// the service waits, and tries again every second. Nothing: it is open; a status: the process was asked to end

@@ -32,6 +32,14 @@ TEST_CASE("while a service waits it refuses what it is asked, with the reason an
   CHECK(sent<Nack>(answer_to(MessageType::command)).size() == 1);
 }
 
+TEST_CASE("what a service waits for is noted with the cure, as long as a note may be") {
+  CHECK(waits_of(kFull) == "/n/state/journal.db: database or disk is full; make room");
+  const std::string cut = waits_of(fail(Errc::io_error, std::string(400, 'x'), "make room"));
+  const ServiceHello hello{"scheduler", {}, 1, 1, "1", {}, cut};
+  CHECK(decode<ServiceHello>(encode(hello)).ok());
+  CHECK(cut.size() > 200);
+}
+
 TEST_CASE("while a service waits it lets answers and information pass") {
   CHECK(answer_to(MessageType::information).empty());
   CHECK(answer_to(MessageType::request, 5).empty());

@@ -6,6 +6,10 @@
 
 namespace trb {
 
+/// How the note of a service begins that waits for its files; what it waits for comes behind it.
+constexpr std::string_view kWaitsNote = "it waits: ";
+constexpr std::uint32_t kMaxWaits = kDefaultMaxSize - static_cast<std::uint32_t>(kWaitsNote.size());
+
 /// A service's first message: which subtypes it takes. Answered by ServiceWelcome or a Nack (already_claimed).
 struct ServiceHello {
   static constexpr std::string_view kSubtype = "service_hello";
@@ -16,11 +20,13 @@ struct ServiceHello {
   std::uint32_t pid = 0;
   std::string version;
   std::vector<std::string> hears{};  ///< information that it wants a copy of; any number of services may receive one
+  std::string waits{};               ///< why it cannot open its files and refuses all; empty: it works
   template <class T = ServiceHello>
   static FieldTable fields() {
-    return FieldTable{field("service", &T::service, 64), field("subtypes", &T::subtypes, 64),
-                      field("instance", &T::instance),   field("pid", &T::pid),
-                      field("version", &T::version, 32), field("hears", &T::hears, 64)};
+    return FieldTable{field("service", &T::service, 64),   field("subtypes", &T::subtypes, 64),
+                      field("instance", &T::instance),     field("pid", &T::pid),
+                      field("version", &T::version, 32),   field("hears", &T::hears, 64),
+                      field("waits", &T::waits, kMaxWaits)};
   }
 };
 

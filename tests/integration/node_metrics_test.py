@@ -8,6 +8,7 @@ import json
 import os
 import pathlib
 import re
+import signal
 import subprocess
 import unittest
 import urllib.parse
@@ -17,7 +18,7 @@ import trb_fleet
 
 MONITORING = support.REPO / "deploy" / "monitoring"
 PROMETHEUS = os.environ.get("TRB_PROMETHEUS")
-NODES = {"ant": ["router", "scheduler"], "bee": ["router", "scheduler"]}
+NODES = {"ant": ["router", "scheduler"], "bee": ["router", "scheduler", "resilience"]}
 
 
 class Fleet(support.RouterFleet):
@@ -67,6 +68,27 @@ class Metrics(unittest.TestCase):
         self.assertEqual(self.value("ant", "trb_node_boot"), int((self.fleet.dir("ant") / "state/boot").read_text()))
         for line in text.splitlines():
             self.assertRegex(line, r'^(# (HELP|TYPE) trb_node_|trb_node_[a-z_]+(\{[a-z]+="[^"]*"(,[a-z]+="[^"]*")*\})? \d+$)')
+
+    def test_a_service_that_waits_for_its_files_is_told(self):
+        """By its router, to whoever asks: metrics, service list, doctor; here the resilience service, whose database nobody can open."""
+        node, database = self.fleet.dir("bee"), self.fleet.dir("bee") / "state/capability.db"
+        noted = 'trb_node_service_notes{service="resilience"}'
+        self.fleet.wait("it works", lambda: self.fleet.services("bee")["resilience"]["state"] == "up", 60)
+        self.assertEqual(self.value("bee", noted), 0)
+        self.assertEqual(self.fleet.trb("doctor", "--service", "resilience", "--node", node, check=False).returncode, 0)
+        kept = database.with_name("kept")
+        database.rename(kept)
+        database.mkdir()
+        os.kill(self.fleet.pid("bee", "resilience"), signal.SIGTERM)
+        self.fleet.wait("it waits, and is up", lambda: self.value("bee", noted) == 1, 60)
+        self.assertRegex(self.fleet.services("bee")["resilience"]["note"], "^it waits: .*capability.db")
+        for words in (), ("--service", "resilience"):
+            done = self.fleet.trb("doctor", *words, "--json", "--node", node, check=False)
+            self.assertEqual(done.returncode, 1, done.stdout)
+            self.assertIn(("service_waits", "resilience"), [(row["cause"], row["subject"]) for row in json.loads(done.stdout)["findings"]])
+        database.rmdir()
+        kept.rename(database)
+        self.fleet.wait("it works again", lambda: self.value("bee", noted) == 0, 60)
 
     def test_a_page_under_another_name_is_told_nothing(self):
         self.assertEqual(get(self.fleet.ports["ant"], "/metrics", Host="evil.example")[0], 403)

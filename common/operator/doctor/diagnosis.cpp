@@ -112,11 +112,15 @@ class Doctor {
         problem("service_down", entry.service, "the service is " + entry.state,
                 "see trb logs NODE_DIR " + entry.service);
       if (entry.state == "up" && entry.service == "scheduler") scheduler_waits();
-      if (!entry.note.empty()) note("service_note", entry.service, entry.note, "see trb service list");
+      if (entry.note.starts_with(kWaitsNote)) {
+        problem("service_waits", entry.service, entry.note, std::string(kWaitsHint));
+      } else if (!entry.note.empty()) {
+        note("service_note", entry.service, entry.note, "see trb service list");
+      }
     }
   }
 
-  /// It is there, and refuses: its files cannot be opened.
+  /// It is there, and refuses: its files cannot be opened. Its own answer has more words than its note.
   void scheduler_waits() {
     if (!seen_.no_runs || seen_.no_runs->code != Errc::no_service) return;
     problem("service_waits", "scheduler", seen_.no_runs->what, seen_.no_runs->hint);

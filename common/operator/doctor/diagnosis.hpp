@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/base/config_fault.hpp"
@@ -87,6 +88,9 @@ struct Finding {
   std::string what;
   std::string hint;
 };
+
+/// Of a service that waits for its files.
+inline constexpr std::string_view kWaitsHint = "do what it says; it tries again every second, and goes on by itself";
 
 /// Problems first; empty if all is well.
 std::vector<Finding> diagnose(const Observed& seen);

@@ -210,6 +210,13 @@ TEST_CASE("on the node itself: no router, a socket that is gone, a service that 
   service.seen.services.services = {{"scheduler", "up", 1, 1, "1.0", 5, 0, {}, {}}};
   service.seen.no_runs = fail(Errc::no_service, "it waits: the disk is full", "make room");
   check_only(service.seen, "service_waits", "scheduler");
+  // It has told its router, too, and so does every other service.
+  service.seen.services.services[0].note = "it waits: the disk is full; make room";
+  check_only(service.seen, "service_waits", "scheduler");
+  service.seen.no_runs.reset();
+  service.seen.services.services = {
+      {"resilience", "up", 1, 1, "1.0", 5, 0, {}, "it waits: state/capability.db: permission denied"}};
+  check_only(service.seen, "service_waits", "resilience");
   Ant robot;
   robot.seen.routes.routes[0].profile.robot = "OFFLINE";
   robot.seen.routes.routes[0].profile.detail = "connection refused";

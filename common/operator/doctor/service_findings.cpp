@@ -18,7 +18,11 @@ void add_state(const Observed& seen, const std::string& service, std::vector<Fin
     out.push_back({Weight::problem, "service_down", service, "the router finds the service " + entry->state,
                    "see the log of its container; restart it"});
   }
-  if (!entry->note.empty()) out.push_back({Weight::note, "service_note", service, entry->note, "see trb service list"});
+  if (entry->note.starts_with(kWaitsNote)) {
+    out.push_back({Weight::problem, "service_waits", service, entry->note, std::string(kWaitsHint)});
+  } else if (!entry->note.empty()) {
+    out.push_back({Weight::note, "service_note", service, entry->note, "see trb service list"});
+  }
 }
 
 void add_answer(const Observed& seen, const std::string& service, std::vector<Finding>& out) {

@@ -54,6 +54,12 @@ TEST_CASE("a service notes what troubles it") {
   check_one(seen, Weight::note, "service_note", "scheduler");
 }
 
+TEST_CASE("a service that waits for its files is not well") {
+  Observed seen = well();
+  seen.services.services[1].note = "it waits: the disk is full; make room";
+  check_one(seen, Weight::problem, "service_waits", "scheduler");
+}
+
 TEST_CASE("no router, and a router that does not take the service's key") {
   Observed seen = well();
   seen.answers = false;

@@ -148,7 +148,7 @@ ServiceEntry Answers::entry_of(const std::string& name, Now now) const {
           to_seconds(now.mono - connection.since),
           to_seconds(quiet),
           connection.hello.subtypes,
-          {}};
+          connection.hello.waits.empty() ? "" : std::string(kWaitsNote) + connection.hello.waits};
 }
 
 }  // namespace trb::router

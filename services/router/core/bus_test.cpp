@@ -21,6 +21,24 @@ TEST_CASE("a full disk is shown with the router, and no longer once there is roo
   CHECK_FALSE(is_noted());
 }
 
+TEST_CASE("what a service waits for is its note, until it comes again and works") {
+  Bus bus;
+  const auto come = [&](ConnectionId from, std::uint64_t instance, const std::string& waits) {
+    Effects effects;
+    bus.ant.core->bus().on_hello(from, {"scheduler", {"baton"}, instance, 100, "1", {}, waits}, "scheduler",
+                                 bus.fleet.now, effects);
+    bus.fleet.carry_out(bus.ant, effects);
+    for (const ServiceEntry& entry : bus.ant.core->answers().service_table(bus.fleet.now).services) {
+      if (entry.service == "scheduler") return entry.state + ": " + entry.note;
+    }
+    return std::string();
+  };
+  CHECK(come(1, 5, "state/journal.db: cannot open; chown it") ==
+        "up: it waits: state/journal.db: cannot open; chown it");
+  bus.gone(1);
+  CHECK(come(2, 6, "") == "up: ");
+}
+
 TEST_CASE("an operator's service takes users' words, and hears the middleware's without taking them") {
   Bus bus;
   CHECK(bus.hello(1, "fault-tally", {"fault_tally"}) == "service_welcome");
