@@ -39,10 +39,10 @@ class Supervisor {
   /// Starts all services and keeps them running until SIGTERM or SIGINT. `reload` is called at SIGHUP; if it returns
   /// services, every service is asked to restart once it is idle, new ones are started, and removed ones end.
   /// `waits_for` is called every 0.1 s until all are up; it may take some tenths of a second. block_signals() must have
-  /// been called before. Ends all services, by force after the grace, and returns 0. systemd hears that the services are
-  /// ready, what they wait for, that this process is alive, and that it ends. A start that takes longer than `patience`
-  /// counts as done for systemd, so that neither the computer's start nor apt waits for ever for a service that cannot
-  /// start; its status still says what is not up.
+  /// been called before. Ends all services, by force after the grace, and returns 0. systemd hears that the services
+  /// are ready, what they wait for, that this process is alive, and that it ends. A start that takes longer than
+  /// `patience` counts as done for systemd, so that neither the computer's start nor apt waits for ever for a service
+  /// that cannot start; its status still says what is not up.
   int run(const Reload& reload, const WaitsFor& waits_for, Duration patience = std::chrono::seconds(60));
 
  private:
