@@ -161,3 +161,15 @@ TEST_CASE("a run of which a task was begun and none done has no makespan yet") {
   CHECK(is.tasks_done == 0);
   CHECK(is.makespan_s == 0);
 }
+
+TEST_CASE("a node with a slow disk dies before it has written what its robot has done: nobody can know it") {
+  for (int i = 0; i < 30; ++i) {
+    CAPTURE(i);
+    const double at_s = 3 + 0.05 * i;
+    WorldPlan plan = plan_of(3, 3, {{at_s, FaultKind::kill, "r2"}, {at_s + 2, FaultKind::start, "r2"}});
+    plan.faults.push_back({.kind = FaultKind::disk, .node = "r2", .from_start = true, .commit_s = 0.4});
+    plan.task.mean_s = 1;
+    plan.until_s = 400;
+    check_unbroken(World(plan).play());
+  }
+}

@@ -1,6 +1,7 @@
 // What really happened at the robots, whatever anybody says of it.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -36,10 +37,11 @@ class Witness {
     at_work_.erase(at);
   }
   /// Its node's processes end: how a task ended that was under way, or has just ended, nobody can know.
-  void on_kill(const std::string& robot, double at_s) {
-    constexpr double kJust = 0.1;  // seconds
+  /// `commit_s`: what its disk takes to write; it writes something else first, perhaps.
+  void on_kill(const std::string& robot, double at_s, double commit_s) {
+    const double just_s = std::max(0.1, 3 * commit_s);
     if (const auto at = at_work_.find(robot); at != at_work_.end()) unknown_.insert(at->second.task);
-    if (const auto at = ended_.find(robot); at != ended_.end() && at_s - at->second.second < kJust)
+    if (const auto at = ended_.find(robot); at != ended_.end() && at_s - at->second.second < just_s)
       unknown_.insert(at->second.first);
   }
   /// Tasks that were done, and whose nodes must know it.

@@ -182,7 +182,7 @@ bool World::is_cut_off_at_work() const {
 /// What was done a moment ago is on no disk yet.
 void World::leave_open() {
   outcome_.left_open = true;
-  for (const auto& [id, node] : nodes_) witness_.on_kill(id, events_.seconds_passed());
+  for (const auto& [id, node] : nodes_) witness_.on_kill(id, events_.seconds_passed(), to_seconds(node->disk().commit));
 }
 
 void World::report_second() {
@@ -299,7 +299,7 @@ void World::happen(const Fault& fault) {
     case FaultKind::battery:
       return node.robot()->set_battery(fault.battery);
     case FaultKind::kill:
-      witness_.on_kill(fault.node, events_.seconds_passed());
+      witness_.on_kill(fault.node, events_.seconds_passed(), to_seconds(node.disk().commit));
       return node.kill();
     case FaultKind::start:
       return node.is_up() ? void() : node.start();
