@@ -182,10 +182,10 @@ class Parts(unittest.TestCase):
         self.send_parts(lane)
         # The link goes on, for a lease; the lane is not dialled again beside it.
         self.say(link, "keep_alive", dog, link.link_id, 2, wire.keep_alive(1))
+        self.assertEqual(self.route("dog").get("state"), "ONLINE")
         door.settimeout(3)
         with self.assertRaises(socket.timeout):
             door.accept()
-        self.assertEqual(self.route("dog").get("state"), "ONLINE")
         self.assert_listed("dog")
 
     def test_a_listener_of_the_router_s_own_lane(self):
