@@ -12,19 +12,22 @@ bool any(const Effects& effects) {
 
 }  // namespace
 
-/// What is left of its deadline, by how long it may have waited for this loop.
-HeaderView FrameForwarder::aged(HeaderView header, Now now) const {
-  header.remaining_ms =
-      remaining_after(shell_.loop().waited(now.mono), header.type, header.subtype, header.remaining_ms);
-  return header;
+/// With what is left of its deadline, if it may have waited for this loop; nothing: all of it is left.
+std::optional<HeaderView> FrameForwarder::aged(const HeaderView& header, Now now) const {
+  const Duration waited = shell_.loop().waited(now.mono);
+  const std::uint32_t left = remaining_after(waited, header.type, header.subtype, header.remaining_ms);
+  if (left == header.remaining_ms) return std::nullopt;
+  HeaderView out = header;
+  out.remaining_ms = left;
+  return out;
 }
 
 void FrameForwarder::from_bus(ConnectionId from, const HeaderView& as_sent, Frame& frame) {
   Effects effects;
   const Now now = read_clocks();
-  const HeaderView header = aged(as_sent, now);
-  if (header.remaining_ms != as_sent.remaining_ms)
-    stamp_remaining(static_cast<char*>(frame.data()), header.remaining_ms);
+  const auto late = aged(as_sent, now);
+  const HeaderView& header = late ? *late : as_sent;
+  if (late) stamp_remaining(static_cast<char*>(frame.data()), header.remaining_ms);
   const FrameOrders orders =
       shell_.core().forwarding().from_bus(from, header, static_cast<char*>(frame.data()), frame.size(), now, effects);
   const char direction = orders.way.to == Routing::To::service ? '=' : '>';
@@ -66,12 +69,12 @@ void FrameForwarder::send_copy(const Routing& way, const Frame& frame) {
 void FrameForwarder::from_link(LinkId link, const HeaderView& as_sent, Frame& frame) {
   Effects effects;
   const Now now = read_clocks();
-  const HeaderView header = aged(as_sent, now);
+  const auto late = aged(as_sent, now);
+  const HeaderView& header = late ? *late : as_sent;
   const FrameOrders orders = shell_.core().forwarding().from_link(link, header, view_of(frame), now, effects);
   to_.proof.keep(orders, now.utc, view_of(frame));
   // Seal and proof are over the bytes as they were sent.
-  if (header.remaining_ms != as_sent.remaining_ms)
-    stamp_remaining(static_cast<char*>(frame.data()), header.remaining_ms);
+  if (late) stamp_remaining(static_cast<char*>(frame.data()), header.remaining_ms);
   deliver(link, header, frame, orders, effects);
   if (any(effects)) shell_.carry_out(effects);
 }

@@ -1,6 +1,8 @@
 // Carries a frame from the socket on which it arrived to where the core's orders send it.
 #pragma once
 
+#include <optional>
+
 #include "services/router/core/forwarding.hpp"
 #include "services/router/io/bus_sockets.hpp"
 #include "services/router/io/held_frames.hpp"
@@ -36,7 +38,7 @@ class FrameForwarder {
   void report_lost_links();
 
  private:
-  [[nodiscard]] HeaderView aged(HeaderView header, Now now) const;
+  [[nodiscard]] std::optional<HeaderView> aged(const HeaderView& header, Now now) const;
   void send(ConnectionId from, const HeaderView& header, const FrameOrders& orders, Frame& frame, Effects& effects);
   void send_copy(const Routing& way, const Frame& frame);
   void deliver(LinkId link, const HeaderView& header, Frame& frame, const FrameOrders& orders, Effects& effects);
