@@ -110,7 +110,7 @@ Result<SignedRecord> issue(Authority& authority, const std::string& dir, Certifi
   // Beyond it the end would be before 1970: no clock of 64 bits has it.
   if (validity <= Duration::zero() || validity > kLongestValidity) {
     return fail(Errc::bad_value,
-                "the certificate of '" + certificate.id + "' would be valid for over 36500 days, or not",
+                "the certificate of '" + certificate.id + "' would be valid for no time, or for over 36500 days",
                 "use --days 1 to 36500");
   }
   certificate.fleet = {authority.fleet.id()};
