@@ -87,6 +87,15 @@ def doors(lab, node):
             if reaches(lab, host, address, port, source)}
 
 
+def pull_cables(report, rounds, lab, node):
+    """Round after round the node has no cable for 3 s: nothing is waited for, it lasts so long."""
+    for number in range(1, rounds + 1):
+        lab.pull_cable(node)
+        time.sleep(3)
+        lab.plug_cable(node)
+        report.healed(number, rounds, time.monotonic())
+
+
 @case("firewall-ipv6", 3, 1)
 def firewall_six(report, rounds):
     """The same rules without IPv4: who may not ask for a neighbour's hardware address reaches nobody."""
@@ -95,11 +104,7 @@ def firewall_six(report, rounds):
         for node in NODES:
             subprocess.run(lab.inside(node, "bash", "-ec", rules()), check=True)
         with report.standing(NetFleet(lab, {node: "eth0" for node in NODES})):
-            for number in range(1, rounds + 1):
-                lab.pull_cable(NODES[0])
-                time.sleep(3)  # as below
-                lab.plug_cable(NODES[0])
-                report.healed(number, rounds, time.monotonic())
+            pull_cables(report, rounds, lab, NODES[0])
 
 
 @case("firewall", 3, 1)
@@ -120,11 +125,7 @@ def firewall(report, rounds):
             found = doors(lab, ant)
             if found != expected:
                 report.fail(f"open on {ant}: {sorted(found)}; the rules are for {sorted(expected)}")
-            for number in range(1, rounds + 1):
-                lab.pull_cable(ant)
-                time.sleep(3)  # nothing is waited for: it lasts so long
-                lab.plug_cable(ant)
-                report.healed(number, rounds, time.monotonic())
+            pull_cables(report, rounds, lab, ant)
             admitted = flood(lab, "bee", lab.address(WALL), FLOOD)
             report.notes["flood_admitted"] = admitted
             if not 150 < admitted < FLOOD * 2 / 3:
