@@ -44,8 +44,11 @@ std::vector<WeighedCriterion> shown_weights(const Criteria& by) {
   std::size_t over = by.size() - std::min<std::size_t>(by.size(), kMaxRankedCriteria);
   std::vector<WeighedCriterion> out;
   for (const ReplacementCriterion& one : by) {
-    const bool left_out = over > 0 && one.weight == 0;
-    left_out ? void(--over) : out.push_back({one.name, one.weight});
+    if (over > 0 && one.weight == 0) {
+      --over;
+    } else {
+      out.push_back({one.name, one.weight});
+    }
   }
   return out;
 }

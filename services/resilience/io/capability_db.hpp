@@ -50,8 +50,7 @@ class CapabilityDb final : public HistoryReader {
   Status load(Fleet& fleet);
 
   /// Writes the changes in one transaction, and then marks them as written; removes what is old at `now`, which must be
-  /// no clock that jumps. On an error (io_error, for example a full
-  /// disk) nothing is written, and all changes are kept.
+  /// no clock that jumps. On an error (io_error, for example a full disk) nothing is written, and all changes are kept.
   Status write(Fleet& fleet, UtcTime now);
 
   /// The newest entries, of one robot or (empty) of all; the newest first.
