@@ -153,6 +153,7 @@ void RouterShell::look(Now now) {
   dialled_.look();
   lanes_.look();
   bus_.look();
+  memory_.look(now.mono, core_.counters().value("cut.incomplete"));
 }
 
 void RouterShell::report_unsent() {

@@ -7,6 +7,7 @@
 #include "services/router/core/router_core.hpp"
 #include "services/router/io/frame_forwarder.hpp"
 #include "services/router/io/local_address.hpp"
+#include "services/router/io/memory_return.hpp"
 #include "services/router/io/metrics_port.hpp"
 #include "services/router/io/seal_verifier.hpp"
 #include "services/router/io/trust_files.hpp"
@@ -70,6 +71,7 @@ class RouterShell {
   TrustFiles files_;
   std::optional<MetricsAddress> metrics_at_;
   MetricsPort metrics_;
+  MemoryReturn memory_;
   MonotonicTime next_look_{};
 };
 

@@ -1,6 +1,5 @@
 #include "services/router/io/start.hpp"
 
-#include <malloc.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -19,6 +18,7 @@
 #include "common/transport/loop.hpp"
 #include "common/transport/signals.hpp"
 #include "proto/body.hpp"
+#include "services/router/io/memory_return.hpp"
 #include "services/router/io/router_shell.hpp"
 
 namespace trb::router {
@@ -164,17 +164,10 @@ Status enter_folder(const std::string& dir) {
   return Done{};
 }
 
-/// Memory that a flood used goes back to the system afterwards. By default glibc raises the first bound to the size of
-/// a freed block, and keeps messages of that size in its heaps for good.
-void give_memory_back() {
-  ::mallopt(M_MMAP_THRESHOLD, 128 << 10);
-  ::mallopt(M_TRIM_THRESHOLD, 128 << 10);
-}
-
 }  // namespace
 
 Result<int> start(NodeConfig node) {
-  give_memory_back();
+  MemoryReturn::set_up();
   block_signals();
   const auto descriptors = take_descriptors();
   if (!descriptors) return descriptors.error();
