@@ -27,6 +27,11 @@ describe('the film of a simulated run', () => {
     expect(changesOf(film())).toEqual([1, 4, 5, 6, 7, 8, 9, 10]);
   });
 
+  it('goes on to where the simulation was cut off', () => {
+    const world = { ...answer().world!, cut_off: true };
+    expect(film({ world }).end).toBe(23);
+  });
+
   it('shows who works on what, and who is broken', () => {
     expect(seen(0)).toEqual({ cloud: 'ready', a: 'ready', b: 'ready' });
     expect(seen(2)).toEqual({ cloud: 'ready', a: 'atWork go', b: 'ready' });

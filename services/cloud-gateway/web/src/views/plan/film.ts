@@ -54,7 +54,7 @@ export const FLIGHT_S = 0.6;
 export function filmOf(one: Simulation, answer: Answer): Film {
   const from = answer.world?.submitted_s ?? 0;
   const bars = barsOf(answer);
-  const end = spanOf(bars, null) + TAIL_S;
+  const end = spanOf(bars, answer.world?.cut_off ? answer.seconds - from : null) + TAIL_S;
   const since = <Of extends { at_s: number }>(all: Of[]): Of[] => all.map((of) => ({ ...of, at_s: of.at_s - from })).filter((of) => of.at_s <= end);
   const sendings = since(answer.sendings).filter((of) => of.at_s >= 0);
   const scenario = one.job.scenario as { tasks?: { id: string; data?: Record<string, unknown> }[] } | undefined;

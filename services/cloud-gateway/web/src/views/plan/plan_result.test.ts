@@ -42,7 +42,16 @@ describe('the result of a simulation', () => {
     const bars = barsOf(answer({ world, happenings: [{ at_s: 5.5, kind: 'fail', node: 'r1' }] }));
     expect(bars.map((bar) => [bar.task, bar.robot, bar.state, bar.start, bar.end])).toEqual(
       [['t0', 'r0', 'FINISHED', 0, 3], ['t1', 'r1', 'FAILED', 3, 4.5], ['t1', 'r0', 'FINISHED', 5, 8]]);
-    expect(barsOf(answer())[1]).toMatchObject({ start: 4, end: null });
+  });
+
+  it('ends an attempt when it was given up, whatever its robot did later', () => {
+    const happenings = [{ at_s: 8, kind: 'fail' as const, node: 'r1' }];
+    const tasks = [{ id: 't1', robot: 'r1', begin_s: 4, failed_s: 5.5 }];
+    expect(barsOf(answer({ world, tasks, happenings }))[0]).toMatchObject({ state: 'FAILED', start: 3, end: 4.5 });
+  });
+
+  it('leaves an attempt open that was under way as all ended', () => {
+    expect(barsOf(answer())[1]).toMatchObject({ state: 'RUNNING', start: 4, end: null });
   });
 
   it('says how long the tasks took', () => {

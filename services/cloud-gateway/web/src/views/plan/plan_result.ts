@@ -55,17 +55,17 @@ export function peakOf(values: number[], interval: number): { at: number; value:
   return { at: Math.max(0, values.indexOf(value)) * interval, value };
 }
 
-/** Attempts as bars, in s since the run's submission. One without an end lasts until its robot was broken or killed. */
+/** Attempts as bars, in s since the run's submission. One that was neither done nor given up was under way as all ended. */
 export function barsOf(answer: Answer): Bar[] {
   const from = answer.world?.submitted_s ?? 0;
   const critical = new Set((answer.waits ?? []).filter((one) => one.critical).map((one) => one.task));
   return answer.tasks.map((task) => {
-    const start = Math.max(0, task.begin_s - from);
-    const broke = answer.happenings.find((one) => one.node === task.robot && (one.kind === 'fail' || one.kind === 'kill') && one.at_s >= task.begin_s);
     const isDone = task.end_s !== undefined;
+    const gone = answer.happenings.find((one) => one.node === task.robot && (one.kind === 'fail' || one.kind === 'kill') && one.at_s >= task.begin_s);
+    const end = task.end_s ?? task.failed_s ?? gone?.at_s;
     return {
-      task: task.id, robot: task.robot, state: isDone ? 'FINISHED' : 'FAILED', ready: null, start,
-      end: isDone ? Math.max(0, task.end_s! - from) : (broke ? Math.max(0, broke.at_s - from) : null), isCritical: isDone && critical.has(task.id),
+      task: task.id, robot: task.robot, state: isDone ? 'FINISHED' : end === undefined ? 'RUNNING' : 'FAILED', ready: null,
+      start: Math.max(0, task.begin_s - from), end: end === undefined ? null : Math.max(0, end - from), isCritical: isDone && critical.has(task.id),
     };
   });
 }
