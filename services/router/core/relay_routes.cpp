@@ -28,7 +28,7 @@ Message header_only(const HeaderView& header) {
 
 RelayRoute& RelayRoutes::row(const Peer& peer) {
   RelayRoute& route = rows_[peer.id];
-  awake_.insert(peer.id);
+  if (touched_.empty() || touched_.back() != peer.id) touched_.push_back(peer.id);
   if (route.number == peer.number) return route;
   // Another computer under the same name counts its own boots and messages.
   const RouterConfig& own = node_.config();
@@ -79,8 +79,9 @@ void RelayRoutes::change_carrier(RelayRoute& route) const {
 }
 
 std::vector<std::string> RelayRoutes::relayed_peers() const {
+  refresh();
   std::vector<std::string> out;
-  for (const std::string& id : awake_) {  // whatever is open is awake
+  for (const std::string& id : open_) {
     const Peer* peer = std::as_const(table_).find(id);
     if (peer != nullptr && relay_of(*peer) != nullptr) out.push_back(id);
   }
@@ -363,14 +364,32 @@ void RelayRoutes::on_alive(const Link& relay, Peer& peer, const RelayedFrame& in
 
 // ---- time
 
-/// A route without a deadline that is not open waits for an event, which wakes it (row).
+void RelayRoutes::refresh() const {
+  if (std::exchange(newest_profile_, profile_.number()) != profile_.number()) {
+    touched_.insert(touched_.end(), open_.begin(), open_.end());
+  }
+  for (const std::string& id : touched_) {
+    if (const auto at = rows_.find(id); at != rows_.end()) refresh(at->second, id);
+  }
+  touched_.clear();
+}
+
+void RelayRoutes::refresh(RelayRoute& route, const std::string& id) const {
+  const Peer* peer = std::as_const(table_).find(id);
+  const bool known = peer != nullptr && peer->number == route.number;
+  const bool untold = known && route.open && peer->link == 0 && route.told_profile != newest_profile_;
+  const auto keep = [&](auto& ids, bool in) { in ? void(ids.insert(id)) : void(ids.erase(id)); };
+  keep(open_, route.open);
+  keep(untold_, untold);
+  due_.set(id, route.due, known ? route.connection.next_deadline() : std::nullopt);
+}
+
 void RelayRoutes::tick(Now now, Effects& out) {
-  for (auto at = awake_.begin(); at != awake_.end();) {
-    Peer* peer = table_.find(*at);
-    if (peer != nullptr) tick_route(*peer, now, out);
-    const RelayRoute& known = rows_.at(*at);
-    const bool sleeps = peer == nullptr || (!known.open && !known.connection.next_deadline());
-    at = sleeps ? awake_.erase(at) : std::next(at);
+  refresh();
+  std::set<std::string> due(untold_.begin(), untold_.end());
+  for (const std::string& id : due_.due(now.mono)) due.insert(id);
+  for (const std::string& id : due) {
+    if (Peer* peer = table_.find(id)) tick_route(*peer, now, out);
   }
   drop_rows_without_peer();
 }
@@ -391,17 +410,21 @@ void RelayRoutes::tick_route(Peer& peer, Now now, Effects& out) {
 void RelayRoutes::drop_rows_without_peer() {
   if (std::exchange(forgotten_, table_.forgotten()) == table_.forgotten()) return;
   const auto is_gone = [&](const std::string& id) { return std::as_const(table_).find(id) == nullptr; };
+  for (auto& [id, route] : rows_) {
+    if (!is_gone(id)) continue;
+    due_.set(id, route.due, std::nullopt);
+    open_.erase(id);
+    untold_.erase(id);
+  }
   std::erase_if(rows_, [&](const auto& row) { return is_gone(row.first); });
-  std::erase_if(awake_, is_gone);
 }
 
 std::optional<MonotonicTime> RelayRoutes::next_deadline() const {
-  std::optional<MonotonicTime> next;
-  for (const std::string& id : awake_) {
+  refresh();
+  std::optional<MonotonicTime> next = due_.earliest();
+  for (const std::string& id : untold_) {
     const Peer* peer = std::as_const(table_).find(id);
-    const auto at = rows_.find(id);
-    if (peer == nullptr || at == rows_.end() || at->second.number != peer->number) continue;
-    next = earlier(earlier(next, at->second.connection.next_deadline()), profile_due(*peer, at->second));
+    if (peer != nullptr) next = earlier(next, profile_due(*peer, rows_.find(id)->second));
   }
   return next;
 }

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "common/base/deadline_index.hpp"
 #include "services/router/core/link_errors.hpp"
 #include "services/router/core/links.hpp"
 #include "services/router/core/local_bus.hpp"
@@ -28,6 +29,7 @@ struct RelayRoute {
   std::uint64_t told_profile = 0;      ///< number of this node's profile that was sent to it last
   MonotonicTime profile_told_at{};     ///< when
   std::map<std::string, Budget> load;  ///< by relay: what it brings from this peer
+  std::optional<MonotonicTime> due;    ///< its slot in the index
 };
 
 /// A message that a relay has brought, decrypted.
@@ -89,6 +91,8 @@ class RelayRoutes {
 
  private:
   RelayRoute& row(const Peer& peer);
+  void refresh() const;
+  void refresh(RelayRoute& route, const std::string& id) const;
   void tick_route(Peer& peer, Now now, Effects& out);
   void drop_rows_without_peer();
   const Bytes& key_of(const Peer& peer, RelayRoute& route);
@@ -124,9 +128,15 @@ class RelayRoutes {
   LocalBus& bus_;
   LocalProfile& profile_;
   Links& links_;
-  std::map<std::string, RelayRoute, std::less<>> rows_;  ///< by peer, once there was anything to know
-  std::set<std::string, std::less<>> awake_;             ///< those of them that may be due
-  std::uint64_t forgotten_ = 0;                          ///< peers, when the rows were last compared
+  // When which is due. With a thousand peers behind a relay, a walk over all of them for each frame would be what the
+  // router mostly does: whoever may change a row touches it, and it is looked at before the next question is answered.
+  mutable std::map<std::string, RelayRoute, std::less<>> rows_;  ///< by peer, once there was anything to know
+  mutable DeadlineIndex<std::string> due_;                       ///< but for profiles
+  mutable std::vector<std::string> touched_;
+  mutable std::set<std::string, std::less<>> open_;    ///< those of the rows that are
+  mutable std::set<std::string, std::less<>> untold_;  ///< open, without a link, and without this node's newest profile
+  mutable std::uint64_t newest_profile_ = 0;           ///< when `untold_` was made
+  std::uint64_t forgotten_ = 0;                        ///< peers, when the rows were last compared
 };
 
 }  // namespace trb::router

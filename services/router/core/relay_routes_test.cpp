@@ -71,3 +71,23 @@ TEST_CASE("given a peer whose relay is gone, then no relay reaches it") {
   end.routes.on_link_lost(*end.table.find("cloud"), end.by, end.now, end.out);
   CHECK(end.routes.route(bee).relays.empty());
 }
+
+TEST_CASE(
+    "given peers that are due at different times, then each speaks at its own, and one that is forgotten not at all") {
+  End end;
+  end.told_of_bee();
+  const auto first = end.routes.next_deadline();
+  end.pass(std::chrono::milliseconds(100));
+  const TestKeys dog = end.authority.sign_node("dog");
+  end.routes.on_reachable(end.by, {{dog.record}, {}}, end.now, end.out);
+  CHECK(end.routes.next_deadline() == first);
+  end.out = {};
+  end.now.mono = *first;
+  end.routes.tick(end.now, end.out);
+  CHECK(end.all<LinkSend>().size() == 1);
+  CHECK(end.routes.next_deadline() == *first + std::chrono::milliseconds(100));
+
+  end.table.forget("dog");
+  end.routes.tick(end.now, end.out);
+  CHECK(end.routes.next_deadline() > *first + std::chrono::milliseconds(100));
+}
