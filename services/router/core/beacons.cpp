@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "common/base/saturate.hpp"
+
 namespace trb::router {
 
 void Beacons::begin(Now now) {
@@ -68,7 +70,14 @@ void Beacons::on_beacon(BytesView plain, Now now, Effects& out) {
   peer.beacon_boot = beacon->boot;
   peer.beacon_count = beacon->count;
   peer.last_beacon = now.mono;
-  if (!linked) follow(peer, *beacon, now, out);
+  linked ? note_clock(peer, beacon->sent, now) : follow(peer, *beacon, now, out);
+}
+
+/// A clock that was set since the Hello: what was told of it then is over, or begins.
+void Beacons::note_clock(const Peer& peer, std::int64_t utc, Now now) {
+  errors_.note_clock(peer.id, utc, now);
+  Link* link = table_.link(peer.link);
+  if (link != nullptr && link->utc_at_zero) link->utc_at_zero = saturating_sub(utc, now.mono.ns);
 }
 
 Result<Certificate> Beacons::check(const SignedRecord& record, const Beacon& beacon, Now now, Effects& out) {

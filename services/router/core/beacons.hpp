@@ -18,6 +18,7 @@ namespace trb::router {
 ///
 /// others'                                                   | what follows
 /// ----------------------------------------------------------|----------------------------------------------
+/// of the link's boot and address                            | the peer's clock is noted anew
 /// new boot, new address, or the peer has no link            | dialled, or awaited; a link to the old one ends
 /// nothing new, and one was checked 2 s ago                  | nothing; its signature is not checked
 /// older than one that was received (repeated)               | refused as replayed
@@ -46,6 +47,7 @@ class Beacons {
   Result<Certificate> check(const SignedRecord& record, const Beacon& beacon, Now now, Effects& out);
   [[nodiscard]] bool is_replayed(const Peer& peer, const Certificate& certificate, const Beacon& beacon) const;
   void follow(Peer& peer, const Beacon& beacon, Now now, Effects& out);
+  void note_clock(const Peer& peer, std::int64_t utc, Now now);
 
   const LocalNode& node_;
   PeerTable& table_;

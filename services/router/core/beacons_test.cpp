@@ -12,8 +12,9 @@ namespace {
 struct Air : Parts {
   Beacons beacons{node, table, trust, links, errors};
 
-  void hear(std::uint64_t boot, std::uint64_t count, const std::string& address = "10.0.0.2:45000") {
-    const Beacon body{bee.record, address, boot, kStartUtc, count};
+  void hear(std::uint64_t boot, std::uint64_t count, const std::string& address = "10.0.0.2:45000",
+            Duration clock_off = {}) {
+    const Beacon body{bee.record, address, boot, kStartUtc + clock_off.count(), count};
     beacons.on_beacon(encode(sign(kSignedBeacon, "bee", authority.fleet.id(), encode(body), bee.identity)), now, out);
   }
   /// How many beacons it sends in this time.
@@ -63,4 +64,24 @@ TEST_CASE("given a beacon that is repeated, then it is refused and changes nothi
   air.hear(3, 2, "10.0.0.9:45000");
   CHECK(air.counted("beacon.replayed") == 1);
   CHECK(air.table.find("bee")->address == "10.0.0.2:45000");
+}
+
+TEST_CASE("given a peer whose clock is set while it is linked, then its beacons tell of it, and of its end") {
+  Air air;
+  Link& link = air.link_with(air.bee);
+  link.utc_at_zero = 1;
+  Peer& bee = *air.table.find("bee");
+  bee.boot = 3;
+  bee.address = "10.0.0.2:45000";
+  const auto codes = [&] {
+    std::string all;
+    for (const LinkErrorRow& row : air.errors.table("ant", air.now.mono).errors) all += row.peer + ":" + row.code;
+    return all;
+  };
+  air.hear(3, 1, bee.address, std::chrono::hours(1));
+  CHECK(codes() == "bee:clock_off");
+  air.pass(std::chrono::seconds(5));
+  air.hear(3, 2, bee.address);
+  CHECK(codes().empty());
+  CHECK(air.table.link(7)->utc_at_zero == kStartUtc - air.now.mono.ns);
 }

@@ -49,9 +49,16 @@ void LinkErrors::note_up(const Link& link, const Hello& hello, Now now) {
   for (const Seed& seed : table_.seeds()) {
     if (seed.key == link.key) recovered(link.peer, seed.address);
   }
-  const std::int64_t apart = saturating_sub(hello.utc, now.utc.ns);
-  if (apart <= kClockApart && apart >= -kClockApart) return;
-  note(link.peer, "", "clock_off", "its clock is " + std::to_string(apart / 1'000'000'000) + " s away from this node's",
+  note_clock(link.peer, hello.utc, now);
+}
+
+void LinkErrors::note_clock(std::string_view peer, std::int64_t utc, Now now) {
+  const std::int64_t apart = saturating_sub(utc, now.utc.ns);
+  if (apart <= kClockApart && apart >= -kClockApart) {
+    rows_.erase({std::string(peer), "", "clock_off"});
+    return;
+  }
+  note(peer, "", "clock_off", "its clock is " + std::to_string(apart / 1'000'000'000) + " s away from this node's",
        now);
 }
 

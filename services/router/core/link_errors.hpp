@@ -25,8 +25,10 @@ class LinkErrors {
   void note_link(LinkId link, std::string_view code, std::string_view text, Now now);
   /// A link with this peer came up by this address: its errors are over.
   void recovered(std::string_view peer, std::string_view address);
-  /// A link is up. Clocks that are a minute apart make certificates and schedules fail before anybody sees why.
   void note_up(const Link& link, const Hello& hello, Now now);
+  /// A linked peer has just told its clock's UTC. Clocks that are a minute apart make certificates and schedules fail
+  /// before anybody sees why.
+  void note_clock(std::string_view peer, std::int64_t utc, Now now);
   /// The newest first.
   [[nodiscard]] LinkErrorTable table(const std::string& node, MonotonicTime now) const;
 
