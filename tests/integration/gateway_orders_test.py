@@ -1,0 +1,217 @@
+"""Orders by the cloud's gateway, stops and runs: each is done once and on record, whatever is killed or silent meanwhile.
+
+Addresses 127.0.80.x, 127.0.81.x.
+"""
+import concurrent.futures
+import contextlib
+import http.client
+import os
+import signal
+import sqlite3
+import time
+
+import support
+from gateway_case import CLOUD, ROBOT, SCENARIO, WAIT_S, GatewayCase
+
+
+class Orders(GatewayCase):
+    block, udp_port = 80, 50080
+
+    def test_stop_and_release(self):
+        self.addCleanup(self.fleet.trb, "release", ROBOT, node=CLOUD)
+        stopped = self.operator.ask("POST", f"/api/v1/robots/{ROBOT}/stop", {"reason": "a box on the way"})
+        self.assertEqual([row["state"] for row in stopped.json["robots"]], ["confirmed"])
+        self.fleet.wait("it is shown as stopped", lambda: self.viewer.ask(
+            "GET", f"/api/v1/robots/{ROBOT}").json["content"]["fenced"], WAIT_S)
+        self.assertEqual(self.operator.ask("POST", f"/api/v1/robots/{ROBOT}/release").json["robots"][0]["state"], "confirmed")
+        self.assertEqual(self.operator.ask("POST", "/api/v1/stop").json["robots"][0]["robot"], ROBOT)
+
+    def test_a_run_is_started_once_whatever_is_killed(self):
+        checked = self.viewer.ask("POST", "/api/v1/scenarios/check", SCENARIO).json
+        self.assertEqual((checked["good"], checked["faults"]), (True, []))
+        wrong = {"name": "wrong", "tasks": [{"id": "go", "robot": ROBOT, "skill": "dance"}]}
+        self.assertFalse(self.viewer.ask("POST", "/api/v1/scenarios/check", wrong).json["good"])
+        self.assert_problem(self.operator.ask("POST", "/api/v1/runs", {"scenario": wrong}), 422)
+        start = {"scenario": SCENARIO, "priority": 3}
+        first = self.operator.ask("POST", "/api/v1/runs", start, Idempotency_Key="one")
+        self.assertEqual(first.status, 201, first.bytes)
+        run = first.json["run"]
+        self.kill_gateway()
+        again = self.operator.ask("POST", "/api/v1/runs", start, Idempotency_Key="one")
+        self.assertEqual((again.status, again.json["run"]), (201, run))
+        other = self.operator.ask("POST", "/api/v1/runs", {"scenario": SCENARIO}, Idempotency_Key="one")
+        self.assert_problem(other, 409)
+        self.fleet.wait("the run is over", lambda: self.viewer.ask("GET", f"/api/v1/runs/{run}").json["state"] == "FINISHED", WAIT_S)
+        archive = self.viewer.ask("GET", "/api/v1/archive").json["runs"]
+        self.assertEqual([one["run"] for one in archive].count(run), 1)
+
+    def write_store(self, sql, rows):
+        """Between two gateways: the one that runs stands still, and is killed."""
+        os.kill(self.fleet.pid(CLOUD, "cloud-gateway"), signal.SIGSTOP)
+        with contextlib.closing(sqlite3.connect(self.fleet.dir(CLOUD) / "state/gateway.db")) as store, store:
+            store.executemany(sql, rows)
+        self.kill_gateway()
+        self.fleet.wait("the robot is shown online", self.is_online, WAIT_S)
+
+    def test_a_stop_is_ordered_though_no_further_key_is_kept(self):
+        kept = [(who, f"filler-{i}") for who, count in (("a", 5000), ("b", 5000), ("c", 5000), ("d", 4980), ("olga", 20))
+                for i in range(count)]
+        self.addCleanup(self.operator.ask, "POST", f"/api/v1/robots/{ROBOT}/release")
+        self.addCleanup(self.write_store, "DELETE FROM requests WHERE key LIKE ?", [("filler-%",)])
+        self.write_store("INSERT INTO requests(user, key, digest, effect, since, status, body) VALUES(?, ?, x'00', '', ?, 200, x'7b7d')",
+                         [(*one, time.time_ns()) for one in kept])
+        refused = self.operator.ask("POST", f"/api/v1/robots/{ROBOT}/release", Idempotency_Key="no-room")
+        self.assert_problem(refused, 429, "queue_full")
+        for key in ("no-room", "filler-0"):  # the other one was used for something else
+            stopped = self.operator.ask("POST", "/api/v1/stop", Idempotency_Key=key)
+            self.assertEqual(stopped.status, 200, stopped.bytes)
+            self.assertEqual([one["state"] for one in stopped.json["robots"]], ["confirmed"])
+
+    def test_a_stop_of_one_robot_waits_for_no_list_of_the_fleet(self):
+        stop, pid = f"/api/v1/robots/{ROBOT}/stop", self.fleet.pid(CLOUD, "cloud-gateway")
+        self.addCleanup(self.operator.ask, "POST", f"/api/v1/robots/{ROBOT}/release")
+
+        def first_answer():
+            with contextlib.suppress(OSError, http.client.HTTPException):
+                return self.operator.ask("POST", stop)
+        os.kill(pid, signal.SIGKILL)
+        answers = []
+        self.fleet.wait("the next gateway's first answer", lambda: answers.append(first_answer()) or answers[-1], WAIT_S)
+        self.assertEqual(answers[-1].status, 200, answers[-1].bytes)
+        self.assertEqual(answers[-1].json["robots"][0]["robot"], ROBOT)
+        self.fleet.wait("it is ready", self.is_ready, WAIT_S)
+        self.fleet.wait("the robot is shown online", self.is_online, WAIT_S)
+        self.assert_problem(self.operator.ask("POST", "/api/v1/robots/nobody/stop"), 404, "missing")
+
+    def test_a_stop_with_the_key_of_an_earlier_one_is_ordered_again(self):
+        stop, release = (f"/api/v1/robots/{ROBOT}/{word}" for word in ("stop", "release"))
+        self.addCleanup(self.operator.ask, "POST", release)
+        for _ in range(2):
+            stopped = self.operator.ask("POST", stop, Idempotency_Key="stop-again")
+            self.assertEqual((stopped.status, stopped.json["robots"][0]["state"]), (200, "confirmed"), stopped.bytes)
+            self.assertNotIn("Idempotent-Replay", stopped.headers)
+            self.fleet.wait("it is shown as stopped", lambda: self.viewer.ask(
+                "GET", f"/api/v1/robots/{ROBOT}").json["content"]["fenced"], WAIT_S)
+            self.assertEqual(self.operator.ask("POST", release).status, 200)
+            self.fleet.wait("it is shown as released", lambda: not self.viewer.ask(
+                "GET", f"/api/v1/robots/{ROBOT}").json["content"]["fenced"], WAIT_S)
+
+    def test_a_stop_that_the_robot_does_not_confirm_is_on_record_as_that(self):
+        go_on, answer = self.under_way("stop")
+        told = answer()
+        self.assertEqual((told.status, told.json["robots"][0]["state"]), (200, "sent"), told.bytes)
+        go_on()
+        self.assertEqual(self.orders("stop")[:2], [f"not confirmed by 1 of 1: {ROBOT} sent", "begins"])
+        # In the moment after its stall it takes what is as old as that for late.
+        self.fleet.wait("it is released", lambda: self.operator.ask(
+            "POST", f"/api/v1/robots/{ROBOT}/release").json["robots"][0]["state"] == "confirmed", WAIT_S)
+        self.assertEqual(self.orders("release")[0], "done")
+
+    def test_what_nobody_can_be_told_does_not_begin(self):
+        for path, body, status in (("/api/v1/runs", {"scenario": SCENARIO, "priority": "high"}, 422),
+                                   ("/api/v1/runs", {}, 400),
+                                   (f"/api/v1/robots/{ROBOT}/release", {"reason": 7}, 422),
+                                   (f"/api/v1/robots/{ROBOT}/retired", {}, 400),
+                                   ("/api/v1/robots/nobody/release", {}, 404),
+                                   ("/api/v1/runs/0123456789abcdef/pause", {"reason": 7}, 422)):
+            for more in ({}, {"Idempotency_Key": f"wrong {path} {status}".replace(" ", "-")}):
+                refused = self.operator.ask("POST", path, body, **more)
+                self.assert_problem(refused, status)
+                last = self.admin.ask("GET", "/api/v1/audit?limit=2&who=olga").json["records"]
+                self.assertEqual(last[0]["outcome"], f"refused: {status}", path)
+                self.assertNotEqual(last[1]["outcome"], "begins", path)
+
+    # ---- a gateway that ends while a robot has not answered yet
+
+    def under_way(self, word, **more):
+        """An order that its robot hears and cannot answer; see held()."""
+        return self.held(ROBOT, "mode-adapter", f"/api/v1/robots/{ROBOT}/{word}", **more)
+
+    def held(self, node, service, path, body=None, **more):
+        """An order that a service cannot answer, once it is on record; what lets the service answer, and a function that
+        waits for the order's answer: None if the connection was cut."""
+        pid = self.fleet.pid(node, service)
+        before = self.newest()
+        os.kill(pid, signal.SIGSTOP)
+        self.addCleanup(os.kill, pid, signal.SIGCONT)
+
+        def ask():
+            with contextlib.suppress(OSError, http.client.HTTPException):
+                return self.operator.ask("POST", path, body, **more)
+        pool = concurrent.futures.ThreadPoolExecutor(1)
+        self.addCleanup(pool.shutdown)
+        answer = pool.submit(ask)
+        self.fleet.wait("that it begins is on record", lambda: self.newest() > before, 2)
+        return (lambda: os.kill(pid, signal.SIGCONT)), lambda: answer.result(WAIT_S)
+
+    def newest(self):
+        """The number of olga's last record. All of them take longer to be looked at than the gateway waits for a robot."""
+        records = self.admin.ask("GET", "/api/v1/audit?limit=1&who=olga").json["records"]
+        return records[0]["number"] if records else 0
+
+    def orders(self, word):
+        """What is on record of them, the newest first."""
+        return [one["outcome"] for one in self.admin.ask("GET", "/api/v1/audit?limit=1000&who=olga").json["records"]
+                if one["action"] == f"POST /api/v1/robots/{{robot}}/{word}" or
+                (one["action"] == "unanswered" and one["about"] == f"/api/v1/robots/{{robot}}/{word} {ROBOT}")]
+
+    def test_what_is_under_way_when_the_gateway_is_told_to_end_is_answered_and_on_record(self):
+        for word in ("stop", "release"):
+            go_on, answer = self.under_way(word)
+            pid = self.fleet.pid(CLOUD, "cloud-gateway")
+            os.kill(pid, signal.SIGTERM)
+            self.fleet.wait("it is not there for others any more", lambda: not self.is_ready(), 2)
+            go_on()
+            told = answer()
+            self.assertIsNotNone(told, "the connection was cut")
+            self.assertEqual((told.status, told.json["robots"][0]["state"]), (200, "confirmed"), told.bytes)
+            self.fleet.wait("another gateway", lambda: self.fleet.pid(CLOUD, "cloud-gateway") not in (None, pid) and
+                            self.is_ready(), WAIT_S)
+            self.assertEqual(self.orders(word)[:2], ["done", "begins"])
+            self.fleet.wait("the robot is shown online", self.is_online, WAIT_S)
+
+    def test_what_is_under_way_when_the_gateway_is_killed_is_on_record(self):
+        for word, again in (("stop", 200), ("release", 503)):
+            more = {"Idempotency_Key": f"killed-{word}"}
+            go_on, answer = self.under_way(word, **more)
+            self.kill_gateway()
+            go_on()
+            self.assertIsNone(answer())
+            self.assertEqual(self.orders(word)[:2], ["not confirmed", "begins"])
+            self.fleet.wait("the robot is shown online", self.is_online, WAIT_S)
+            repeated = self.operator.ask("POST", f"/api/v1/robots/{ROBOT}/{word}", **more)
+            self.assertEqual(repeated.status, again, "of a stop alone nothing has to be known")
+        self.assertEqual(self.operator.ask("POST", f"/api/v1/robots/{ROBOT}/release").status, 200)
+
+    def test_who_looks_whether_it_was_done_is_told_what_to_look_for(self):
+        for service, path, body, effect in (
+                ("scheduler", "/api/v1/runs", {"scenario": SCENARIO}, "start of a run of scenario 'short'"),
+                ("resilience", "/api/v1/alerts/0123456789abcdef/decision", {"verdict": "skip"},
+                 "decision on alert 0123456789abcdef: skip")):
+            more = {"Idempotency_Key": f"look-{service}"}
+            go_on, answer = self.held(CLOUD, service, path, body, **more)
+            self.kill_gateway()
+            go_on()
+            self.assertIsNone(answer())
+            last = self.admin.ask("GET", "/api/v1/audit?limit=1&who=olga").json["records"][0]
+            self.assertEqual((last["action"], last["about"], last["outcome"]), ("unanswered", effect, "not confirmed"))
+            repeated = self.operator.ask("POST", path, body, **more)
+            self.assert_problem(repeated, 503, "not_confirmed")
+            self.assertIn(effect, repeated.json["detail"])
+            self.fleet.wait("the robot is shown online", self.is_online, WAIT_S)
+
+    def test_an_empty_list_says_when_nobody_has_told_what_there_is(self):
+        def silent(path="/api/v1/alerts"):
+            return self.viewer.ask("GET", path).json.get("silent")
+        pid = self.fleet.pid(CLOUD, "resilience")
+        os.kill(pid, signal.SIGSTOP)
+        self.addCleanup(lambda: self.fleet.pid(CLOUD, "resilience") == pid and os.kill(pid, signal.SIGCONT))
+        self.kill_gateway()
+        self.fleet.wait("all others have told theirs", lambda: silent() == ["resilience"], WAIT_S)
+        self.assertEqual(silent("/api/v1/runs"), ["resilience"])
+        os.kill(pid, signal.SIGCONT)
+        self.fleet.wait("all have told theirs", lambda: silent() is None, WAIT_S)
+
+
+if __name__ == "__main__":
+    support.main()
