@@ -17,6 +17,8 @@ from trb_process import wait_until  # noqa: E402
 
 PAGES = REPO / "deploy/handbook/network.md", REPO / "services/router/README.md"
 SSH, FLEET, LANES, ROBOT = 22, 45000, 45001, 40000
+TOPICS = 33333  # where a process on ROS might listen, and the network page's rule for such a robot
+FOR_ROS = "1024-65535"
 FLOOD = 600
 WALL = "wall"  # a host that accepts whatever its rules let through
 NODE_SIDE, ARM, OTHER = "192.168.1.1", "192.168.1.5", "192.168.1.6"
@@ -28,12 +30,22 @@ sys.stdin.read()
 """
 
 
+def blocks():
+    return [block.text for page in PAGES for block in shell_blocks.blocks_of(page) if block.text.startswith("nft ")]
+
+
 def rules():
     """The block of each page that loads rules: the firewall, the rule against floods. Its robot's address is the arm's here."""
-    found = [block.text for page in PAGES for block in shell_blocks.blocks_of(page) if block.text.startswith("nft ")]
+    found = [text for text in blocks() if FOR_ROS not in text]
     if len(found) != len(PAGES) or ARM not in found[0]:
         raise RuntimeError(f"{len(found)} blocks of nft in {', '.join(page.name for page in PAGES)}, or none for the robot {ARM}")
     return "".join(found)
+
+
+def rule_for_ros():
+    """What a robot on ROS needs besides."""
+    rule, = (text for text in blocks() if FOR_ROS in text)
+    return rule
 
 
 def add_robot_network(lab, node):
@@ -80,10 +92,10 @@ print(len(open_ones))"""
     return int(subprocess.run(lab.inside(host, sys.executable, "-c", code), capture_output=True, text=True, check=True).stdout)
 
 
-def doors(lab, node):
+def doors(lab, node, ports=(SSH, FLEET, LANES, ROBOT)):
     """What can be reached on the node: (from, port)."""
     near = [("fleet", "bee", lab.address(node), ""), ("robot", "arm", NODE_SIDE, ARM), ("another", "arm", NODE_SIDE, OTHER)]
-    return {(name, port) for name, host, address, source in near for port in (SSH, FLEET, LANES, ROBOT)
+    return {(name, port) for name, host, address, source in near for port in ports
             if reaches(lab, host, address, port, source)}
 
 
@@ -115,7 +127,7 @@ def firewall(report, rounds):
         lab.add_hosts([*NODES, WALL])
         add_robot_network(lab, ant)
         # For what listens on a computer besides the router, which takes the host's address alone.
-        listen(lab, ant, f"0.0.0.0:{SSH}", f"0.0.0.0:{ROBOT}", f"{NODE_SIDE}:{FLEET}", f"{NODE_SIDE}:{LANES}")
+        listen(lab, ant, f"0.0.0.0:{SSH}", f"0.0.0.0:{ROBOT}", f"{NODE_SIDE}:{FLEET}", f"{NODE_SIDE}:{LANES}", f"0.0.0.0:{TOPICS}")
         listen(lab, WALL, f"0.0.0.0:{FLEET}")
         fleet = NetFleet(lab, addresses_of(NODES))
         for node in (*NODES, WALL):
@@ -125,6 +137,11 @@ def firewall(report, rounds):
             found = doors(lab, ant)
             if found != expected:
                 report.fail(f"open on {ant}: {sorted(found)}; the rules are for {sorted(expected)}")
+            without = doors(lab, ant, [TOPICS])
+            subprocess.run(lab.inside(ant, "bash", "-ec", rule_for_ros()), check=True)
+            found = doors(lab, ant, [TOPICS])
+            if (without, found) != (set(), {("robot", TOPICS)}):
+                report.fail(f"open on {ant} for a robot on ROS: {sorted(found)}, without its rule {sorted(without)}")
             pull_cables(report, rounds, lab, ant)
             admitted = flood(lab, "bee", lab.address(WALL), FLOOD)
             report.notes["flood_admitted"] = admitted

@@ -9,7 +9,8 @@ namespace {
 // The errors that a router records about others, and their meaning. A refusal by the other side is "refused_us".
 constexpr Cause kCauses[] = {
     {"foreign_fleet", "foreign_fleet", "its certificate is of another fleet",
-     "have its request signed by this fleet's authority: trb fleet sign"},
+     "if it is another hall's, nothing: it does no harm; if it belongs here, have its request signed by this fleet's "
+     "authority: trb fleet sign"},
     {"bad_signature", "bad_signature", "its certificate or beacon was not signed by this fleet's authority",
      "have its request signed again: trb fleet sign; if nobody made it, somebody tries to get in"},
     {"cert_expired", "cert_expired", "its certificate has ended",

@@ -59,15 +59,31 @@ static void take(enum trb_event event) {
   }
 }
 
+/* Says once, until it succeeds, that nobody answers. */
+static void dial(const char *host, int port) {
+  static int told;
+  const struct timespec moment = {0, 200 * 1000 * 1000};
+  if (trb_dial(&channel, host, port) == 0) {
+    told = 0;
+    return;
+  }
+  if (!told) fprintf(stderr, "no answer from %s port %d; trying again\n", host, port);
+  told = 1;
+  nanosleep(&moment, NULL);
+}
+
 int main(int argc, char **argv) {
   const char *host = argc > 1 ? argv[1] : "127.0.0.1";
   const int port = argc > 2 ? atoi(argv[2]) : 40000;
-  const struct timespec moment = {0, 200 * 1000 * 1000};
+  if (argc > 4 || port <= 0 || port > 65535) {
+    fputs("usage: example [NODE_ADDRESS [TCP_PORT [CHUNK_BYTES]]], as: example 192.168.1.10 40000\n", stderr);
+    return 2;
+  }
   trb_open(&channel, data, sizeof data, argc > 3 ? (size_t)atoi(argv[3]) : 0); /* chunk_bytes */
   for (;;) {
     const enum trb_event event = trb_wait(&channel, 20);
     take(event);
-    if (event == TRB_CLOSED && trb_dial(&channel, host, port) != 0) nanosleep(&moment, NULL);
+    if (event == TRB_CLOSED) dial(host, port);
     if (ends > 0 && now() >= ends) { /* yours: has the motion ended? */
       ends = 0;
       trb_report(&channel, "wave", NULL);

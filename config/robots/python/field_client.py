@@ -4,11 +4,11 @@ encoding "text". Copy it to the robot. `main` at the end is an example of a robo
     trb robot conform config/robots/field-example.json --listen 127.0.0.1:40000 --run wave
     python3 field_client.py 127.0.0.1
 """
+import argparse
 import collections
 import re
 import select
 import socket
-import sys
 import time
 
 # type: "command", "request" or "information"; peer: who has sent it; data: a text
@@ -113,9 +113,10 @@ class Channel:
                 self.socket = socket.create_connection(self.address, timeout=2)
                 self.socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
             except OSError:
-                if time.monotonic() + 0.2 > end:
+                left = end - time.monotonic()
+                time.sleep(max(0, min(0.2, left)))  # a refused dial costs nothing: without a pause it would be repeated at once
+                if left <= 0.2:
                     return False
-                time.sleep(0.2)
         return True
 
     def _take(self, field):
@@ -198,5 +199,15 @@ class ExampleRobot:
         self.skill = None  # yours: stop every motion, now
 
 
+def main():
+    parser = argparse.ArgumentParser(description="A robot that can wave, on the field channel of its node.",
+                                     epilog="Example: field_client.py 192.168.1.10")
+    parser.add_argument("node", help="the address of the node's computer in the robot's network")
+    parser.add_argument("port", type=int, nargs="?", default=40000, help="TCP_PORT of network.json (40000)")
+    parser.add_argument("chunk_bytes", type=int, nargs="?", default=0, help="chunk_bytes of the robot's description (0: no limit)")
+    given = parser.parse_args()
+    ExampleRobot(given.node, given.port, given.chunk_bytes).run()
+
+
 if __name__ == "__main__":
-    ExampleRobot(*sys.argv[1:2], *map(int, sys.argv[2:4])).run()  # NODE [TCP_PORT [CHUNK_BYTES]]
+    main()

@@ -227,8 +227,10 @@ class Worker {
         send_to_bridge(Word::published, {waiting.token});
       } else if (Clock::now() >= waiting.deadline) {
         refuse(waiting.token, "timeout", waiting.topic + ": nobody subscribes to it as " + publisher.type,
-               "start the robot's node; if it runs, compare the sums: rosmsg md5 " + publisher.type + " is " +
-                   publisher.sum + " here");
+               "start the robot's node; if it runs, let it through the firewall here (it connects to this computer, at "
+               "any "
+               "port), and compare the sums: rosmsg md5 " +
+                   publisher.type + " is " + publisher.sum + " here");
       } else {
         blocked[waiting.topic] = true;
         still.push_back(std::move(waiting));
