@@ -12,12 +12,15 @@ namespace trb::fuzz {
 class Bits {
  public:
   explicit Bits(BytesView input) : input_(input) {}
+  [[nodiscard]] bool empty() const { return input_.empty(); }
   std::size_t below(std::size_t count) {
     if (input_.empty()) return 0;
     const auto byte = static_cast<unsigned char>(input_.front());
     input_.remove_prefix(1);
     return byte % count;
   }
+  /// Mostly true.
+  bool mostly() { return below(8) != 7; }
   template <class T, std::size_t N>
   T one_of(const T (&choices)[N]) {
     return choices[below(N)];

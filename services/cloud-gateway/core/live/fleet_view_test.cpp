@@ -1,5 +1,7 @@
-// The fleet view with messages in order, late, repeated, from the wrong node and too many.
+// The fleet view with messages about nodes, robots and sensors: in order, late, repeated, from the wrong node.
 #include <doctest/doctest.h>
+
+#include <algorithm>
 
 #include "services/cloud-gateway/core/live/test/hall.hpp"
 
@@ -19,12 +21,6 @@ Route with_sensor(const std::string& id) {
   SensorInfo sensor;
   sensor.name = "dht22";
   out.profile.plugged = {sensor};
-  return out;
-}
-
-RobotState large_state(char fill) {
-  RobotState out;
-  for (int i = 0; i < 32; ++i) out.values.push_back({"value" + std::to_string(i), std::string(1000, fill)});
   return out;
 }
 
@@ -258,150 +254,4 @@ TEST_CASE("a sensor is unplugged: it and its value are gone") {
   hall.table({route("pioneer1")});
   CHECK(hall.row(RowKind::sensor, "pioneer1", "dht22") == nullptr);
   CHECK(hall.row(RowKind::reading, "pioneer1", "dht22") == nullptr);
-}
-
-TEST_CASE("runs: an older word of one is ignored; the table alone may go back") {
-  Hall hall;
-  hall.say("cloud", RunTable{{run(RunState::running, 5)}});
-  hall.say("cloud", RunChanged{run(RunState::paused, 6)});
-  hall.say("cloud", RunChanged{run(RunState::running, 4)});
-  const Row* row = hall.row(RowKind::run, "", kRun);
-  CHECK(std::get<RunSummary>(row->content).state == RunState::paused);
-  hall.say("cloud", RunTable{{run(RunState::running, 1)}});
-  CHECK(std::get<RunSummary>(row->content).state == RunState::running);
-}
-
-TEST_CASE("time that runs down makes no new version of a run") {
-  Hall hall;
-  RunSummary one = run(RunState::running, 1);
-  one.left_s = 60;
-  hall.say("cloud", RunTable{{one}});
-  one.left_s = 55;
-  hall.say("cloud", RunTable{{one}});
-  CHECK(hall.row(RowKind::run, "", kRun)->version == 1);
-}
-
-TEST_CASE("a run leaves the table without a word of its end: it does not look live, and is asked for") {
-  Hall hall;
-  hall.say("cloud", RunTable{{run(RunState::running, 1)}});
-  hall.say("cloud", RunTable{});
-  CHECK(hall.live(RowKind::run, "", kRun) == Live::not_heard);
-  hall.wait(seconds(0.1));
-  REQUIRE(sent<RunQuery>(hall.out).size() == 1);
-  RunView view;
-  view.run = kRun;
-  view.state = RunState::finished;
-  hall.say("cloud", view);
-  const Row* row = hall.row(RowKind::run, "", kRun);
-  CHECK(row->live == Live::live);
-  CHECK(std::get<RunSummary>(row->content).state == RunState::finished);
-  hall.say("cloud", RunTable{});
-  CHECK(row->live == Live::live);
-}
-
-TEST_CASE("a run that the scheduler knows nothing of, asked five times, is shown no longer") {
-  Hall hall;
-  hall.say("cloud", RunTable{{run(RunState::running, 1)}});
-  hall.say("cloud", RunTable{});
-  for (int i = 0; i < 7; ++i) hall.wait(seconds(2));
-  CHECK(sent<RunQuery>(hall.out).size() == 5);
-  CHECK(hall.row(RowKind::run, "", kRun) == nullptr);
-}
-
-TEST_CASE("a run that somebody looks at is asked for, and again at each change") {
-  Hall hall;
-  hall.view.watch_runs({kRun}, hall.now);
-  hall.wait({});
-  hall.say("cloud", RunTable{{run(RunState::running, 1)}});
-  RunView view;
-  view.run = kRun;
-  hall.say("cloud", view);
-  hall.wait(seconds(5));
-  CHECK(sent<RunQuery>(hall.out).size() == 1);
-  hall.say("cloud", RunChanged{run(RunState::paused, 2)});
-  hall.wait({});
-  CHECK(sent<RunQuery>(hall.out).size() == 2);
-}
-
-TEST_CASE("an alert that is in no table any more is gone; silence makes all of them not heard") {
-  Hall hall;
-  hall.say("cloud", AlertTable{{alert("a1", "pioneer1"), alert("a2", "pioneer2")}});
-  hall.say("cloud", AlertTable{{alert("a2", "pioneer2")}});
-  CHECK(hall.row(RowKind::alert, "", "a1") == nullptr);
-  hall.wait(seconds(10));
-  CHECK(hall.live(RowKind::alert, "", "a2") == Live::not_heard);
-}
-
-TEST_CASE("a service of the own node is silent until its first table, which may be empty, and when it has been quiet") {
-  Hall hall;
-  hall.wait({});
-  CHECK(hall.view.silent() == RowSources{RowSource::router, RowSource::scheduler, RowSource::resilience});
-  hall.table({route("pioneer1")});
-  hall.say("pioneer1", AlertTable{});
-  CHECK(hall.view.silent() == RowSources{RowSource::scheduler, RowSource::resilience});
-  hall.say("cloud", AlertTable{});
-  CHECK(hall.view.silent() == RowSources{RowSource::scheduler});
-  hall.say("cloud", RunTable{});
-  CHECK(hall.view.silent().empty());
-  hall.wait(FleetView::kAlertsSilence);
-  CHECK(hall.view.silent() == RowSources{RowSource::router, RowSource::resilience});
-  hall.say("cloud", AlertTable{});
-  CHECK(hall.view.silent() == RowSources{RowSource::router});
-  hall.wait(FleetView::kRunsSilence - FleetView::kAlertsSilence);
-  CHECK(hall.view.silent() == RowSources{RowSource::router, RowSource::scheduler});
-}
-
-TEST_CASE("a robot of too many values keeps 64 of them, and says so") {
-  Hall hall;
-  hall.table({route("pioneer1")});
-  for (int i = 0; i < 100; ++i) hall.tell("pioneer1", "v" + std::to_string(i), "1");
-  CHECK(hall.robot("pioneer1").values.size() == 64);
-  CHECK(hall.robot("pioneer1").cut);
-  for (int i = 0; i < 100; ++i) hall.say("pioneer1", RobotFault{"c" + std::to_string(i), Severity::warning, "", false});
-  CHECK(hall.robot("pioneer1").faults.size() == 64);
-}
-
-TEST_CASE("a node over its budget is refused, shown as such, and others are taken") {
-  Hall hall;
-  Route greedy = route("greedy");
-  for (int i = 0; i < 255; ++i) {
-    SensorInfo sensor;
-    sensor.name = "s" + std::to_string(i);
-    sensor.detail = std::string(255, 'x');
-    sensor.device = std::string(128, 'x');
-    greedy.profile.plugged.push_back(sensor);
-  }
-  hall.table({greedy, route("pioneer1")});
-  for (int i = 0; i < 64; ++i) hall.tell("greedy", "v" + std::to_string(i), std::string(1000, 'a'));
-  CHECK(hall.counted("refused.node_budget") > 0);
-  CHECK(hall.live(RowKind::robot, "greedy") == Live::refused);
-  hall.say("cloud", PeerExpired{"greedy", "10 s unheard"});
-  CHECK(hall.live(RowKind::robot, "greedy") == Live::not_heard);
-  hall.table({greedy, route("pioneer1")});
-  CHECK(hall.live(RowKind::robot, "greedy") == Live::refused);
-  hall.tell("pioneer1", "battery", "80");
-  CHECK(hall.live(RowKind::robot, "pioneer1") == Live::live);
-}
-
-TEST_CASE("a node that tells too much is told slowly, with its newest value; another one's word goes at once") {
-  Hall hall;
-  hall.table({route("greedy"), route("pioneer1")});
-  const std::uint64_t before = hall.book.head();
-  for (int i = 0; i < 100; ++i) hall.say("greedy", large_state(i % 2 == 0 ? 'a' : 'b'));
-  CHECK(hall.book.head() - before <= 6);
-  const std::uint64_t head = hall.book.head();
-  hall.tell("pioneer1", "battery", "80");
-  CHECK(hall.row(RowKind::robot, "pioneer1")->number == head + 1);
-  hall.wait(seconds(3));
-  CHECK(hall.row(RowKind::robot, "greedy")->number > head + 1);
-  CHECK(hall.robot("greedy").values[0].value[0] == 'b');
-}
-
-TEST_CASE("no more than 2,000 nodes, and no node without an id") {
-  Hall hall;
-  for (int i = 0; i < 2100; ++i) hall.tell("robot" + std::to_string(i), "battery", "80");
-  CHECK(hall.counted("refused.too_many_nodes") == 100);
-  Hall other;
-  other.table({route("No Id!")});
-  CHECK(other.counted("dropped.no_id") == 1);
 }

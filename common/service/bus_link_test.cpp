@@ -1,0 +1,201 @@
+// The bus link against a router's end played by the test: hello, welcome, restarts, refusals.
+#include "common/service/bus_link.hpp"
+
+#include <doctest/doctest.h>
+
+#include <filesystem>
+#include <limits>
+#include <set>
+
+#include "common/security/keys.hpp"
+#include "common/service/test/router_end.hpp"
+
+using namespace trb;
+using namespace trb::test;
+
+namespace {
+
+/// Advances time on the link, in steps of 20 ms without waiting, until the router's end has received one of the
+/// subtypes.
+std::optional<Message> hear(BusLink& link, Router& router, const std::set<std::string_view>& subtypes) {
+  const MonotonicTime end = read_clocks().mono + kPatience;
+  for (Now now = read_clocks(); now.mono < end; now = read_clocks()) {
+    link.tick(now);
+    link.receive(now);
+    zmq::pollitem_t items[] = {{router.socket->handle(), 0, ZMQ_POLLIN, 0}, {link.handle(), 0, ZMQ_POLLIN, 0}};
+    zmq::poll(items, 2, std::chrono::milliseconds(20));
+    if (auto message = router.receive(); message && subtypes.count(message->subtype) != 0) return message;
+  }
+  return std::nullopt;
+}
+
+std::optional<Message> hear(BusLink& link, Router& router, std::string_view subtype) {
+  return hear(link, router, std::set{subtype});
+}
+
+template <class Condition>
+bool link_until(BusLink& link, Condition condition) {
+  const MonotonicTime end = read_clocks().mono + kPatience;
+  while (!condition() && read_clocks().mono < end) {
+    zmq::pollitem_t item{link.handle(), 0, ZMQ_POLLIN, 0};
+    zmq::poll(&item, 1, std::chrono::milliseconds(20));
+    link.receive(read_clocks());
+  }
+  return condition();
+}
+
+ServiceHello hello() {
+  return {"cli", {"wave"}, 7, 1, "test"};
+}
+
+/// A service's link and its router's end of it.
+struct Ends {
+  Folder folder;
+  Router router;
+  Context context;
+  BusLink link{context, ipc_bus("probe"), hello()};
+
+  void welcome() {
+    REQUIRE(hear(link, router, ServiceHello::kSubtype));
+    router.say(ServiceWelcome{"ant", "robot", 1, 1, 1});
+    REQUIRE(link_until(link, [&] { return link.up(); }));
+  }
+};
+
+}  // namespace
+
+TEST_CASE("a service says hello until it is welcomed, then its messages bear its slot") {
+  init_crypto();
+  Ends ends;
+  CHECK(ends.link.send(Send{.target = "ant", .body = Stop{}}).value() == 0);
+  const auto first = hear(ends.link, ends.router, ServiceHello::kSubtype);
+  REQUIRE(first);
+  CHECK(decode<ServiceHello>(first->data)->subtypes == std::vector<std::string>{"wave"});
+  ends.router.say(ServiceWelcome{"ant", "robot", 0x1234, 1, 1});
+  REQUIRE(link_until(ends.link, [&] { return ends.link.up(); }));
+  const std::uint64_t id =
+      ends.link.send(Send{.type = MessageType::command, .target = "bee", .body = Stop{"x"}}).value();
+  CHECK((id >> 48U) == 0x1234);
+  const auto heard = hear(ends.link, ends.router, Stop::kSubtype);
+  REQUIRE(heard);
+  CHECK(heard->source == "ant");
+  CHECK(heard->target == "bee");
+  CHECK(heard->id == id);
+}
+
+TEST_CASE("of large messages for a router that stands still a few megabytes wait, small ones still have room") {
+  init_crypto();
+  Ends ends;
+  ends.welcome();
+  Message picture;
+  picture.type = MessageType::information;
+  picture.subtype = "picture";
+  picture.target = "bee";
+  picture.data = Bytes(1'000'000, 'p');
+  int sent = 0;
+  while (sent < 2 * kHighWaterMark && ends.link.send(picture).value() != 0) ++sent;
+  // The router's own end has received some as well.
+  CHECK(sent < kReceiveHighWaterMark + 16);
+  CHECK(ends.link.send(Send{.type = MessageType::command, .target = "bee", .body = Stop{"x"}}).value() != 0);
+}
+
+TEST_CASE("what its hearer would have to refuse does not leave, and the maker is told") {
+  init_crypto();
+  Ends ends;
+  ends.welcome();
+  const auto refused = [&](Body body, const std::string& target = "bee") {
+    return ends.link.send(Send{.type = MessageType::command, .target = target, .body = std::move(body)}).error();
+  };
+  RobotState state;
+  state.values.resize(33);
+  CHECK(refused(state).code == Errc::too_large);
+  CHECK(refused(state).what == "robot_state: values: list over 32 items");
+  SensorImage image;
+  image.bytes.bytes.resize(1'000'001);
+  CHECK(refused(image).what == "sensor_image: bytes: over 1000000 bytes");
+  CHECK(refused(Opaque{"picture", std::string(kMaxDataSize + 1, 'x')}).code == Errc::too_large);
+  SensorReading reading;
+  reading.number = std::numeric_limits<double>::quiet_NaN();
+  CHECK(refused(reading).code == Errc::bad_value);
+  CHECK(refused(Stop{}, std::string(65, 'b')).code == Errc::malformed);
+  // The largest message that may be sent arrives.
+  REQUIRE(ends.link.send(Send{.target = "bee", .body = Opaque{"picture", std::string(kMaxDataSize, 'x')}}).value() !=
+          0);
+  const auto heard = hear(ends.link, ends.router, "picture");
+  REQUIRE(heard);
+  CHECK(heard->data.size() == kMaxDataSize);
+}
+
+TEST_CASE("a router that was started again is told hello again") {
+  init_crypto();
+  Folder folder;
+  Context context;
+  BusLink link(context, ipc_bus("probe"), hello());
+  {
+    Router router;
+    REQUIRE(hear(link, router, ServiceHello::kSubtype));
+    router.say(ServiceWelcome{"ant", "robot", 1, 1, 1});
+    REQUIRE(link_until(link, [&] { return link.up(); }));
+  }
+  std::filesystem::remove(folder.path + "/bus/probe.ipc");
+  Router again;
+  // Once its lease has ended, it says hello unasked.
+  const auto first = hear(link, again, {ServiceAlive::kSubtype, ServiceHello::kSubtype});
+  REQUIRE(first);
+  if (first->subtype == ServiceAlive::kSubtype) {
+    again.say(HelloWanted{});
+    REQUIRE(hear(link, again, ServiceHello::kSubtype));
+  }
+  again.say(ServiceWelcome{"ant", "robot", 2, 2, 2});
+  REQUIRE(link_until(link, [&] { return link.up(); }));
+  CHECK(link.welcome()->slot == 2);
+}
+
+TEST_CASE("a link by which something far too large came is made again") {
+  init_crypto();
+  Ends ends;
+  ends.welcome();
+  const Bytes first = ends.router.peer;
+  REQUIRE(ends.router.socket->send_to(ends.router.peer, to_frame(Bytes(2U << 20U, 'x'))) == SendResult::sent);
+  // Its libzmq closes the connection and never reopens it: the service notices when its lease ends.
+  const MonotonicTime end = read_clocks().mono + kPatience;
+  while (ends.router.peer == first && read_clocks().mono < end) {
+    ends.link.tick(read_clocks());
+    (void)ends.link.receive(read_clocks());
+    (void)ends.router.receive();
+  }
+  REQUIRE(ends.router.peer != first);
+  ends.router.say(ServiceWelcome{"ant", "robot", 2, 1, 1});
+  REQUIRE(link_until(ends.link, [&] { return ends.link.up() && ends.link.welcome()->slot == 2; }));
+}
+
+TEST_CASE("an answer that comes before the router's welcome goes to the one who waits: it refuses no service") {
+  init_crypto();
+  Ends ends;
+  REQUIRE(hear(ends.link, ends.router, ServiceHello::kSubtype));
+  ends.router.say(Nack{"peer_unreachable", "task_offer", "bee", "no link", ""});
+  std::optional<Message> got;
+  const MonotonicTime end = read_clocks().mono + kPatience;
+  while (!got && read_clocks().mono < end) got = ends.link.receive(read_clocks());
+  REQUIRE(got);
+  CHECK(got->subtype == "nack");
+  CHECK(ends.link.refusal().empty());
+}
+
+TEST_CASE("a refusal is kept for the person, an answer goes to the one who waits") {
+  init_crypto();
+  Ends ends;
+  REQUIRE(hear(ends.link, ends.router, ServiceHello::kSubtype));
+  ends.router.say(Nack{"already_claimed", "service_hello", "ant", "service 'cli' is running already", ""});
+  REQUIRE(link_until(ends.link, [&] { return !ends.link.refusal().empty(); }));
+  CHECK(ends.link.refusal().find("already_claimed") == 0);
+  ends.router.say(ServiceWelcome{"ant", "robot", 1, 1, 1});
+  REQUIRE(link_until(ends.link, [&] { return ends.link.up(); }));
+  CHECK(ends.link.refusal().empty());
+  ends.router.say(Ack{"stopped", ""});
+  std::optional<Message> got;
+  const MonotonicTime end = read_clocks().mono + kPatience;
+  while (!got && read_clocks().mono < end) got = ends.link.receive(read_clocks());
+  REQUIRE(got);
+  CHECK(got->subtype == "ack");
+}
