@@ -73,6 +73,12 @@ describe('a request', () => {
     expect(problem.at('/tasks/0/robot')).toEqual(faults);
   });
 
+  it('that is refused for the same fault twice gives its hint once', async () => {
+    const faults = ['/tasks/0/id', '/tasks/1/id'].map((pointer) => ({ pointer, detail: `${pointer} is no id`, hint: 'use a letter' }));
+    const { client } = gateway(json({ type: '/problems/bad_value', detail: '2 faults', errors: [...faults, { ...faults[0], hint: '' }] }, 422));
+    await expect(client.post('/x')).rejects.toMatchObject({ hints: ['use a letter'], faults: { length: 3 } });
+  });
+
   it('that has to wait says how long', async () => {
     const { client } = gateway(json({ type: 'wait', detail: 'no sign-in now' }, 429, { 'Retry-After': '12' }));
     await expect(client.post('/x')).rejects.toMatchObject({ retryAfterS: 12 });

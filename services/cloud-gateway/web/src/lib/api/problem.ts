@@ -27,8 +27,9 @@ export class Problem extends Error {
     return this.status === 0;
   }
 
+  /** Each once: what is wrong at several places has the same hint at each. */
   get hints(): string[] {
-    return this.faults.map((fault) => fault.hint).filter((hint) => hint !== '');
+    return [...new Set(this.faults.map((fault) => fault.hint).filter((hint) => hint !== ''))];
   }
 
   /** The faults of one member of the request, by its JSON pointer. */
