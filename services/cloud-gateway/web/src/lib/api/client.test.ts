@@ -100,6 +100,52 @@ describe('a request', () => {
   });
 });
 
+describe('a change with the CSRF value of a session that another tab has replaced', () => {
+  const refused = () => json({ type: '/problems/wrong_csrf', detail: 'no' }, 403);
+  function tab(...answers: (Response | Error)[]) {
+    const made = gateway(...answers);
+    const ends: boolean[] = [];
+    Object.assign(made.client, { csrf: 'old', user: 'ann', onSignedOut: (isTaken: boolean) => ends.push(isTaken) });
+    return { ...made, ends };
+  }
+  const stop = { idempotencyKey: 'one', body: {} };
+
+  it('is sent once more with the new one', async () => {
+    const { client, sent, ends } = tab(refused(), json({ user: 'ann', csrf: 'new' }), json({ robots: [] }));
+    await expect(client.post('/api/v1/stop', stop)).resolves.toEqual({ robots: [] });
+    expect(sent.map((one) => one.url)).toEqual(['/api/v1/stop', '/api/v1/session', '/api/v1/stop']);
+    expect([header(sent[2], 'X-CSRF-Token'), header(sent[2], 'Idempotency-Key'), client.csrf]).toEqual(['new', 'one', 'new']);
+    expect(ends).toEqual([]);
+  });
+
+  it('is sent no third time', async () => {
+    const { client, sent } = tab(refused(), json({ user: 'ann', csrf: 'new' }), refused());
+    await expect(client.post('/api/v1/stop', stop)).rejects.toMatchObject({ code: 'wrong_csrf' });
+    expect(sent).toHaveLength(3);
+  });
+
+  it('is not sent in the name of another user: this tab is signed out', async () => {
+    const { client, sent, ends } = tab(refused(), json({ user: 'bob', csrf: 'new' }));
+    const problem: unknown = await client.post('/api/v1/stop', stop).catch((error: unknown) => error);
+    expect([sent.length, ends, client.csrf, client.isOver(problem)]).toEqual([2, [true], '', true]);
+  });
+
+  it('leads to the sign-in if there is no session any more', async () => {
+    const { client, ends } = tab(refused(), json({}, 401));
+    const problem: unknown = await client.post('/api/v1/stop', stop).catch((error: unknown) => error);
+    expect([ends, client.isOver(problem)]).toEqual([[false], true]);
+  });
+
+  it('is no end of the session if the gateway cannot be asked, or refuses for another reason', async () => {
+    const lost = tab(refused(), new TypeError('Failed to fetch'));
+    const problem: unknown = await lost.client.post('/api/v1/stop', stop).catch((error: unknown) => error);
+    expect([lost.ends, lost.client.isOver(problem)]).toEqual([[], false]);
+    const other = tab(json({ type: '/problems/role_too_low', detail: 'no' }, 403));
+    await expect(other.client.post('/x')).rejects.toMatchObject({ code: 'role_too_low' });
+    expect(other.sent).toHaveLength(1);
+  });
+});
+
 it('reads a list to its last page', async () => {
   const { client, sent } = gateway(json({ items: [1, 2], next: 'abc' }), json({ items: [3], next: '' }));
   expect(await allPages(client, '/api/v1/robots')).toEqual([1, 2, 3]);
