@@ -149,5 +149,5 @@ describe('a change with the CSRF value of a session that another tab has replace
 it('reads a list to its last page', async () => {
   const { client, sent } = gateway(json({ items: [1, 2], next: 'abc' }), json({ items: [3], next: '' }));
   expect(await allPages(client, '/api/v1/robots')).toEqual([1, 2, 3]);
-  expect(sent[1]?.url).toBe('/api/v1/robots?limit=100&cursor=abc');
+  expect(sent[1]?.url).toBe('/api/v1/robots?limit=500&cursor=abc');
 });

@@ -118,12 +118,16 @@ export class Client {
   }
 }
 
+/** The most that the gateway gives at once. */
+const PAGE = 500;
+
 /** The whole list, page by page. */
-export async function allPages<T>(client: Client, pattern: string, query: Query = {}): Promise<T[]> {
+export async function allPages<T>(client: Client, pattern: string, signal?: AbortSignal): Promise<T[]> {
   const out: T[] = [];
   for (let cursor = ''; ; ) {
     const page = await client.get<{ items: T[]; next: string }>(pattern, {
-      query: { ...query, limit: 100, cursor: cursor || undefined },
+      query: { limit: PAGE, cursor: cursor || undefined },
+      ...(signal ? { signal } : {}),
     });
     out.push(...page.items);
     if (page.next === '' || page.items.length === 0) return out;
