@@ -1,6 +1,6 @@
 import { describe, expect, it } from 'vitest';
 import { allPages, Client, urlOf } from './client';
-import { Problem } from './problem';
+import { pageHints, Problem } from './problem';
 
 interface Sent {
   url: string;
@@ -144,6 +144,10 @@ describe('a change with the CSRF value of a session that another tab has replace
     await expect(other.client.post('/x')).rejects.toMatchObject({ code: 'role_too_low' });
     expect(other.sent).toHaveLength(1);
   });
+});
+
+it('leaves out hints for a command line', () => {
+  expect(pageHints(['say --stands if you have seen it', 'trb alert list says why', 'bring it back'])).toEqual(['bring it back']);
 });
 
 it('reads a list to its last page', async () => {

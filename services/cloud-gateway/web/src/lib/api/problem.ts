@@ -38,6 +38,11 @@ export class Problem extends Error {
   }
 }
 
+/** Hints for who sits at a command line are none for who looks at a page. */
+export function pageHints(hints: string[]): string[] {
+  return hints.filter((hint) => !/(^|\W)--[a-z]|\btrb /.test(hint));
+}
+
 export function unreachable(): Problem {
   return new Problem(0, 'unreachable', 'the gateway cannot be reached');
 }
