@@ -1,3 +1,5 @@
+import { onDestroy } from 'svelte';
+
 /** The address after '#': #/robots/ur3 is the view `robots` with the part `ur3`. */
 class Router {
   parts = $state<string[]>(partsOf(location.hash));
@@ -28,4 +30,17 @@ export const router = new Router();
 
 export function go(...parts: string[]): void {
   location.hash = hrefOf(...parts);
+}
+
+/**
+ * go() for an answer that comes when it comes: who has left the component meanwhile stays where he is. True: he was
+ * moved. Only while a component is being made.
+ */
+export function useGo(): (...parts: string[]) => boolean {
+  let isHere = true;
+  onDestroy(() => (isHere = false));
+  return (...parts) => {
+    if (isHere) go(...parts);
+    return isHere;
+  };
 }

@@ -17,7 +17,10 @@ class SessionStore {
   isUnreachable = $state(false);
 
   constructor() {
-    api.onSignedOut = () => this.end('ended');
+    api.onSignedOut = (isTaken) => {
+      this.end('ended');
+      if (isTaken) localStorage.setItem(KEPT, '1'); // of the browser, not of this tab
+    };
   }
 
   may(least: Role): boolean {
@@ -56,12 +59,13 @@ class SessionStore {
 
   private async leave(path: string): Promise<void> {
     await api.send('DELETE', path);
-    api.csrf = '';
+    api.csrf = api.user = '';
     this.end('out');
   }
 
   private begin(session: Session): void {
     api.csrf = session.csrf;
+    api.user = session.user;
     this.user = session.user;
     this.role = session.role;
     this.isUnreachable = false;

@@ -25,9 +25,9 @@ class Toasts {
     this.add('fault', text, hints);
   }
 
-  /** What a refused request says. */
-  problem(error: unknown): void {
-    if (error instanceof Problem) this.fault(error.isNotBuilt ? t('common.notBuilt') : error.detail, error.hints);
+  /** What a refused request says; `hintsOf`: which of its hints. */
+  problem(error: unknown, hintsOf = (hints: string[]) => hints): void {
+    if (error instanceof Problem) this.fault(error.isNotBuilt ? t('common.notBuilt') : error.detail, hintsOf(error.hints));
     else this.fault(String(error));
   }
 

@@ -1,6 +1,6 @@
 import { describe, expect, it } from 'vitest';
 import { allPages, Client, urlOf } from './client';
-import { Problem } from './problem';
+import { pageHints, Problem } from './problem';
 
 interface Sent {
   url: string;
@@ -73,6 +73,12 @@ describe('a request', () => {
     expect(problem.at('/tasks/0/robot')).toEqual(faults);
   });
 
+  it('that is refused for the same fault twice gives its hint once', async () => {
+    const faults = ['/tasks/0/id', '/tasks/1/id'].map((pointer) => ({ pointer, detail: `${pointer} is no id`, hint: 'use a letter' }));
+    const { client } = gateway(json({ type: '/problems/bad_value', detail: '2 faults', errors: [...faults, { ...faults[0], hint: '' }] }, 422));
+    await expect(client.post('/x')).rejects.toMatchObject({ hints: ['use a letter'], faults: { length: 3 } });
+  });
+
   it('that has to wait says how long', async () => {
     const { client } = gateway(json({ type: 'wait', detail: 'no sign-in now' }, 429, { 'Retry-After': '12' }));
     await expect(client.post('/x')).rejects.toMatchObject({ retryAfterS: 12 });
@@ -94,8 +100,58 @@ describe('a request', () => {
   });
 });
 
+describe('a change with the CSRF value of a session that another tab has replaced', () => {
+  const refused = () => json({ type: '/problems/wrong_csrf', detail: 'no' }, 403);
+  function tab(...answers: (Response | Error)[]) {
+    const made = gateway(...answers);
+    const ends: boolean[] = [];
+    Object.assign(made.client, { csrf: 'old', user: 'ann', onSignedOut: (isTaken: boolean) => ends.push(isTaken) });
+    return { ...made, ends };
+  }
+  const stop = { idempotencyKey: 'one', body: {} };
+
+  it('is sent once more with the new one', async () => {
+    const { client, sent, ends } = tab(refused(), json({ user: 'ann', csrf: 'new' }), json({ robots: [] }));
+    await expect(client.post('/api/v1/stop', stop)).resolves.toEqual({ robots: [] });
+    expect(sent.map((one) => one.url)).toEqual(['/api/v1/stop', '/api/v1/session', '/api/v1/stop']);
+    expect([header(sent[2], 'X-CSRF-Token'), header(sent[2], 'Idempotency-Key'), client.csrf]).toEqual(['new', 'one', 'new']);
+    expect(ends).toEqual([]);
+  });
+
+  it('is sent no third time', async () => {
+    const { client, sent } = tab(refused(), json({ user: 'ann', csrf: 'new' }), refused());
+    await expect(client.post('/api/v1/stop', stop)).rejects.toMatchObject({ code: 'wrong_csrf' });
+    expect(sent).toHaveLength(3);
+  });
+
+  it('is not sent in the name of another user: this tab is signed out', async () => {
+    const { client, sent, ends } = tab(refused(), json({ user: 'bob', csrf: 'new' }));
+    const problem: unknown = await client.post('/api/v1/stop', stop).catch((error: unknown) => error);
+    expect([sent.length, ends, client.csrf, client.isOver(problem)]).toEqual([2, [true], '', true]);
+  });
+
+  it('leads to the sign-in if there is no session any more', async () => {
+    const { client, ends } = tab(refused(), json({}, 401));
+    const problem: unknown = await client.post('/api/v1/stop', stop).catch((error: unknown) => error);
+    expect([ends, client.isOver(problem)]).toEqual([[false], true]);
+  });
+
+  it('is no end of the session if the gateway cannot be asked, or refuses for another reason', async () => {
+    const lost = tab(refused(), new TypeError('Failed to fetch'));
+    const problem: unknown = await lost.client.post('/api/v1/stop', stop).catch((error: unknown) => error);
+    expect([lost.ends, lost.client.isOver(problem)]).toEqual([[], false]);
+    const other = tab(json({ type: '/problems/role_too_low', detail: 'no' }, 403));
+    await expect(other.client.post('/x')).rejects.toMatchObject({ code: 'role_too_low' });
+    expect(other.sent).toHaveLength(1);
+  });
+});
+
+it('leaves out hints for a command line', () => {
+  expect(pageHints(['say --stands if you have seen it', 'trb alert list says why', 'bring it back'])).toEqual(['bring it back']);
+});
+
 it('reads a list to its last page', async () => {
   const { client, sent } = gateway(json({ items: [1, 2], next: 'abc' }), json({ items: [3], next: '' }));
   expect(await allPages(client, '/api/v1/robots')).toEqual([1, 2, 3]);
-  expect(sent[1]?.url).toBe('/api/v1/robots?limit=100&cursor=abc');
+  expect(sent[1]?.url).toBe('/api/v1/robots?limit=500&cursor=abc');
 });

@@ -1,6 +1,8 @@
 /**
  * Requests to the gateway. Cookies go by themselves; changes carry the CSRF value of the session. A refused request
  * throws a Problem. A 401 tells `onSignedOut` first, whatever view asked.
+ * All tabs share the cookie: a sign-in in another one leaves this one with the CSRF value of the session before. The
+ * refused change is then sent once more, with the new value, unless it would be another user's.
  */
 import { Problem, problemOf, unreachable } from './problem';
 
@@ -46,12 +48,21 @@ export function newKey(): string {
 
 export class Client {
   csrf = '';
-  onSignedOut: () => void = () => {};
+  /** Whose session it is. */
+  user = '';
+  /** `isTaken`: in another tab somebody else has signed in; his session goes on. */
+  onSignedOut: (isTaken: boolean) => void = () => {};
   /** A sign-in and the first look for a session are refused without telling anybody. */
   constructor(private readonly fetch: Fetch = (url, init) => globalThis.fetch(url, init)) {}
 
   async send<T>(method: Method, pattern: string, ask: Ask = {}): Promise<Answer<T>> {
-    const response = await this.reach(method, urlOf(pattern, ask.path, ask.query), ask);
+    const url = urlOf(pattern, ask.path, ask.query);
+    let response = await this.reach(method, url, ask);
+    if (response.status === 403 && this.csrf !== '') {
+      const refused = await problemOf(response);
+      if (refused.code !== 'wrong_csrf' || !(await this.isRenewed(ask))) throw refused;
+      response = await this.reach(method, url, ask);
+    }
     if (response.status === 401 && this.csrf !== '') this.signedOut();
     if (!response.ok) throw await problemOf(response);
     const isJson = response.headers.get('Content-Type')?.startsWith('application/json') ?? false;
@@ -62,9 +73,26 @@ export class Client {
   get = async <T>(pattern: string, ask: Ask = {}): Promise<T> => (await this.send<T>('GET', pattern, ask)).data;
   post = async <T>(pattern: string, ask: Ask = {}): Promise<T> => (await this.send<T>('POST', pattern, ask)).data;
 
-  signedOut(): void {
-    this.csrf = '';
-    this.onSignedOut();
+  signedOut(isTaken = false): void {
+    this.csrf = this.user = '';
+    this.onSignedOut(isTaken);
+  }
+
+  /** The request was refused and not done, as its session is over. */
+  isOver(error: unknown): boolean {
+    return error instanceof Problem && (error.status === 401 || error.status === 403) && this.csrf === '';
+  }
+
+  /** The cookie is of another session of the same user, whose CSRF value is taken. */
+  private async isRenewed(ask: Ask): Promise<boolean> {
+    const response = await this.reach('GET', '/api/v1/session', ask.signal ? { signal: ask.signal } : {});
+    if (response.status === 401) this.signedOut();
+    if (!response.ok) return false;
+    const session = (await response.json()) as { user?: string; csrf?: string };
+    if (this.csrf === '') return false; // meanwhile another request was told that the session is over
+    if (session.user !== this.user) this.signedOut(true);
+    else this.csrf = session.csrf ?? '';
+    return session.user === this.user;
   }
 
   private async reach(method: Method, url: string, ask: Ask): Promise<Response> {
@@ -90,12 +118,16 @@ export class Client {
   }
 }
 
+/** The most that the gateway gives at once. */
+const PAGE = 500;
+
 /** The whole list, page by page. */
-export async function allPages<T>(client: Client, pattern: string, query: Query = {}): Promise<T[]> {
+export async function allPages<T>(client: Client, pattern: string, signal?: AbortSignal): Promise<T[]> {
   const out: T[] = [];
   for (let cursor = ''; ; ) {
     const page = await client.get<{ items: T[]; next: string }>(pattern, {
-      query: { ...query, limit: 100, cursor: cursor || undefined },
+      query: { limit: PAGE, cursor: cursor || undefined },
+      ...(signal ? { signal } : {}),
     });
     out.push(...page.items);
     if (page.next === '' || page.items.length === 0) return out;

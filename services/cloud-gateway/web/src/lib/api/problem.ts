@@ -27,14 +27,20 @@ export class Problem extends Error {
     return this.status === 0;
   }
 
+  /** Each once: what is wrong at several places has the same hint at each. */
   get hints(): string[] {
-    return this.faults.map((fault) => fault.hint).filter((hint) => hint !== '');
+    return [...new Set(this.faults.map((fault) => fault.hint).filter((hint) => hint !== ''))];
   }
 
   /** The faults of one member of the request, by its JSON pointer. */
   at(pointer: string): Fault[] {
     return this.faults.filter((fault) => fault.pointer === pointer);
   }
+}
+
+/** Hints for who sits at a command line are none for who looks at a page. */
+export function pageHints(hints: string[]): string[] {
+  return hints.filter((hint) => !/(^|\W)--[a-z]|\btrb /.test(hint));
 }
 
 export function unreachable(): Problem {

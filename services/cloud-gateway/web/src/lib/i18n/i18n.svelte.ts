@@ -42,10 +42,23 @@ export function tOr(section: keyof Words, word: string): string {
 const formats = new Map<string, Intl.NumberFormat>(); // to make one takes far longer than to use it
 
 export function formatNumber(value: number, digits = 2): string {
-  const key = `${speech.language} ${digits}`;
-  const format = formats.get(key) ?? new Intl.NumberFormat(speech.language, { maximumFractionDigits: digits });
+  return formatOf(`${digits}`, { maximumFractionDigits: digits }).format(value);
+}
+
+/** Of a sensor or a robot, in SI units: of less than one the first three figures, as 0.0004 A are no 0 A. */
+export function formatReading(value: number): string {
+  const size = Math.abs(value);
+  if (size === 0 || size >= 1) return formatNumber(value, 3);
+  return size >= 1e-6
+    ? formatOf('small', { maximumSignificantDigits: 3 }).format(value)
+    : formatOf('tiny', { maximumSignificantDigits: 3, notation: 'scientific' }).format(value);
+}
+
+function formatOf(name: string, options: Intl.NumberFormatOptions): Intl.NumberFormat {
+  const key = `${speech.language} ${name}`;
+  const format = formats.get(key) ?? new Intl.NumberFormat(speech.language, options);
   formats.set(key, format);
-  return format.format(value);
+  return format;
 }
 
 /** 4 s, 12 min, 3 h. */
@@ -59,11 +72,16 @@ export function formatDate(ms: number): string {
   return new Date(ms).toLocaleDateString(speech.language);
 }
 
+/** The hour of the day, 24 h: 00:30:00 half an hour after midnight. */
+export function formatHour(date: Date): string {
+  return date.toLocaleTimeString(speech.language, { hourCycle: 'h23' }); // hour12: false is 24:30:00 in English
+}
+
 /** The hour of the day, 24 h; with the date if it was another day. UTC ns, or ISO 8601. */
 export function formatTime(time: number | string): string {
   const date = new Date(typeof time === 'number' ? time / 1e6 : time);
   if (Number.isNaN(date.getTime())) return '';
-  const hour = date.toLocaleTimeString(speech.language, { hour12: false });
+  const hour = formatHour(date);
   const isToday = date.toDateString() === new Date().toDateString();
   return isToday ? hour : `${date.toLocaleDateString(speech.language)} ${hour}`;
 }

@@ -41,6 +41,24 @@ function openPage(): LiveCore {
 
 const ids = (core: LiveCore) => [...core.rows('fleet').values()].map((row) => row.node);
 
+it('tells that another gateway speaks before its first messages', () => {
+  const core = openPage();
+  const told: unknown[] = [];
+  core.onOther = () => told.push('other');
+  core.onMessages = (messages) => told.push(...messages);
+  const passed = (number: number, instance: string) => {
+    const one = { ...(JSON.parse(frame(1)) as Frame), messages: [number] };
+    return JSON.stringify(one).replace(/"instance":\d+/, `"instance":${instance}`);
+  };
+  core.heard(passed(900, INSTANCE), 10);
+  core.heard(passed(901, INSTANCE), 20);
+  core.closed(1006, 30);
+  core.tick(300);
+  core.opened(310);
+  core.heard(passed(1, INSTANCE.replace(/1$/, '2')), 320);
+  expect(told).toEqual([900, 901, 'other', 1]);
+});
+
 describe('rows', () => {
   it('shows a snapshot once it is whole', () => {
     const core = openPage();

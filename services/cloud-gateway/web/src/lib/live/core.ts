@@ -100,6 +100,8 @@ export class LiveCore {
   /** Of whom nothing is heard, as the last frame says. */
   silent: RowSource[] = [];
   onRows: (topic: string) => void = () => {};
+  /** Another gateway, or the same one anew, speaks: it numbers messages from 1. Told before its first messages. */
+  onOther: () => void = () => {};
   onMessages: (messages: unknown[], leftOut: number) => void = () => {};
   onDrive: (answer: DriveAnswer) => void = () => {};
 
@@ -199,7 +201,9 @@ export class LiveCore {
     const utc = Date.parse(word.time);
     if (!Number.isNaN(utc)) this.utcLess = utc - now;
     this.wait = FIRST_WAIT_MS;
+    const before = this.instance;
     this.instance = instanceIn(text);
+    if (before !== '' && before !== this.instance) this.onOther();
     this.silent = word.silent ?? [];
     for (const notice of word.notices) this.topics.get(notice.topic)?.restart();
     for (const block of word.blocks) this.take(block);

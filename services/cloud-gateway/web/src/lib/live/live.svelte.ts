@@ -25,6 +25,7 @@ class LiveStream {
   private readonly core = new LiveCore();
   private readonly versions = new SvelteMap<string, number>();
   private readonly listeners = new Set<MessageListener>();
+  private readonly others = new Set<() => void>();
   private readonly drivers = new Set<(answer: DriveAnswer) => void>();
   private socket: WebSocket | null = null;
   private timer = 0;
@@ -32,6 +33,7 @@ class LiveStream {
   constructor() {
     this.core.onRows = (topic) => this.versions.set(topic, (this.versions.get(topic) ?? 0) + 1);
     this.core.onMessages = (messages, leftOut) => this.listeners.forEach((each) => each(messages, leftOut));
+    this.core.onOther = () => this.others.forEach((each) => each());
     this.core.onDrive = (answer) => this.drivers.forEach((each) => each(answer));
   }
 
@@ -86,6 +88,12 @@ class LiveStream {
   listen(listener: MessageListener): () => void {
     this.listeners.add(listener);
     return () => this.listeners.delete(listener);
+  }
+
+  /** Another gateway speaks from now on, which numbers messages anew. */
+  onOther(listener: () => void): () => void {
+    this.others.add(listener);
+    return () => this.others.delete(listener);
   }
 
   /** A word of driving; false: it was not sent, and is not sent later. */

@@ -8,7 +8,8 @@ import type { RobotOrder } from '../api/types';
 export type StopResult =
   | { state: 'idle' | 'sending' }
   | { state: 'done'; robots: RobotOrder[] }
-  | { state: 'failed'; detail: string };
+  /** `isOver`: refused, as the session had ended: the one who sees it is at the sign-in. */
+  | { state: 'failed'; detail: string; isOver: boolean };
 
 class StopAll {
   result = $state<StopResult>({ state: 'idle' });
@@ -33,7 +34,7 @@ class StopAll {
       });
       return { state: 'done', robots: answer.robots };
     } catch (error) {
-      return { state: 'failed', detail: error instanceof Problem ? error.detail : String(error) };
+      return { state: 'failed', detail: error instanceof Problem ? error.detail : String(error), isOver: api.isOver(error) };
     }
   }
 }

@@ -1,7 +1,7 @@
 import { expect, it } from 'vitest';
 import type { Alert, AlertRow } from '../../lib/api/types';
 import { openAlarms } from '../../lib/fleet/alarms';
-import { bodyOf, deciderIn, inOrder, isRanked, isUndecided, pageHints, standsAgain, verdictsOf, winnerOf } from './decision';
+import { bodyOf, deciderIn, inOrder, isRanked, isUndecided, standsAgain, verdictsOf, winnerOf } from './decision';
 
 const alert = (of: Partial<Alert>): Alert => ({
   id: 'a', severity: 'CRITICAL', time: 1, state: 'OPEN', run: 'r', name: 'paper', robot: 'ridgeback', capability: 'mobile', cause: 'robot_fault',
@@ -29,10 +29,6 @@ it('sends no empty member', () => {
 it('repeats a verdict with the word that the robot stands', () => {
   expect(standsAgain(decided)).toEqual({ verdict: 'override', robot: 'drone', reason: 'it is free', stands: true });
   expect(standsAgain(alert({}))).toBeNull();
-});
-
-it('leaves out hints for a command line', () => {
-  expect(pageHints(['say --stands if you have seen it', 'trb alert list says why', 'bring it back'])).toEqual(['bring it back']);
 });
 
 it('names who was first', () => {

@@ -57,11 +57,6 @@ export function deciderIn(text: string): string | null {
   return /was decided by '([^']+)'/.exec(text)?.[1] ?? null;
 }
 
-/** Hints for who sits at a command line are none for who looks at a page. */
-export function pageHints(hints: string[]): string[] {
-  return hints.filter((hint) => !/(^|\W)--[a-z]|\btrb /.test(hint));
-}
-
 /** What matters first: open ones by priority and first cause, then what is over, newest first. */
 export function inOrder(rows: AlertRow[], openFirst: (rows: AlertRow[]) => AlertRow[]): AlertRow[] {
   const open = openFirst(rows).map((row) => row.content.id);

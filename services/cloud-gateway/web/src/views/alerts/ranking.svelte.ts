@@ -1,8 +1,8 @@
 /** The ranking of one open alert by other weights or judgments, asked for as they are moved. The alert stays as it is. */
 import { api, Problem } from '../../lib/api/client';
+import { pageHints } from '../../lib/api/problem';
 import type { Schemas } from '../../lib/api/types';
 import { live } from '../../lib/live/live.svelte';
-import { pageHints } from './decision';
 import { Latest } from './latest';
 import type { Judgments, Weight } from './weighing';
 

@@ -16,7 +16,8 @@ export async function order(robot: string, what: Order, body?: Record<string, st
     const answer = await api.post<Answer | undefined>(`/api/v1/robots/{robot}/${what}`, ask);
     tell(robot, what, answer?.robots?.[0]);
   } catch (problem) {
-    toasts.problem(problem);
+    if (what === 'stop' && api.isOver(problem)) toasts.fault(t('stop.overOf', { robot }));
+    else toasts.problem(problem);
   }
 }
 

@@ -1,5 +1,6 @@
 /** What a person orders of a run or of one of its tasks. */
 import { api, newKey } from '../../lib/api/client';
+import { pageHints } from '../../lib/api/problem';
 import type { RunOrder, TaskOrder } from '../../lib/fleet/run_state';
 import { t, tOr } from '../../lib/i18n/i18n.svelte';
 import { toasts } from '../../lib/toasts.svelte';
@@ -17,6 +18,6 @@ async function send(route: string, path: Record<string, string>, body: unknown, 
     await api.post(route, { path, body, idempotencyKey: newKey() });
     toasts.done(t('runs.taken', { what }));
   } catch (problem) {
-    toasts.problem(problem);
+    toasts.problem(problem, pageHints);
   }
 }

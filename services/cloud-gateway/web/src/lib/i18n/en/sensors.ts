@@ -2,6 +2,7 @@ export const sensors = {
   sensors: {
     title: 'Sensors',
     none: 'No sensor is plugged in.',
+    silent: 'No word from the router: it is not known which sensors there are, or how they are.',
     sensor: 'Sensor',
     kind: 'Kind',
     unit: 'Unit',

@@ -4,6 +4,7 @@ export const sensors: Pick<Words, 'sensors'> = {
   sensors: {
     title: 'Capteurs',
     none: 'Aucun capteur n’est branché.',
+    silent: 'Sans nouvelles du routeur : on ne sait pas quels capteurs il y a, ni comment ils vont.',
     sensor: 'Capteur',
     kind: 'Genre',
     unit: 'Unité',
