@@ -165,19 +165,21 @@ void ResilienceCore::receive(const Ack& ack, const std::string& from, Now now) {
 }
 
 void ResilienceCore::receive(const Nack& nack, const std::string& from, Now now, Outbox& out) {
-  const bool of_decision = nack.subtype == RunDecision::kSubtype || nack.subtype == RunAbort::kSubtype;
   if (nack.subtype == TakeIntoUse::kSubtype) return parts_.repairs.on_refused(nack, from, now, out);
-  // Only the own scheduler may refuse a decision.
-  if (of_decision && from != parts_.situation.node()) return out.count("dropped.foreign");
+  const auto is_of = [&](const auto&... words) { return ((nack.subtype == words) || ...); };
+  const bool of_decision = is_of(RunDecision::kSubtype, RunAbort::kSubtype);
+  const bool of_runs = is_of(RunWatch::kSubtype, RunQuery::kSubtype, NeedDefinition::kSubtype);
+  // A node refuses for itself; the own router reports what did not arrive. Only the own scheduler may refuse a
+  // decision.
+  const bool own = from == parts_.situation.node();
+  if (!own && (of_decision || of_runs || from != nack.target)) return out.count("dropped.foreign");
   parts_.alerts.on_answer(nack.target, nack.subtype);
   if (nack.subtype == SensorRead::kSubtype) parts_.proposer.on_reading_refused(nack.target);
   if (of_decision) return parts_.decisions.on_refused(nack, out);
-  if (nack.subtype == ReleaseTasks::kSubtype || nack.subtype == SignRequest::kSubtype) {
+  if (of_runs) return parts_.situation.runs().on_nack(nack, now, out);
+  if (is_of(ReleaseTasks::kSubtype, SignRequest::kSubtype)) {
     out.count("nacked." + nack.subtype);
-    return out.log(LogLevel::warning, "not_yet", nack.subtype + " to '" + nack.target + "': " + nack.what);
-  }
-  for (const std::string_view word : {RunWatch::kSubtype, RunQuery::kSubtype, NeedDefinition::kSubtype}) {
-    if (nack.subtype == word) parts_.situation.runs().on_nack(nack, now, out);
+    out.log(LogLevel::warning, "not_yet", nack.subtype + " to '" + nack.target + "': " + nack.what);
   }
 }
 

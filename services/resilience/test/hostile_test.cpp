@@ -26,6 +26,32 @@ TEST_CASE("another node's Nack refuses no decision: the own scheduler alone can"
   CHECK(fixture->taken.size() == 1);
 }
 
+TEST_CASE("another node's Nack answers nothing that a robot was asked; the robot's own does, and the own router's") {
+  for (const std::string by : {"pioneer1", "turtlebot", "cloud"}) {
+    auto fixture = paper(automatic());
+    fixture->wait(seconds(60));
+    fixture->mute.insert("turtlebot");
+    fixture->fault("ridgeback", "mobile");
+    fixture->end_task("t4", TaskOutcome::failed, "stuck");
+    fixture->wait(seconds(4));
+    REQUIRE(fixture->alert().policy == "automatic, waits: what turtlebot answers");
+    for (const auto& [name, value] : fixture->values["turtlebot"]) {
+      fixture->answer(by, Nack{"unknown_subtype", name, "turtlebot", "not told", ""});
+    }
+    fixture->settle();
+    CHECK(fixture->taken.size() == (by == "pioneer1" ? 0 : 1));
+  }
+}
+
+TEST_CASE("another node's Nack does not end the watch of the own scheduler's runs") {
+  auto fixture = paper();
+  fixture->answer("pioneer1", Nack{"no_service", "run_watch", "pioneer1", "nobody takes it", ""});
+  fixture->answer("pioneer1", Nack{"no_service", "run_watch", "cloud", "nobody takes it", ""});
+  const int watched = fixture->heard["run_watch"];
+  fixture->wait(std::chrono::milliseconds(500));
+  CHECK(fixture->heard["run_watch"] == watched);
+}
+
 TEST_CASE(
     "however many alerts are open and whoever could help: the table fits into a message, nothing open is missing") {
   AlertBook book;
