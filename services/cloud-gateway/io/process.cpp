@@ -199,6 +199,10 @@ void Process::record(Gateway& gateway, Now now) {
 /// A history that cannot be written ends nothing: it is told once, and what is lost is counted. A clock that is ahead
 /// for a moment makes nothing old.
 void Process::write_history(Gateway& gateway) {
+  for (const auto& [node, entries] : recorder_.take_left_out()) {
+    log_limited(left_out_lines_, read_clocks().mono, Level::warning, "history_left_out",
+                node + ": " + std::to_string(entries) + " entries: it changes too often");
+  }
   std::vector<HistoryEntry> batch = recorder_.take();
   const std::size_t size = batch.size();
   history_.add(std::move(batch), gateway.steady(), [this, size](const Status& written) {

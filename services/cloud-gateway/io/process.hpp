@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "common/log/log.hpp"
 #include "common/operator/io/bus_session.hpp"
 #include "common/operator/io/tap.hpp"
 #include "common/service/service.hpp"
@@ -58,6 +59,7 @@ class Process {
   HistoryRecorder recorder_;
   HistoryDesk history_;
   bool is_history_lost_ = false;
+  RateLimit left_out_lines_{5, std::chrono::minutes(1)};
   GatewayCore core_;
   MonotonicTime house_kept_;
   MonotonicTime looked_;                 ///< when it looked last at what other gateways have written

@@ -9,9 +9,9 @@
 #include <string_view>
 #include <vector>
 
+#include "common/base/write_share.hpp"
 #include "services/resilience/core/fleet_index.hpp"
 #include "services/resilience/core/robot_record.hpp"
-#include "services/resilience/core/write_share.hpp"
 
 namespace trb::resilience {
 

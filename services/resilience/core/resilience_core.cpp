@@ -34,6 +34,7 @@ void ResilienceCore::on_welcome(const NodeIdentity& node, Now now, Outbox& out) 
 }
 
 void ResilienceCore::on(const Inbound& message, Now now, Outbox& out) {
+  if (!holds_alternative<AlertListRequest>(message.body)) told_.reset();
   if (message.type == MessageType::information) {
     on_information(message, now, out);
   } else {
@@ -45,7 +46,6 @@ void ResilienceCore::on(const Inbound& message, Now now, Outbox& out) {
 // ---- requests and verdicts of people
 
 void ResilienceCore::on_request(const Inbound& message, Now now, Outbox& out) {
-  parts_.situation.note_change();
   if (Taken::dispatch(message.body, [&](const auto& body) { handle(body, message, now, out); })) return;
   out.count("refused.unexpected");
   out.nack(message,
@@ -57,14 +57,24 @@ void ResilienceCore::handle(const AlertListRequest& body, const Inbound& from, N
     const WatchedRun* run = parts_.situation.runs().find(alert->run);
     // The proposals of an expired alert are old.
     const bool is_old = alert->state == AlertState::expired && run != nullptr && run->is_known();
-    if (is_old) parts_.proposer.propose(*alert, *run, now);
+    if (!is_old || !parts_.alerts.work(alert->id).inquiry.may_rank(now)) continue;
+    parts_.proposer.propose(*alert, *run, now);
+    parts_.situation.note_change();
+    told_.reset();
   }
-  AlertTable table = parts_.alerts.book().table(body.all);
+  // However often it is asked for, it is made once while nothing happens.
+  if (!told_ || told_->all != body.all || now.mono - told_->at >= kLook)
+    told_ = {make_table(body.all, now), body.all, now.mono};
+  out.reply(from, told_->table);
+}
+
+AlertTable ResilienceCore::make_table(bool all, Now now) {
+  AlertTable table = parts_.alerts.book().table(all);
   for (Alert& lesser : lesser_faults(fleet(), now.utc - kShown)) {
     if (table.alerts.size() == AlertBook::kMaxTable) break;
     table.alerts.push_back(std::move(lesser));
   }
-  out.reply(from, std::move(table));
+  return table;
 }
 
 void ResilienceCore::handle(const AlertDecide& body, const Inbound& from, Now now, Outbox& out) {
@@ -72,6 +82,7 @@ void ResilienceCore::handle(const AlertDecide& body, const Inbound& from, Now no
     if (auto other = parts_.verdicts.elsewhere(body)) return out.reply(from, std::move(*other));
   }
   const auto taken = parts_.verdicts.receive(body, from.source, now, out);
+  if (taken) parts_.situation.note_change();
   if (taken) return out.reply(from, Ack{"accepted", cut_utf8(*taken, 1024)});
   out.count("refused.alert_decide." + std::string(errc_name(taken.error().code)));
   out.nack(from, taken.error());
@@ -165,19 +176,21 @@ void ResilienceCore::receive(const Ack& ack, const std::string& from, Now now) {
 }
 
 void ResilienceCore::receive(const Nack& nack, const std::string& from, Now now, Outbox& out) {
-  const bool of_decision = nack.subtype == RunDecision::kSubtype || nack.subtype == RunAbort::kSubtype;
   if (nack.subtype == TakeIntoUse::kSubtype) return parts_.repairs.on_refused(nack, from, now, out);
-  // Only the own scheduler may refuse a decision.
-  if (of_decision && from != parts_.situation.node()) return out.count("dropped.foreign");
+  const auto is_of = [&](const auto&... words) { return ((nack.subtype == words) || ...); };
+  const bool of_decision = is_of(RunDecision::kSubtype, RunAbort::kSubtype);
+  const bool of_runs = is_of(RunWatch::kSubtype, RunQuery::kSubtype, NeedDefinition::kSubtype);
+  // A node refuses for itself; the own router reports what did not arrive. Only the own scheduler may refuse a
+  // decision.
+  const bool own = from == parts_.situation.node();
+  if (!own && (of_decision || of_runs || from != nack.target)) return out.count("dropped.foreign");
   parts_.alerts.on_answer(nack.target, nack.subtype);
   if (nack.subtype == SensorRead::kSubtype) parts_.proposer.on_reading_refused(nack.target);
   if (of_decision) return parts_.decisions.on_refused(nack, out);
-  if (nack.subtype == ReleaseTasks::kSubtype || nack.subtype == SignRequest::kSubtype) {
+  if (of_runs) return parts_.situation.runs().on_nack(nack, now, out);
+  if (is_of(ReleaseTasks::kSubtype, SignRequest::kSubtype)) {
     out.count("nacked." + nack.subtype);
-    return out.log(LogLevel::warning, "not_yet", nack.subtype + " to '" + nack.target + "': " + nack.what);
-  }
-  for (const std::string_view word : {RunWatch::kSubtype, RunQuery::kSubtype, NeedDefinition::kSubtype}) {
-    if (nack.subtype == word) parts_.situation.runs().on_nack(nack, now, out);
+    out.log(LogLevel::warning, "not_yet", nack.subtype + " to '" + nack.target + "': " + nack.what);
   }
 }
 
@@ -193,6 +206,7 @@ void ResilienceCore::look(Now now, Outbox& out) {
   parts_.detection.look(now, out);
   if (!parts_.situation.take_change() && !due) return;
   looked_at_ = now.mono;
+  told_.reset();
   look_at_alerts(now, out);
   parts_.standing.raise_due(now, out);
 }

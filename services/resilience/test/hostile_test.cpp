@@ -26,6 +26,32 @@ TEST_CASE("another node's Nack refuses no decision: the own scheduler alone can"
   CHECK(fixture->taken.size() == 1);
 }
 
+TEST_CASE("another node's Nack answers nothing that a robot was asked; the robot's own does, and the own router's") {
+  for (const std::string by : {"pioneer1", "turtlebot", "cloud"}) {
+    auto fixture = paper(automatic());
+    fixture->wait(seconds(60));
+    fixture->mute.insert("turtlebot");
+    fixture->fault("ridgeback", "mobile");
+    fixture->end_task("t4", TaskOutcome::failed, "stuck");
+    fixture->wait(seconds(4));
+    REQUIRE(fixture->alert().policy == "automatic, waits: what turtlebot answers");
+    for (const auto& [name, value] : fixture->values["turtlebot"]) {
+      fixture->answer(by, Nack{"unknown_subtype", name, "turtlebot", "not told", ""});
+    }
+    fixture->settle();
+    CHECK(fixture->taken.size() == (by == "pioneer1" ? 0 : 1));
+  }
+}
+
+TEST_CASE("another node's Nack does not end the watch of the own scheduler's runs") {
+  auto fixture = paper();
+  fixture->answer("pioneer1", Nack{"no_service", "run_watch", "pioneer1", "nobody takes it", ""});
+  fixture->answer("pioneer1", Nack{"no_service", "run_watch", "cloud", "nobody takes it", ""});
+  const int watched = fixture->heard["run_watch"];
+  fixture->wait(std::chrono::milliseconds(500));
+  CHECK(fixture->heard["run_watch"] == watched);
+}
+
 TEST_CASE(
     "however many alerts are open and whoever could help: the table fits into a message, nothing open is missing") {
   AlertBook book;
@@ -144,4 +170,33 @@ TEST_CASE("a run of very many tasks that no robot can do, of a robot's node, lea
   fixture->changed();
   fixture->wait(seconds(10));
   CHECK(fixture->alerts().size() == AlertBook::kMaxOfSubmitter);
+}
+
+TEST_CASE("whoever asks for the alerts without end has those that have expired ranked every 5 s at most") {
+  auto fixture = paper();
+  fixture->fault("ridgeback", "mobile");
+  fixture->end_task("t4", TaskOutcome::failed, "stuck");
+  fixture->wait(fixture->settings.resilience.expires + seconds(10));
+  Alert before = fixture->run_alert();
+  REQUIRE(before.state == AlertState::expired);
+  std::set<std::int64_t> ranked;
+  for (int i = 0; i < 100; ++i) {
+    ranked.insert(fixture->run_alert().expires);
+    fixture->wait(std::chrono::milliseconds(100));
+  }
+  CHECK(ranked.size() >= 2);
+  CHECK(ranked.size() <= 3);
+}
+
+TEST_CASE("a list of alerts that was made for the last question is not told once something has happened") {
+  auto fixture = paper();
+  CHECK(fixture->alerts().empty());
+  fixture->fault("ridgeback", "mobile");
+  fixture->end_task("t4", TaskOutcome::failed, "stuck");
+  CHECK(fixture->run_alerts().size() == 1);
+  const std::string id = fixture->run_alert().id;
+  CHECK(fixture->decide(Verdict::abort) == "accepted");
+  fixture->settle();
+  CHECK(fixture->run_alerts().empty());
+  CHECK(fixture->any(id).state == AlertState::decided);
 }

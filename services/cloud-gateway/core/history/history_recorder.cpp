@@ -70,10 +70,11 @@ void HistoryRecorder::on_node(const Row& row, const NodeRow& node, const RowCont
 void HistoryRecorder::on_robot(const Row& row, const RobotRow& robot, const RobotRow& before, Now now) {
   const std::string& id = row.key.node;
   if (robot.connection != before.connection || robot.detail != before.detail)
-    add(entry(id, HistoryKind::connection, "", quoted(robot.connection), robot.detail, now), now);
+    add_within_share(entry(id, HistoryKind::connection, "", quoted(robot.connection), robot.detail, now), now);
   if (robot.fenced != before.fenced)
-    add(entry(id, HistoryKind::fence, "", robot.fenced ? "true" : "false", "", now), now);
-  if (robot.control != before.control) add(entry(id, HistoryKind::control, "", quoted(robot.control), "", now), now);
+    add_within_share(entry(id, HistoryKind::fence, "", robot.fenced ? "true" : "false", "", now), now);
+  if (robot.control != before.control)
+    add_within_share(entry(id, HistoryKind::control, "", quoted(robot.control), "", now), now);
   on_faults(row, robot, before, now);
   on_use(row, robot, before, now);
   on_values(row, robot, before, now);
@@ -82,7 +83,7 @@ void HistoryRecorder::on_robot(const Row& row, const RobotRow& robot, const Robo
 void HistoryRecorder::on_faults(const Row& row, const RobotRow& robot, const RobotRow& before, Now now) {
   const auto note = [&](HistoryKind kind) {
     return [this, &row, kind, now](const RobotRowFault& one) {
-      add(entry(row.key.node, kind, one.capability, quoted(one.text), name_of(one.severity), now), now);
+      add_within_share(entry(row.key.node, kind, one.capability, quoted(one.text), name_of(one.severity), now), now);
     };
   };
   each_new(before.faults, robot.faults, is_same, note(HistoryKind::fault_ended));
@@ -92,7 +93,7 @@ void HistoryRecorder::on_faults(const Row& row, const RobotRow& robot, const Rob
 void HistoryRecorder::on_use(const Row& row, const RobotRow& robot, const RobotRow& before, Now now) {
   const auto note = [&](HistoryKind kind) {
     return [this, &row, kind, now](const OutOfUse& one) {
-      add(entry(row.key.node, kind, one.capability, quoted(one.text), one.by, now), now);
+      add_within_share(entry(row.key.node, kind, one.capability, quoted(one.text), one.by, now), now);
     };
   };
   each_new(before.out_of_use, robot.out_of_use, is_same_use, note(HistoryKind::in_use));
@@ -125,7 +126,8 @@ void HistoryRecorder::on_run(const RunView& run, const RowContent& before, Now n
     const bool is_known =
         former != nullptr ? std::ranges::any_of(former->tasks, same) : task.state != TaskState::running;
     if (is_known || task.robot.empty()) continue;
-    add(entry(task.robot, HistoryKind::task, run.run + "/" + task.id, quoted(name_of(task.state)), task.skill, now),
+    add_within_share(
+        entry(task.robot, HistoryKind::task, run.run + "/" + task.id, quoted(name_of(task.state)), task.skill, now),
         now);
   }
 }
@@ -134,7 +136,7 @@ void HistoryRecorder::on_reading(const Row& row, const SensorReading& reading, N
   HistoryEntry out = entry(row.key.node, HistoryKind::reading, reading.unit, "", reading.quality, now);
   out.sensor = row.key.name;
   out.value = reading.is_text ? quoted(reading.text) : dump_json(trb::Value{reading.number});
-  add(std::move(out), now);
+  add_within_share(std::move(out), now);
 }
 
 void HistoryRecorder::forget(const std::string& robot) {
@@ -142,8 +144,18 @@ void HistoryRecorder::forget(const std::string& robot) {
   values_.erase(values_.lower_bound({robot, ""}), values_.lower_bound({robot + '\0', ""}));
 }
 
+/// Texts may change with every message, readings too. Values have a pace of their own, and the router limits how often
+/// a node comes and goes.
+void HistoryRecorder::add_within_share(HistoryEntry entry, Now now) {
+  if (shares_.size() == kMaxShares && !shares_.contains(entry.node)) shares_.clear();
+  WriteShare& share = shares_[entry.node].of(entry.kind);
+  share.take(now.utc) ? add(std::move(entry), now) : leave_out(entry.node);
+}
+
 void HistoryRecorder::add(HistoryEntry entry, Now now) {
-  if (waiting_.size() == kMaxWaiting) return count_lost(1);
+  std::size_t& of_node = waiting_of_[entry.node];
+  if (of_node >= kMaxWaiting - waiting_.size()) return leave_out(entry.node);
+  ++of_node;
   if (!since_) since_ = now.mono;
   waiting_.push_back(std::move(entry));
 }
@@ -165,7 +177,13 @@ std::optional<MonotonicTime> HistoryRecorder::next_deadline() const {
 
 std::vector<HistoryEntry> HistoryRecorder::take() {
   since_.reset();
+  waiting_of_.clear();
   return std::exchange(waiting_, {});
+}
+
+void HistoryRecorder::leave_out(const std::string& node) {
+  count_lost(1);
+  ++left_out_[node];
 }
 
 std::set<std::string> recorded_runs(const RowBook& book) {

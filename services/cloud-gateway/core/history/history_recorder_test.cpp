@@ -146,19 +146,83 @@ TEST_CASE("readings are recorded while somebody watches") {
   CHECK(entries[0].detail == "good");
 }
 
-TEST_CASE("a batch is due half a second after its first entry; what is too much is counted") {
+TEST_CASE("a batch is due half a second after its first entry") {
   Recorded hall;
   CHECK_FALSE(hall.recorder.next_deadline());
   hall.tell("pioneer1", "battery", "80");
   CHECK_FALSE(hall.recorder.is_due(hall.now));
   hall.wait(HistoryRecorder::kFlush);
   CHECK(hall.recorder.is_due(hall.now));
-  hall.entries();
-  for (std::size_t i = 0; i < HistoryRecorder::kMaxWaiting + 5; ++i) {
+}
+
+TEST_CASE(
+    "a robot whose texts change with every message has its share; the rest is counted and told, and others' stay") {
+  Recorded hall;
+  hall.table({route("pioneer1"), route("pioneer2")});
+  hall.wait(WriteShare::kEach);
+  hall.recorder.take();
+  constexpr int kWords = 1000;
+  for (int i = 0; i < kWords; ++i) {
     hall.say("pioneer1", RobotConnection{"OFFLINE", std::to_string(i)});
+    hall.say("pioneer1", fault_of(std::to_string(i)));
   }
-  CHECK(hall.recorder.take().size() == HistoryRecorder::kMaxWaiting);
-  CHECK(hall.recorder.lost() == 5);
+  CHECK(hall.recorder.take().size() == WriteShare::kMost);
+  const auto left_out = hall.recorder.take_left_out();
+  CHECK(left_out.size() == 1);
+  CHECK(left_out.at("pioneer1") == hall.recorder.lost());
+  CHECK(hall.recorder.lost() > kWords);
+  CHECK(hall.recorder.take_left_out().empty());
+  hall.say("pioneer2", RobotConnection{"OFFLINE", "no answer"});
+  hall.say("cloud", PeerExpired{"pioneer1", "10 s unheard"});
+  CHECK(hall.entries() == Entries{"connection \"OFFLINE\" no answer", "node \"OFFLINE\" 10 s unheard"});
+  hall.wait(WriteShare::kEach);
+  hall.say("pioneer1", RobotConnection{"ONLINE", ""});
+  CHECK(hall.entries() == Entries{"connection \"ONLINE\""});
+}
+
+TEST_CASE("tasks have a share of their own: a run that changes without end leaves its robots' states") {
+  Recorded hall;
+  hall.say("cloud", RunTable{{run(RunState::running, 1)}});
+  for (int i = 0; i < 1000; ++i) hall.say("cloud", view_of(i % 2 == 0 ? TaskState::running : TaskState::waiting));
+  CHECK(hall.recorder.take().size() == HistoryRecorder::kTasks);
+  hall.say("pioneer1", RobotConnection{"OFFLINE", "no answer"});
+  CHECK(hall.entries().size() == 1);
+}
+
+TEST_CASE("a sensor-bus that sends readings without end has its share") {
+  Recorded hall;
+  Row row;
+  row.key = {RowKind::sensor, "pioneer1", "dht22"};
+  constexpr int kMany = 10'000;
+  for (int i = 0; i < kMany; ++i) {
+    row.content = reading(i, static_cast<std::uint64_t>(i));
+    hall.recorder.changed(row, {}, hall.now);
+  }
+  CHECK(hall.recorder.take().size() == HistoryRecorder::kReadings);
+  CHECK(hall.recorder.lost() == kMany - HistoryRecorder::kReadings);
+}
+
+TEST_CASE("what waits is bounded, and whoever has most of it leaves room for the others") {
+  Recorded hall;
+  Route with = route("pioneer1");
+  SensorInfo sensor;
+  sensor.name = "dht22";
+  with.profile.plugged = {sensor};
+  hall.table({with, route("pioneer2")});
+  hall.watch("pioneer1", "dht22");
+  hall.recorder.take();
+  Row row;
+  row.key = {RowKind::sensor, "pioneer1", "dht22"};
+  for (std::size_t i = 0; i < HistoryRecorder::kMaxWaiting; ++i) {
+    row.content = reading(static_cast<double>(i), i);
+    const Duration since = static_cast<std::int64_t>(i) * HistoryRecorder::kEachReading;
+    hall.recorder.changed(row, {}, {hall.now.mono + since, hall.now.utc + since});
+  }
+  hall.say("pioneer2", RobotConnection{"OFFLINE", "no answer"});
+  const auto waited = hall.recorder.take();
+  CHECK(waited.size() == HistoryRecorder::kMaxWaiting / 2 + 1);
+  CHECK(waited.back().node == "pioneer2");
+  CHECK(hall.recorder.lost() == HistoryRecorder::kMaxWaiting / 2);
 }
 
 TEST_CASE("runs under way are looked at, large ones are not") {

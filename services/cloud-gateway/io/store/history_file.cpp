@@ -23,6 +23,13 @@ class HistoryFile final : public HistoryTables {
   using HistoryTables::HistoryTables;
 
  protected:
+  [[nodiscard]] std::string size_column() const override {
+    std::string out = "144";
+    for (const char* text : {"node", "node", "sensor", "sensor", "about", "value", "detail"})
+      out += std::string(" + length(CAST(") + text + " AS BLOB))";
+    return out;
+  }
+
   /// Pages that removals have freed are used again before the file grows.
   Status used(std::uint64_t& bytes) override {
     std::int64_t pages = 0;

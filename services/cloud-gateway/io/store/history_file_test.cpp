@@ -141,6 +141,35 @@ BOTH_STORES("what is over the size goes, the oldest first, and the file stays as
   }
 }
 
+BOTH_STORES("a node that fills the history pushes out its own entries: the others' oldest stay, after a restart too") {
+  const StoreFolder folder;
+  const HistoryLimits limits{.age = std::chrono::hours(24), .bytes = 4U << 20U};
+  auto store = opened_history(folder, limits);
+  std::vector<HistoryEntry> honest;
+  for (const char* node : {"ur3", "drone", "pioneer1"}) {
+    for (std::int64_t i = 0; i < 400; ++i) honest.push_back(value_of(i, node));
+  }
+  REQUIRE(store->add(honest, kNow));
+  for (int batch = 0; batch < 40; ++batch) {
+    if (batch == 20) {
+      store.reset();
+      store = opened_history(folder, limits);
+    }
+    std::vector<HistoryEntry> flood;
+    for (std::int64_t i = 0; i < 500; ++i)
+      flood.push_back(value_of(1000 + batch * 500 + i, "thief", std::string(300, '1')));
+    REQUIRE(store->add(flood, kNow));
+  }
+  for (const char* node : {"ur3", "drone", "pioneer1"}) {
+    CAPTURE(node);
+    CHECK(found(*store, {.node = node, .most = 1000}).entries.size() == 400);
+  }
+  const HistoryPage kept = found(*store, {.node = "thief", .most = 100'000});
+  REQUIRE(kept.entries.size() > 1000);
+  CHECK(kept.entries.size() < 12'000);
+  CHECK(seconds_of(kept).front() == 1000 + 40 * 500 - 1);
+}
+
 TEST_CASE("the file belongs to its owner alone; a damaged one is told with the cure") {
   const StoreFolder folder;
   opened_history(folder);

@@ -1,6 +1,7 @@
 #include "services/cloud-gateway/io/store/history_tables.hpp"
 
 #include <algorithm>
+#include <array>
 
 #include "services/cloud-gateway/io/store/in_order.hpp"
 
@@ -10,10 +11,17 @@ namespace {
 constexpr std::size_t kManyRows = 64;
 constexpr std::size_t kSomeRows = 8;
 constexpr std::size_t kReadAtOnce = 1000;
+constexpr std::int64_t kCountAtOnce = 200'000;  ///< a server gives a statement 3 s
+constexpr int kRecount = 1000;                  ///< removals, and what other gateways have written is counted too
 
 /// As much as it takes as text: its time, and what stands between.
 std::size_t size_of(const HistoryEntry& entry) {
   return 32 + entry.about.size() + entry.value.size() + entry.detail.size();
+}
+
+std::int64_t size_on_disk(const HistoryEntry& entry) {
+  return static_cast<std::int64_t>(144 + 2 * (entry.node.size() + entry.sensor.size()) + entry.about.size() +
+                                   entry.value.size() + entry.detail.size());
 }
 
 std::string insert_of(std::size_t rows) {
@@ -25,11 +33,13 @@ std::string insert_of(std::size_t rows) {
 }  // namespace
 
 Status HistoryTables::add(const std::vector<HistoryEntry>& entries, UtcTime now) {
-  return sql_->transact([&]() -> Status {
+  const Status done = sql_->transact([&]() -> Status {
     const auto mine = own(entries);
     if (!mine) return mine.error();
     return in_order([&] { return insert(*mine); }, [&] { return remove_old(now); }, [&] { return remove_excess(); });
   });
+  if (!done) sizes_.reset();  // nothing of it was written
+  return done;
 }
 
 /// Several rows a statement: a server is a way off.
@@ -45,6 +55,9 @@ Status HistoryTables::insert(const std::vector<HistoryEntry>& entries) {
     }
     if (Status done = sql_->run_with(insert_of(count).c_str(), values); !done) return done;
     left = left.subspan(count);
+  }
+  for (const HistoryEntry& one : entries) {
+    if (sizes_) sizes_->add({one.node, one.sensor}, size_on_disk(one));
   }
   return Done{};
 }
@@ -65,7 +78,8 @@ Status HistoryTables::remove_old(UtcTime now) {
         },
         kStep);
     if (!read || count == 0) return read;
-    if (Status done = sql_->run("DELETE FROM history WHERE number <= ?", last); !done) return done;
+    const SqlValue value = last;
+    if (Status done = remove("number <= ?", {&value, 1}, count); !done) return done;
     if (count < kStep) return Done{};
   }
   return Done{};
@@ -78,13 +92,69 @@ Status HistoryTables::number_of(const char* query, std::int64_t& out) {
   });
 }
 
+/// Of whoever has more than its share, else the oldest of all.
 Status HistoryTables::remove_excess() {
   for (int i = 0; i < kMaxSteps; ++i) {
     std::uint64_t bytes = 0;
     if (Status read = used(bytes); !read || bytes <= limits_.bytes) return read;
-    const Status done = sql_->run("DELETE FROM history WHERE number < (SELECT min(number) + ? FROM history)", kStep);
-    if (!done || sql_->changed() == 0) return done;
+    if (++removals_ > kRecount) sizes_.reset();
+    if (!sizes_) {
+      if (Status counted = count_sizes(); !counted) return counted;
+    }
+    std::int64_t count = 0;
+    if (const auto stream = sizes_->over_share()) {
+      if (Status done = remove_of(*stream, count); !done) return done;
+      if (count == 0) sizes_->forget(*stream);
+      continue;
+    }
+    const SqlValue value = kStep;
+    const Status done = remove("number < (SELECT min(number) + ? FROM history)", {&value, 1}, count);
+    if (!done || count == 0) return done;
   }
+  return Done{};
+}
+
+Status HistoryTables::remove_of(const HistoryStream& stream, std::int64_t& count) {
+  const std::array<SqlValue, 3> values{std::string_view(stream.node), std::string_view(stream.sensor), kStep};
+  return remove("number IN (SELECT number FROM history WHERE node = ? AND sensor = ? ORDER BY time, number LIMIT ?)",
+                values, count);
+}
+
+Status HistoryTables::remove(const std::string& which, std::span<const SqlValue> values, std::int64_t& count) {
+  count = 0;
+  const std::string all = "DELETE FROM history WHERE " + which + " RETURNING node, sensor, " + size_column();
+  return sql_->rows_with(
+      all.c_str(),
+      [&](const SqlRow& row) -> Status {
+        ++count;
+        if (sizes_) sizes_->remove({row.text(0), row.text(1)}, row.integer(2));
+        return Done{};
+      },
+      values);
+}
+
+/// Once after a start, if there is too much.
+Status HistoryTables::count_sizes() {
+  HistorySizes sizes;
+  removals_ = 0;
+  std::int64_t first = 0;
+  std::int64_t last = 0;
+  const Status read = in_order([&] { return number_of("SELECT coalesce(min(number), 0) FROM history", first); },
+                               [&] { return number_of("SELECT coalesce(max(number), 0) FROM history", last); });
+  if (!read) return read;
+  const std::string query = "SELECT node, sensor, CAST(sum(" + size_column() +
+                            ") AS BIGINT) FROM history WHERE number >= ? AND number < ? GROUP BY node, sensor";
+  for (std::int64_t at = first; at <= last; at += kCountAtOnce) {
+    const Status counted = sql_->rows(
+        query.c_str(),
+        [&](const SqlRow& row) -> Status {
+          sizes.add({row.text(0), row.text(1)}, row.integer(2));
+          return Done{};
+        },
+        at, at + kCountAtOnce);
+    if (!counted) return counted;
+  }
+  sizes_ = std::move(sizes);
   return Done{};
 }
 

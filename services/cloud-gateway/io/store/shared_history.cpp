@@ -58,6 +58,8 @@ class SharedHistory final : public HistoryTables {
     return out;
   }
 
+  [[nodiscard]] std::string size_column() const override { return "size"; }
+
   Status used(std::uint64_t& bytes) override {
     std::int64_t number = 0;
     const Status read = number_of("SELECT bytes FROM history_size", number);

@@ -32,7 +32,7 @@ class SqlRow {
 using SqlValue = std::variant<std::monostate, std::int64_t, std::string_view, BlobView>;
 
 /// One connection, used by one thread. What both databases understand alike: INSERT ... ON CONFLICT(KEY) DO ...,
-/// row values, LIMIT. "user" is in quotation marks: to PostgreSQL it is a word of its own.
+/// row values, LIMIT, DELETE ... RETURNING. "user" is in quotation marks: to PostgreSQL it is a word of its own.
 ///
 /// Errors of every call: io_error (no room, no rights, another one that writes for over a second), malformed (damaged;
 /// with the cure), conflict (the tables refuse it: a key that is there already, a trigger), and of PostgreSQL
@@ -58,6 +58,9 @@ class Sql {
   }
   /// One statement with values of a number that is known when it runs.
   Status run_with(const char* sql, std::span<const SqlValue> values) { return execute(sql, values, nullptr); }
+  Status rows_with(const char* sql, const EachRow& each, std::span<const SqlValue> values) {
+    return execute(sql, values, each);
+  }
   /// Several statements, without values and rows.
   virtual Status script(const char* sql) = 0;
 
