@@ -43,6 +43,13 @@ Status write_issued(const std::string& dir, const Authority& authority) {
   return write_file(issued_path(dir), dump_json(Value{Value::Object{{"certificates", Value{std::move(rows)}}}}) + "\n");
 }
 
+/// The rows first: the next serial follows from them too, while a serial in fleet.json that no row has counts as one of
+/// an earlier version.
+Status write_numbered(const std::string& dir, const Authority& authority) {
+  if (Status stored = write_issued(dir, authority); !stored) return stored;
+  return write_fleet(dir, authority);
+}
+
 /// Takes the next serial.
 Status number_and_date(Authority& authority, Certificate& certificate, UtcTime now, Duration validity) {
   // Beyond it the end would be before 1970: no clock of 64 bits has it.
@@ -162,8 +169,7 @@ Result<SignedRecord> issue(Authority& authority, const std::string& dir, Certifi
                            Duration validity) {
   if (Status good = number_and_date(authority, certificate, now, validity); !good) return good.error();
   authority.issued.push_back(certificate);
-  if (Status stored = write_fleet(dir, authority); !stored) return stored.error();
-  if (Status stored = write_issued(dir, authority); !stored) return stored.error();
+  if (Status stored = write_numbered(dir, authority); !stored) return stored.error();
   return sign_certificate(authority, certificate);
 }
 
@@ -273,8 +279,7 @@ Result<std::vector<SignedRecord>> renew_certificates(Authority& authority, const
   // First of all: of what issued.json names and nobody has, the node would never hear.
   if (Status told = publish_trust_updates(authority, dir, records, now); !told) return told.error();
   authority.issued.insert(authority.issued.end(), fresh.begin(), fresh.end());
-  if (Status stored = write_fleet(dir, authority); !stored) return stored.error();
-  if (Status stored = write_issued(dir, authority); !stored) return stored.error();
+  if (Status stored = write_numbered(dir, authority); !stored) return stored.error();
   return records;
 }
 

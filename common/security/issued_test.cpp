@@ -309,3 +309,21 @@ TEST_CASE("what is forged, or of another fleet, does not count as issued because
   REQUIRE(write_trust_updates(hall.dir + "/news.json", {{}, {more(forged), foreign}}).ok());
   CHECK(hall.reopened().issued == before);
 }
+
+TEST_CASE("a certificate that could not be kept takes no serial on disk: none is missing in the folder later") {
+  Hall hall;
+  hall.join("ur3");
+  const auto fleet = read_file(hall.dir + "/fleet.json");
+  const auto issued = read_file(hall.dir + "/issued.json");
+  std::filesystem::remove(hall.dir + "/issued.json");
+  std::filesystem::create_directories(hall.dir + "/issued.json/in-the-way");
+  CHECK(code_of(hall.ask("ur5", "ur5")) == Errc::io_error);
+  CHECK(*read_file(hall.dir + "/fleet.json") == *fleet);
+  std::filesystem::remove_all(hall.dir + "/issued.json");
+  REQUIRE(write_file(hall.dir + "/issued.json", *issued).ok());
+  // A kill behind the rows: the next serial follows from them.
+  REQUIRE(hall.ask("ur5", "ur5").ok());
+  REQUIRE(write_file(hall.dir + "/fleet.json", *fleet).ok());
+  const Authority opened = hall.reopened();
+  CHECK(opened.next_serial == opened.issued.back().serial + 1);
+}
