@@ -1,7 +1,6 @@
 """The keys of a tenant's OpenVPN (deploy/vpn/openvpn/pki): a command that is killed half way can be repeated, and who was
 revoked is in the list then. openssl is real; of openvpn only the common key is made, which stands in here."""
 import os
-import pathlib
 import shutil
 import signal
 import subprocess

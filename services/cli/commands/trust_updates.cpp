@@ -170,14 +170,35 @@ Status check_via(const Arguments& arguments) {
   return fail(Errc::missing, "--via " + via + ": no node.json there", "name the folder of a node that is up");
 }
 
+/// Errors: those of reading, but missing: such a node knows nothing.
+Status read_known(const std::string& via, TrustUpdate& known) {
+  constexpr std::size_t kMost = 1U << 20U;
+  const std::string path = via + "/state/news";
+  auto bytes = read_file(path, kMost);
+  if (bytes) {
+    auto stored = decode<TrustUpdate>(*bytes);
+    if (!stored) return fail(Errc::malformed, path + ": " + stored.error().what);
+    known = std::move(*stored);
+  } else if (bytes.error().code != Errc::missing) {
+    return bytes.error();
+  }
+  const std::string own_path = via + "/keys/certificate.json";
+  const auto own = read_certificate_file(own_path);
+  if (!own && (own.error().code != Errc::missing || file_exists(own_path))) return own.error();
+  if (own) known.certificates.push_back(own->certificate);
+  return Done{};
+}
+
 /// A node that is up knows what this folder does not, if it is an older copy of itself.
 Result<bool> learn_from(Authority& authority, const std::string& dir, const std::string& via) {
   if (via.empty()) return false;
-  constexpr std::size_t kMost = 1U << 20U;
-  auto bytes = read_file(via + "/state/news", kMost);
-  auto stored = bytes ? decode<TrustUpdate>(*bytes) : Result<TrustUpdate>(bytes.error());
-  TrustUpdate known = stored ? std::move(*stored) : TrustUpdate{};  // a damaged file is told anew by its peers
-  if (auto own = read_certificate_file(via + "/keys/certificate.json")) known.certificates.push_back(own->certificate);
+  TrustUpdate known;
+  // To take it for a node that knows nothing would make who was revoked after the copy a member again.
+  if (Status read = read_known(via, known); !read) {
+    return fail(read.error().code, "what " + via + " knows cannot be read: " + read.error().what,
+                "run this as the node's user, or name another node with --via; if state/news is damaged: end the node, "
+                "remove that file and start it, and its peers tell it anew");
+  }
   auto learned = catch_up(authority, dir, known);
   if (learned && *learned) print_line("note: " + dir + " was older than what " + via + " knows; taken over from there");
   return learned;
