@@ -12,7 +12,8 @@ namespace trb {
 Result<Bytes> read_file(const std::string& path, std::size_t max = 1U << 20U);
 
 /// Writes a new file beside it, syncs it and renames it over the old one: after a crash one of the two is there,
-/// complete. Errors: io_error; then the old file is unchanged, and nothing of the new one remains.
+/// complete. Errors: io_error; nothing of the new file is left beside it then, and the old one is unchanged, unless the
+/// text says "cannot sync the folder of": then it is replaced, and a power cut may bring the old one back.
 Status write_file(const std::string& path, BytesView bytes, unsigned mode = 0600);
 
 /// Overwrites the start of an existing file and syncs it: works on a full disk if the file is already long enough.

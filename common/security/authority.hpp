@@ -17,6 +17,7 @@ struct Authority {
   BeaconKey beacon;
   std::uint64_t next_serial = 1;
   std::vector<Certificate> issued;  ///< every certificate in issued.json, oldest first
+  bool news_ahead = false;          ///< some of them are in news.json, and not in issued.json yet
   SignedRecord revocations;         ///< the newest list; an empty kind for none
   RevocationList list;              ///< its content
 };
@@ -57,10 +58,12 @@ Result<Certificate> adopt_certificate(Authority& authority, const std::string& d
 /// open_revocations, io_error.
 Result<bool> catch_up(Authority& authority, const std::string& dir, const TrustUpdate& known);
 
-/// A new certificate for the same node and keys, with the next serial; with by_role it keeps an existing right to
-/// relay. Errors: io_error.
-Result<SignedRecord> renew_certificate(Authority& authority, const std::string& dir, const Certificate& old,
-                                       UtcTime now, Duration validity, RelayRight relay = RelayRight::by_role);
+/// New certificates for the same nodes and keys, with the next serials; with by_role each keeps an existing right to
+/// relay. They are in news.json before issued.json names them: what was signed can be told, whenever this is
+/// interrupted. Errors: too_large (over 256), bad_value (`validity`), io_error.
+Result<std::vector<SignedRecord>> renew_certificates(Authority& authority, const std::string& dir,
+                                                     const std::vector<Certificate>& old, UtcTime now,
+                                                     Duration validity, RelayRight relay = RelayRight::by_role);
 
 /// The next list: it adds these certificates, and brings every node that stays a new beacon key. It is in force for the
 /// authority once this returns. Errors: too_large (over 400 kB, or 2000 names of either kind), io_error.
@@ -70,7 +73,8 @@ Status revoke_certificates(Authority& authority, const std::string& dir, const s
 /// Before they are signed. Errors: too_large (over 256, for which news.json has no room).
 Status check_renewals(std::size_t number);
 
-/// Writes FLEET_DIR/news.json: the newest list, these renewed certificates, and those in the file that are still valid.
+/// Writes FLEET_DIR/news.json: the newest list, these renewed certificates, and those in the file that are still valid
+/// and that none of these replaces. What only that file has is written to issued.json before.
 /// Errors: too_large (over 256 renewals), io_error.
 Status publish_trust_updates(const Authority& authority, const std::string& dir,
                              const std::vector<SignedRecord>& renewed, UtcTime now);

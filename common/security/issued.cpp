@@ -27,10 +27,64 @@ std::string list_path(const std::string& dir) {
   return dir + "/revocations.json";
 }
 
+std::string news_path(const std::string& dir) {
+  return dir + "/news.json";
+}
+
+void keep_issued(Authority& authority, const Certificate& certificate) {
+  authority.next_serial = std::max(authority.next_serial, certificate.serial + 1);
+  authority.issued.push_back(certificate);
+  std::ranges::stable_sort(authority.issued, {}, &Certificate::serial);
+}
+
 Status write_issued(const std::string& dir, const Authority& authority) {
   Value::List rows;
   for (const Certificate& certificate : authority.issued) rows.push_back(*parse_json(to_json(certificate)));
   return write_file(issued_path(dir), dump_json(Value{Value::Object{{"certificates", Value{std::move(rows)}}}}) + "\n");
+}
+
+/// The rows first: the next serial follows from them too, while a serial in fleet.json that no row has counts as one of
+/// an earlier version.
+Status write_numbered(const std::string& dir, const Authority& authority) {
+  if (Status stored = write_issued(dir, authority); !stored) return stored;
+  return write_fleet(dir, authority);
+}
+
+/// Takes the next serial.
+Status number_and_date(Authority& authority, Certificate& certificate, UtcTime now, Duration validity) {
+  // Beyond it the end would be before 1970: no clock of 64 bits has it.
+  if (validity <= Duration::zero() || validity > kLongestValidity) {
+    return fail(Errc::bad_value,
+                "the certificate of '" + certificate.id + "' would be valid for no time, or for over 36500 days",
+                "use --days 1 to 36500");
+  }
+  certificate.fleet = {authority.fleet.id()};
+  certificate.serial = authority.next_serial++;
+  certificate.not_before = (now - kClockLeeway).ns;
+  certificate.not_after = (now + validity).ns;
+  return Done{};
+}
+
+SignedRecord sign_certificate(const Authority& authority, const Certificate& certificate) {
+  return sign(kSignedCertificate, "", authority.fleet.id(), encode(certificate), authority.key);
+}
+
+bool is_issued(const Authority& authority, const Certificate& certificate) {
+  return std::find(authority.issued.begin(), authority.issued.end(), certificate) != authority.issued.end();
+}
+
+/// A renewal is in news.json before issued.json names it: a process may have been killed in between.
+void take_from_news(Authority& authority, const std::string& dir) {
+  const auto news = read_trust_updates(news_path(dir));
+  if (!news) return;  // none, or it is made anew when it is written
+  for (const SignedRecord& record : news->certificates) {
+    // To check the signature of each one that is known would take 50 us each.
+    if (const auto said = decode<Certificate>(record.payload.bytes); !said || is_issued(authority, *said)) continue;
+    const auto certificate = open_certificate_any_time(record, authority.fleet);
+    if (!certificate) continue;
+    keep_issued(authority, *certificate);
+    authority.news_ahead = true;
+  }
 }
 
 bool same_keys(const Certificate& a, const Certificate& b) {
@@ -61,19 +115,7 @@ void add_entry(RevocationList& list, const Certificate& over, const std::string&
   if (!covered) list.revoked.push_back({over.serial, over.id, reason, now.ns});
 }
 
-}  // namespace
-
-Status write_fleet(const std::string& dir, const Authority& authority) {
-  Value::Object out;
-  out.emplace_back("name", Value{authority.fleet.name});
-  out.emplace_back("authority_key", Value{to_hex(authority.fleet.public_key)});
-  out.emplace_back("fleet", Value{to_hex(authority.fleet.id())});
-  out.emplace_back("beacon_key_number", Value{static_cast<std::int64_t>(authority.beacon.number)});
-  out.emplace_back("next_serial", Value{static_cast<std::int64_t>(authority.next_serial)});
-  return write_file(dir + "/fleet.json", dump_json(Value{std::move(out)}) + "\n");
-}
-
-Status read_issued(Authority& authority, const std::string& dir) {
+Status read_rows(Authority& authority, const std::string& dir) {
   if (!file_exists(issued_path(dir))) return Done{};
   auto text = read_file(issued_path(dir), kMaxIssuedFile);
   if (!text) return text.error();
@@ -88,6 +130,24 @@ Status read_issued(Authority& authority, const std::string& dir) {
     authority.next_serial = std::max(authority.next_serial, certificate->serial + 1);
     authority.issued.push_back(std::move(*certificate));
   }
+  return Done{};
+}
+
+}  // namespace
+
+Status write_fleet(const std::string& dir, const Authority& authority) {
+  Value::Object out;
+  out.emplace_back("name", Value{authority.fleet.name});
+  out.emplace_back("authority_key", Value{to_hex(authority.fleet.public_key)});
+  out.emplace_back("fleet", Value{to_hex(authority.fleet.id())});
+  out.emplace_back("beacon_key_number", Value{static_cast<std::int64_t>(authority.beacon.number)});
+  out.emplace_back("next_serial", Value{static_cast<std::int64_t>(authority.next_serial)});
+  return write_file(dir + "/fleet.json", dump_json(Value{std::move(out)}) + "\n");
+}
+
+Status read_issued(Authority& authority, const std::string& dir) {
+  if (Status read = read_rows(authority, dir); !read) return read;
+  take_from_news(authority, dir);
   return Done{};
 }
 
@@ -107,20 +167,10 @@ Status read_revocations(Authority& authority, const std::string& dir) {
 
 Result<SignedRecord> issue(Authority& authority, const std::string& dir, Certificate certificate, UtcTime now,
                            Duration validity) {
-  // Beyond it the end would be before 1970: no clock of 64 bits has it.
-  if (validity <= Duration::zero() || validity > kLongestValidity) {
-    return fail(Errc::bad_value,
-                "the certificate of '" + certificate.id + "' would be valid for no time, or for over 36500 days",
-                "use --days 1 to 36500");
-  }
-  certificate.fleet = {authority.fleet.id()};
-  certificate.serial = authority.next_serial++;
-  certificate.not_before = (now - kClockLeeway).ns;
-  certificate.not_after = (now + validity).ns;
+  if (Status good = number_and_date(authority, certificate, now, validity); !good) return good.error();
   authority.issued.push_back(certificate);
-  if (Status stored = write_fleet(dir, authority); !stored) return stored.error();
-  if (Status stored = write_issued(dir, authority); !stored) return stored.error();
-  return sign(kSignedCertificate, "", authority.fleet.id(), encode(certificate), authority.key);
+  if (Status stored = write_numbered(dir, authority); !stored) return stored.error();
+  return sign_certificate(authority, certificate);
 }
 
 Status write_revocations(const std::string& dir, const SignedRecord& record) {
@@ -209,23 +259,28 @@ Result<CertificateFile> sign_request(Authority& authority, const std::string& di
 
 Result<Certificate> adopt_certificate(Authority& authority, const std::string& dir, const SignedRecord& record) {
   auto certificate = open_certificate_any_time(record, authority.fleet);
-  if (!certificate) return certificate;
-  const bool known = std::any_of(authority.issued.begin(), authority.issued.end(),
-                                 [&](const Certificate& row) { return row == *certificate; });
-  if (known) return certificate;
-  authority.next_serial = std::max(authority.next_serial, certificate->serial + 1);
-  authority.issued.push_back(*certificate);
-  std::ranges::stable_sort(authority.issued, {}, &Certificate::serial);
+  if (!certificate || is_issued(authority, *certificate)) return certificate;
+  keep_issued(authority, *certificate);
   if (Status stored = write_issued(dir, authority); !stored) return stored.error();
   return certificate;
 }
 
-Result<SignedRecord> renew_certificate(Authority& authority, const std::string& dir, const Certificate& old,
-                                       UtcTime now, Duration validity, RelayRight relay) {
-  Certificate next = old;
-  if (old.role == Role::cloud) next.relay = true;  // a certificate of an earlier version has no such field
-  if (relay != RelayRight::by_role) next.relay = relay == RelayRight::yes;
-  return issue(authority, dir, std::move(next), now, validity);
+Result<std::vector<SignedRecord>> renew_certificates(Authority& authority, const std::string& dir,
+                                                     const std::vector<Certificate>& old, UtcTime now,
+                                                     Duration validity, RelayRight relay) {
+  std::vector<Certificate> fresh = old;
+  std::vector<SignedRecord> records;
+  for (Certificate& next : fresh) {
+    if (next.role == Role::cloud) next.relay = true;  // a certificate of an earlier version has no such field
+    if (relay != RelayRight::by_role) next.relay = relay == RelayRight::yes;
+    if (Status good = number_and_date(authority, next, now, validity); !good) return good.error();
+    records.push_back(sign_certificate(authority, next));
+  }
+  // First of all: of what issued.json names and nobody has, the node would never hear.
+  if (Status told = publish_trust_updates(authority, dir, records, now); !told) return told.error();
+  authority.issued.insert(authority.issued.end(), fresh.begin(), fresh.end());
+  if (Status stored = write_numbered(dir, authority); !stored) return stored.error();
+  return records;
 }
 
 namespace {
@@ -282,24 +337,41 @@ Status check_renewals(std::size_t number) {
               "name some of them, hand these on, then name the others");
 }
 
+namespace {
+
+/// Of each node the newest of these that is valid. One that only issued.json names replaces none: it may never have
+/// been handed over.
+std::vector<SignedRecord> newest_of(const Authority& authority, const std::vector<SignedRecord>& records, UtcTime now) {
+  std::vector<std::pair<SignedRecord, Certificate>> valid;
+  std::map<std::string, std::uint64_t> newest;
+  for (const SignedRecord& record : records) {
+    auto certificate = open_certificate_any_time(record, authority.fleet);
+    if (!certificate || certificate->not_after <= now.ns) continue;
+    if (find_revocation(authority.list, *certificate) != nullptr) continue;
+    newest[certificate->id] = std::max(newest[certificate->id], certificate->serial);
+    valid.emplace_back(record, std::move(*certificate));
+  }
+  std::vector<SignedRecord> out;
+  for (const auto& [record, certificate] : valid) {
+    const bool counts = newest[certificate.id] == certificate.serial;
+    if (counts && std::find(out.begin(), out.end(), record) == out.end()) out.push_back(record);
+  }
+  return out;
+}
+
+}  // namespace
+
 Status publish_trust_updates(const Authority& authority, const std::string& dir,
                              const std::vector<SignedRecord>& renewed, UtcTime now) {
   if (Status few = check_renewals(renewed.size()); !few) return few;
-  const std::string path = dir + "/news.json";
-  TrustUpdate update{authority.revocations, {}};
+  // The list says up to when a revoked certificate is valid by the rows: none may go with its renewal.
+  if (Status kept = authority.news_ahead ? write_issued(dir, authority) : Status(Done{}); !kept) return kept;
   std::vector<SignedRecord> all = renewed;
-  if (auto old = read_trust_updates(path)) all.insert(all.end(), old->certificates.begin(), old->certificates.end());
-  for (const SignedRecord& record : all) {
-    auto certificate = open_certificate_any_time(record, authority.fleet);
-    if (!certificate) continue;
-    const Certificate* living = find_living(authority, certificate->id, now);
-    const bool counts = living != nullptr && living->serial == certificate->serial;
-    const bool there =
-        std::find(update.certificates.begin(), update.certificates.end(), record) != update.certificates.end();
-    if (counts && !there) update.certificates.push_back(record);
-  }
+  if (auto old = read_trust_updates(news_path(dir)))
+    all.insert(all.end(), old->certificates.begin(), old->certificates.end());
+  TrustUpdate update{authority.revocations, newest_of(authority, all, now)};
   update.certificates.resize(std::min(update.certificates.size(), kMaxRenewed));
-  return write_trust_updates(path, update);
+  return write_trust_updates(news_path(dir), update);
 }
 
 }  // namespace trb

@@ -9,8 +9,8 @@ namespace trb {
 
 Status write_fleet(const std::string& dir, const Authority& authority);
 
-/// A folder of an earlier version has none of these files: then nothing is read. Errors: malformed, too_large, and
-/// those of open_revocations.
+/// A folder of an earlier version has none of these files: then nothing is read. A renewal that only news.json has
+/// counts as issued: whoever signed it was interrupted. Errors: malformed, too_large, and those of open_revocations.
 Status read_issued(Authority& authority, const std::string& dir);
 Status read_revocations(Authority& authority, const std::string& dir);
 

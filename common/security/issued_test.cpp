@@ -114,8 +114,8 @@ TEST_CASE("a validity that no clock can hold is refused, and takes no serial") {
   const auto serial = hall.authority.next_serial;
   for (const Duration days :
        {std::chrono::hours(24 * 100'000), std::chrono::hours(24 * 36'501), std::chrono::hours(0)}) {
-    CHECK(code_of(renew_certificate(hall.authority, hall.dir, hall.living("ur3"), kNow, days, RelayRight::by_role)) ==
-          Errc::bad_value);
+    CHECK(code_of(renew_certificates(hall.authority, hall.dir, {hall.living("ur3")}, kNow, days,
+                                     RelayRight::by_role)) == Errc::bad_value);
   }
   CHECK(hall.authority.next_serial == serial);
   CHECK(hall.reopened().next_serial == serial);
@@ -125,15 +125,14 @@ TEST_CASE("a renewed certificate has the same keys, a higher serial, and stands 
   Hall hall;
   hall.join("ur3");
   const Certificate old = hall.living("ur3");
-  const auto renewed = renew_certificate(hall.authority, hall.dir, old, kNow, 2 * kYear);
+  const auto renewed = renew_certificates(hall.authority, hall.dir, {old}, kNow, 2 * kYear);
   REQUIRE(renewed.ok());
-  REQUIRE(publish_trust_updates(hall.authority, hall.dir, {*renewed}, kNow).ok());
-  const auto opened = open_certificate(*renewed, hall.authority.fleet, kNow + kYear + Duration(1));
+  const auto opened = open_certificate(renewed->front(), hall.authority.fleet, kNow + kYear + Duration(1));
   REQUIRE(opened.ok());
   CHECK(opened->serial == old.serial + 1);
   CHECK(opened->link_key == old.link_key);
   CHECK(hall.reopened().next_serial == old.serial + 2);
-  CHECK(read_trust_updates(hall.dir + "/news.json")->certificates == std::vector{*renewed});
+  CHECK(read_trust_updates(hall.dir + "/news.json")->certificates == *renewed);
   REQUIRE(hall.revoke("ur3").ok());
   REQUIRE(publish_trust_updates(hall.authority, hall.dir, {}, kNow).ok());
   CHECK(read_trust_updates(hall.dir + "/news.json")->certificates.empty());
@@ -159,10 +158,10 @@ TEST_CASE("a folder put back from an older copy takes over what the fleet knows:
   Hall hall;
   for (const char* id : {"ur3", "ur5", "cloud"}) hall.join(id);
   std::filesystem::copy(hall.dir, hall.root + "/copy");
-  const auto renewed = renew_certificate(hall.authority, hall.dir, hall.living("cloud"), kNow, kYear);
+  const auto renewed = renew_certificates(hall.authority, hall.dir, {hall.living("cloud")}, kNow, kYear);
   REQUIRE(renewed.ok());
   REQUIRE(hall.revoke("ur3").ok());
-  const TrustUpdate known{hall.authority.revocations, {*renewed}};
+  const TrustUpdate known{hall.authority.revocations, *renewed};
 
   Authority copy = *open_authority(hall.root + "/copy", kPassphrase);
   CHECK(find_living(copy, "ur3", kNow) != nullptr);
@@ -232,4 +231,99 @@ TEST_CASE("a list that is stored counts, whatever becomes of the copy of its bea
   REQUIRE(write_file(hall.dir + "/fleet.json", *fleet).ok());
   CHECK(hall.reopened().beacon.number == hall.authority.beacon.number);
   CHECK(hall.reopened().beacon.secret == hall.authority.beacon.secret);
+}
+
+TEST_CASE("a renewal is in the news before it counts: whoever is interrupted behind that has lost nothing") {
+  Hall hall;
+  for (const char* id : {"ur3", "ur5"}) hall.join(id);
+  const auto issued = read_file(hall.dir + "/issued.json");
+  const auto fleet = read_file(hall.dir + "/fleet.json");
+  REQUIRE(renew_certificates(hall.authority, hall.dir, {hall.living("ur3"), hall.living("ur5")}, kNow, kYear).ok());
+  const auto news = read_trust_updates(hall.dir + "/news.json")->certificates;
+  CHECK(news.size() == 2);
+  // Killed behind the first of the three files, and behind the first of the other two.
+  REQUIRE(write_file(hall.dir + "/fleet.json", *fleet).ok());
+  for (const bool is_named : {true, false}) {
+    if (!is_named) REQUIRE(write_file(hall.dir + "/issued.json", *issued).ok());
+    Authority opened = hall.reopened();
+    CHECK(opened.issued == hall.authority.issued);
+    CHECK(opened.next_serial == 5);
+    REQUIRE(publish_trust_updates(opened, hall.dir, {}, kNow).ok());
+    CHECK(read_trust_updates(hall.dir + "/news.json")->certificates == news);
+  }
+}
+
+TEST_CASE("a renewal that only the news have is kept when it is revoked, and leaves them") {
+  Hall hall;
+  for (const char* id : {"ur3", "ur5"}) hall.join(id);
+  const auto issued = read_file(hall.dir + "/issued.json");
+  REQUIRE(renew_certificates(hall.authority, hall.dir, {hall.living("ur3")}, kNow, 2 * kYear).ok());
+  REQUIRE(write_file(hall.dir + "/issued.json", *issued).ok());
+  Authority opened = hall.reopened();
+  REQUIRE(revoke_certificates(opened, hall.dir, {*find_living(opened, "ur3", kNow)}, "stolen", kNow).ok());
+  REQUIRE(publish_trust_updates(opened, hall.dir, {}, kNow).ok());
+  CHECK(read_trust_updates(hall.dir + "/news.json")->certificates.empty());
+  // Behind the end of the first one, the entry is still needed.
+  Authority later = hall.reopened();
+  CHECK(later.issued == hall.authority.issued);
+  const UtcTime behind = kNow + kYear + Duration(1);
+  REQUIRE(revoke_certificates(later, hall.dir, {}, "", behind).ok());
+  CHECK(find_revocation(later.list, hall.authority.issued.back()) != nullptr);
+}
+
+TEST_CASE("a renewal that the news cannot hold is none, for any of those that were named") {
+  Hall hall;
+  for (const char* id : {"ur3", "ur5"}) hall.join(id);
+  const std::vector<Certificate> both{hall.living("ur3"), hall.living("ur5")};
+  std::filesystem::create_directories(hall.dir + "/news.json/in-the-way");
+  CHECK(code_of(renew_certificates(hall.authority, hall.dir, both, kNow, kYear)) == Errc::io_error);
+  CHECK(hall.living("ur3") == both[0]);
+  CHECK(hall.reopened().issued == both);
+  CHECK(hall.reopened().next_serial == 3);
+}
+
+TEST_CASE("a renewal stays in the news until a newer one is there: one that is only counted replaces none") {
+  Hall hall;
+  for (const char* id : {"ur3", "ur5"}) hall.join(id);
+  const auto renewed = renew_certificates(hall.authority, hall.dir, {hall.living("ur3")}, kNow, kYear);
+  REQUIRE(renewed.ok());
+  REQUIRE(hall.ask("ur3", "ur3").ok());  // and the certificate is lost on its way
+  REQUIRE(hall.revoke("ur5").ok());
+  REQUIRE(publish_trust_updates(hall.authority, hall.dir, {}, kNow).ok());
+  CHECK(read_trust_updates(hall.dir + "/news.json")->certificates == *renewed);
+}
+
+TEST_CASE("what is forged, or of another fleet, does not count as issued because the news have it") {
+  Hall hall;
+  Hall other;
+  for (Hall* one : {&hall, &other}) one->join("ur3");
+  auto forged = renew_certificates(hall.authority, hall.dir, {hall.living("ur3")}, kNow, kYear)->front();
+  auto foreign = renew_certificates(other.authority, other.dir, {other.living("ur3")}, kNow, kYear)->front();
+  const auto before = hall.reopened().issued;
+  const auto more = [&](SignedRecord record) {
+    auto body = *decode<Certificate>(record.payload.bytes);
+    body.serial = 9;
+    record.payload.bytes = encode(body);
+    return record;
+  };
+  REQUIRE(write_trust_updates(hall.dir + "/news.json", {{}, {more(forged), foreign}}).ok());
+  CHECK(hall.reopened().issued == before);
+}
+
+TEST_CASE("a certificate that could not be kept takes no serial on disk: none is missing in the folder later") {
+  Hall hall;
+  hall.join("ur3");
+  const auto fleet = read_file(hall.dir + "/fleet.json");
+  const auto issued = read_file(hall.dir + "/issued.json");
+  std::filesystem::remove(hall.dir + "/issued.json");
+  std::filesystem::create_directories(hall.dir + "/issued.json/in-the-way");
+  CHECK(code_of(hall.ask("ur5", "ur5")) == Errc::io_error);
+  CHECK(*read_file(hall.dir + "/fleet.json") == *fleet);
+  std::filesystem::remove_all(hall.dir + "/issued.json");
+  REQUIRE(write_file(hall.dir + "/issued.json", *issued).ok());
+  // A kill behind the rows: the next serial follows from them.
+  REQUIRE(hall.ask("ur5", "ur5").ok());
+  REQUIRE(write_file(hall.dir + "/fleet.json", *fleet).ok());
+  const Authority opened = hall.reopened();
+  CHECK(opened.next_serial == opened.issued.back().serial + 1);
 }

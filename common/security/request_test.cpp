@@ -85,7 +85,7 @@ TEST_CASE("a node relays if it is a cloud's, or if the authority says so, and st
   CHECK_FALSE(signed_as("cloud-3", Role::cloud, RelayRight::no));
 
   const auto renewed = [&](Certificate old, RelayRight relay) {
-    REQUIRE(renew_certificate(hall.authority, hall.dir, old, kNow, kYear, relay).ok());
+    REQUIRE(renew_certificates(hall.authority, hall.dir, {old}, kNow, kYear, relay).ok());
     return hall.living(old.id).relay;
   };
   CHECK_FALSE(renewed(hall.living("robot"), RelayRight::by_role));
@@ -126,7 +126,7 @@ TEST_CASE("what cannot be stored is not handed out") {
     std::filesystem::remove(hall.dir + name);
     std::filesystem::create_directories(hall.dir + name + "/in-the-way");
     CHECK(code_of(hall.ask("ur3", "ur3")) == Errc::io_error);
-    CHECK(code_of(renew_certificate(hall.authority, hall.dir, hall.living("ur3"), kNow, kYear)) == Errc::io_error);
+    CHECK(code_of(renew_certificates(hall.authority, hall.dir, {hall.living("ur3")}, kNow, kYear)) == Errc::io_error);
     std::filesystem::remove_all(hall.dir + name);
   }
   CHECK(hall.ask("ur3", "ur3").ok());

@@ -133,7 +133,7 @@ TEST_CASE("the news hold each living certificate once, and none that is revoked,
   Hall hall;
   for (const char* id : {"ur3", "ur5", "cloud"}) hall.join(id);
   const auto renew = [&](const std::string& id) {
-    return *renew_certificate(hall.authority, hall.dir, hall.living(id), kNow, kYear);
+    return renew_certificates(hall.authority, hall.dir, {hall.living(id)}, kNow, kYear)->front();
   };
   const auto told = [&](const std::vector<SignedRecord>& renewed) {
     REQUIRE(publish_trust_updates(hall.authority, hall.dir, renewed, kNow).ok());

@@ -103,6 +103,32 @@ class Revocation(unittest.TestCase):
         self.fleet.trb("fleet", "tell", authority, "--via", self.fleet.dir("ant"))
         self.fleet.wait("cat is out", lambda: "cat" not in self.states("bee"), 60)
 
+    def test_a_renewal_that_news_cannot_hold_is_none(self):
+        authority = self.fleet.authority_dir()
+        serial = lambda node: {row["id"]: row["serial"] for row in json.loads(
+            self.fleet.trb("fleet", "show", authority, "--json").stdout)["nodes"]}[node]
+        first = serial("cat")
+        way = authority / "news.json"
+        (way / "in-the-way").mkdir(parents=True)
+        for whom in ("cat",), ("--all",):
+            done = self.fleet.trb("fleet", "renew", authority, *whom, check=False)
+            self.assertNotEqual(done.returncode, 0, done.stdout)
+            self.assertIn("then renew again", done.stderr)
+            self.assertNotIn("valid to", done.stdout)
+        self.assertEqual(serial("cat"), first)
+        (way / "in-the-way").rmdir()
+        way.rmdir()
+        self.fleet.trb("fleet", "renew", authority, "cat")
+        renewed = json.loads(way.read_text())["certificates"]
+        self.assertEqual(len(renewed), 1)
+        self.assertGreater(serial("cat"), first)
+        # It is told also if somebody else is revoked in between.
+        self.fleet.trb("fleet", "revoke", authority, "bee")
+        self.assertEqual(json.loads(way.read_text())["certificates"], renewed)
+        self.fleet.trb("fleet", "tell", authority, "--via", self.fleet.dir("ant"))
+        own = self.fleet.dir("cat") / "keys" / "certificate.json"
+        self.fleet.wait("cat has it", lambda: json.loads(own.read_text())["certificate"] == renewed[0], 60)
+
 
 class Robot(unittest.TestCase):
     def setUp(self):

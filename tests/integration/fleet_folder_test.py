@@ -121,6 +121,28 @@ class Folder(unittest.TestCase):
         self.refused("fleet", "revoke", copy, NODES[1], "--via", node)  # no router is up there: signed, and not handed on
         self.assertEqual(self.valid(copy), [NODES[2]])
 
+    def test_a_node_whose_knowledge_cannot_be_read_is_not_one_that_knows_nothing(self):
+        """The folder was put back from a copy; what was revoked since is in the node's file, which is damaged."""
+        self.trb("fleet", "sign", self.authority, *map(self.request, NODES[:3]))
+        copy = self.folder / "copy"
+        shutil.copytree(self.authority, copy)
+        self.trb("fleet", "revoke", self.authority, NODES[0])
+        node = self.folder / NODES[2]
+        (node / "state").mkdir()
+        known = node / "state" / "news"
+        before = {path.name: path.read_bytes() for path in copy.iterdir()}
+        for damage in (lambda: known.write_bytes(self.news(self.authority)[:100]), lambda: (known.unlink(), known.mkdir())):
+            damage()
+            for words in (("renew", copy, "--all"), ("revoke", copy, NODES[1]), ("tell", copy)):
+                problem = self.refused("fleet", *words, "--via", node)
+                self.assertIn(f"what {node} knows cannot be read: {known}: ", problem)
+                self.assertIn("name another node with --via", problem)
+            self.assertEqual({path.name: path.read_bytes() for path in copy.iterdir()}, before)
+        known.rmdir()
+        known.write_bytes(self.news(self.authority))
+        self.refused("fleet", "renew", copy, "--all", "--via", node)  # no router is up there: signed, and not handed on
+        self.assertEqual(self.valid(copy), NODES[1:3])
+
     def test_what_is_done_is_json_for_a_program(self):
         made = json.loads(self.trb("fleet", "init", self.folder / "second", "--json"))
         self.assertEqual((made["dir"], made["name"]), (str(self.folder / "second"), "fleet"))

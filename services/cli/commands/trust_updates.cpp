@@ -1,6 +1,7 @@
 // fleet renew, revoke, tell: what the authority says after it has signed, and how it reaches the fleet.
 #include <algorithm>
 #include <filesystem>
+#include <iterator>
 #include <limits>
 #include <optional>
 #include <set>
@@ -169,14 +170,35 @@ Status check_via(const Arguments& arguments) {
   return fail(Errc::missing, "--via " + via + ": no node.json there", "name the folder of a node that is up");
 }
 
+/// Errors: those of reading, but missing: such a node knows nothing.
+Status read_known(const std::string& via, TrustUpdate& known) {
+  constexpr std::size_t kMost = 1U << 20U;
+  const std::string path = via + "/state/news";
+  auto bytes = read_file(path, kMost);
+  if (bytes) {
+    auto stored = decode<TrustUpdate>(*bytes);
+    if (!stored) return fail(Errc::malformed, path + ": " + stored.error().what);
+    known = std::move(*stored);
+  } else if (bytes.error().code != Errc::missing) {
+    return bytes.error();
+  }
+  const std::string own_path = via + "/keys/certificate.json";
+  const auto own = read_certificate_file(own_path);
+  if (!own && (own.error().code != Errc::missing || file_exists(own_path))) return own.error();
+  if (own) known.certificates.push_back(own->certificate);
+  return Done{};
+}
+
 /// A node that is up knows what this folder does not, if it is an older copy of itself.
 Result<bool> learn_from(Authority& authority, const std::string& dir, const std::string& via) {
   if (via.empty()) return false;
-  constexpr std::size_t kMost = 1U << 20U;
-  auto bytes = read_file(via + "/state/news", kMost);
-  auto stored = bytes ? decode<TrustUpdate>(*bytes) : Result<TrustUpdate>(bytes.error());
-  TrustUpdate known = stored ? std::move(*stored) : TrustUpdate{};  // a damaged file is told anew by its peers
-  if (auto own = read_certificate_file(via + "/keys/certificate.json")) known.certificates.push_back(own->certificate);
+  TrustUpdate known;
+  // To take it for a node that knows nothing would make who was revoked after the copy a member again.
+  if (Status read = read_known(via, known); !read) {
+    return fail(read.error().code, "what " + via + " knows cannot be read: " + read.error().what,
+                "run this as the node's user, or name another node with --via; if state/news is damaged: end the node, "
+                "remove that file and start it, and its peers tell it anew");
+  }
   auto learned = catch_up(authority, dir, known);
   if (learned && *learned) print_line("note: " + dir + " was older than what " + via + " knows; taken over from there");
   return learned;
@@ -202,12 +224,21 @@ Error not_handed_on(const Error& why, const std::string& dir, const std::string&
               (first.empty() ? "" : first + ", then ") + "trb fleet tell " + dir + " --via " + via);
 }
 
-/// Writes what the fleet is to be told; the list itself is in the folder.
-Status publish(const Authority& authority, const std::string& dir, const std::vector<SignedRecord>& renewed,
-               UtcTime now) {
-  Status told = publish_trust_updates(authority, dir, renewed, now);
+std::string make_room(const std::string& dir) {
+  return "make room there (df -h " + dir + ")";
+}
+
+/// Writes what the fleet is to be told: the list, which is in the folder, and the renewals that news.json has.
+Status publish(const Authority& authority, const std::string& dir, UtcTime now) {
+  Status told = publish_trust_updates(authority, dir, {}, now);
   if (told) return told;
-  return not_handed_on(told.error(), dir, "NODE_DIR", "make room there (df -h " + dir + ")");
+  return not_handed_on(told.error(), dir, "NODE_DIR", make_room(dir));
+}
+
+/// To renew again does no harm, whether news.json had room for the renewals or not.
+Error not_renewed(Error why, const std::string& dir) {
+  if (why.code == Errc::io_error && why.hint.empty()) why.hint = make_room(dir) + ", then renew again";
+  return why;
 }
 
 /// Hands news.json to the fleet by a running node's router, or says how else it gets there.
@@ -241,7 +272,7 @@ int hand_on(const Arguments& arguments) {
 Status publish_again(const Authority& authority, const std::string& dir, bool learned) {
   const auto updates = read_trust_updates(dir + "/news.json");
   if (!learned && updates && updates->revocations == authority.revocations) return Done{};
-  return publish(authority, dir, {}, read_clocks().utc);
+  return publish(authority, dir, read_clocks().utc);
 }
 
 int run_renew(const Arguments& arguments) {
@@ -262,15 +293,12 @@ int run_renew(const Arguments& arguments) {
   auto old = chosen_certificates(*authority, arguments, now);
   if (!old) return print_error(arguments, old.error());
   if (Status few = check_renewals(old->size()); !few) return print_error(arguments, few.error());
-  std::vector<SignedRecord> renewed;
-  for (const Certificate& certificate : *old) {
-    auto record = renew_certificate(*authority, dir, certificate, now, seconds(*days * 86400), *relay);
-    if (!record) return print_error(arguments, record.error());
-    renewed.push_back(std::move(*record));
-    const Certificate& fresh = authority->issued.back();
-    print_line(fresh.id + ": serial " + std::to_string(fresh.serial) + ", valid to " + to_iso8601({fresh.not_after}));
+  const auto renewed = renew_certificates(*authority, dir, *old, now, seconds(*days * 86400), *relay);
+  if (!renewed) return print_error(arguments, not_renewed(renewed.error(), dir));
+  for (auto fresh = authority->issued.end() - std::ssize(*renewed); fresh != authority->issued.end(); ++fresh) {
+    print_line(fresh->id + ": serial " + std::to_string(fresh->serial) + ", valid to " +
+               to_iso8601({fresh->not_after}));
   }
-  if (Status told = publish(*authority, dir, renewed, now); !told) return print_error(arguments, told.error());
   return hand_on(arguments);
 }
 
@@ -301,7 +329,7 @@ int run_revoke(const Arguments& arguments) {
              std::to_string(authority->list.beacon_keys.size()) + " nodes that stay");
   note_unknown(*authority,
                "such a node gets no new beacon key. Name its certificate.json in trb fleet renew, then revoke again.");
-  if (Status told = publish(*authority, dir, {}, now); !told) return print_error(arguments, told.error());
+  if (Status told = publish(*authority, dir, now); !told) return print_error(arguments, told.error());
   return hand_on(arguments);
 }
 

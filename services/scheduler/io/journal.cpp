@@ -3,10 +3,12 @@
 #include <sqlite3.h>
 
 #include <filesystem>
+#include <stdexcept>
 
 #include "common/base/bytes.hpp"
 #include "common/base/disk_state.hpp"
 #include "common/base/files.hpp"
+#include "common/log/log.hpp"
 #include "services/scheduler/core/view.hpp"
 
 namespace trb::scheduler {
@@ -278,10 +280,18 @@ Status JournalFile::has_room() const {
 }
 
 std::optional<Over> JournalFile::over(const std::string& run) const {
+  // Whoever took it for a run that is not over would begin its tasks a second time.
+  const auto unreadable = [&] {
+    const std::string why = problem("whether run " + run + " is over cannot be read").text();
+    log_event(Level::error, "journal_failed", why + " (the process ends: nothing may rest on it)");
+    return std::runtime_error(why);
+  };
   auto statement = compile("SELECT state, final FROM archive WHERE run = ?");
-  if (!statement) return std::nullopt;
+  if (!statement) throw unreadable();
   bind_text(statement->get(), 1, run);
-  if (sqlite3_step(statement->get()) != SQLITE_ROW) return std::nullopt;
+  const int code = sqlite3_step(statement->get());
+  if (code == SQLITE_DONE) return std::nullopt;
+  if (code != SQLITE_ROW) throw unreadable();
   Over out;
   out.state = static_cast<RunState>(sqlite3_column_int(statement->get(), 0));
   const std::string end = column(statement->get(), 1);

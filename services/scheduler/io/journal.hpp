@@ -46,8 +46,9 @@ class JournalFile final : public Archive {
   /// JournalTime. Error: io_error.
   Status prune(UtcTime steady);
 
-  // But for record(), what cannot be read counts as missing; open() and load() report damage.
+  // Of ids() and page() what cannot be read is left out; open() and load() report damage.
   [[nodiscard]] Status has_room() const override;
+  /// Throws std::runtime_error if it cannot be read: it ends the process, as a failed commit does.
   [[nodiscard]] std::optional<Over> over(const std::string& run) const override;
   [[nodiscard]] Result<JournalArchive> record(const std::string& run) const override;
   [[nodiscard]] std::vector<std::string> ids(const std::string& beginning, std::size_t most) const override;

@@ -7,6 +7,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <stdexcept>
 
 #include "common/base/hex.hpp"
 
@@ -59,6 +60,19 @@ void sql(const Folder& folder, const std::string& text) {
   REQUIRE(sqlite3_open(folder.file().c_str(), &db) == SQLITE_OK);
   CHECK(sqlite3_exec(db, text.c_str(), nullptr, nullptr, nullptr) == SQLITE_OK);
   sqlite3_close(db);
+}
+
+/// What the query answers.
+std::int64_t number(const Folder& folder, const std::string& query) {
+  sqlite3* db = nullptr;
+  sqlite3_stmt* statement = nullptr;
+  REQUIRE(sqlite3_open(folder.file().c_str(), &db) == SQLITE_OK);
+  REQUIRE(sqlite3_prepare_v2(db, query.c_str(), -1, &statement, nullptr) == SQLITE_OK);
+  REQUIRE(sqlite3_step(statement) == SQLITE_ROW);
+  const std::int64_t out = sqlite3_column_int64(statement, 0);
+  sqlite3_finalize(statement);
+  sqlite3_close(db);
+  return out;
 }
 
 /// How SQLite carries out the query.
@@ -293,4 +307,31 @@ TEST_CASE("a record of an unknown kind, another schema, and a file that is no da
   REQUIRE_FALSE(text.ok());
   CHECK(text.error().code == Errc::malformed);
   CHECK(JournalFile::open(folder.path + "/none/journal.db", kPlenty).error().code == Errc::io_error);
+}
+
+TEST_CASE("whether a run is over is not told by a file that cannot be read: its tasks would begin a second time") {
+  const Folder folder;
+  REQUIRE(opened(folder)->commit({{over_of("a", RunState::finished, 100)}}).ok());
+  SUBCASE("a page is damaged") {
+    // That of the ids: what is read at the start is whole.
+    const auto page = number(folder, "SELECT rootpage FROM sqlite_master WHERE name = 'sqlite_autoindex_archive_1'");
+    const auto size = number(folder, "PRAGMA page_size");
+    std::fstream file(folder.file(), std::ios::in | std::ios::out | std::ios::binary);
+    file.seekp((page - 1) * size);
+    file << std::string(static_cast<std::size_t>(size), '\xff');
+    REQUIRE(file.flush());
+  }
+  const auto journal = opened(folder);
+  SUBCASE("the table is gone") {
+    sql(folder, "DROP TABLE archive");
+  }
+  for (const char* run : {"a", "b"}) {
+    std::string said;
+    try {
+      (void)journal->over(run);
+    } catch (const std::runtime_error& problem) {
+      said = problem.what();
+    }
+    CHECK(said.find(folder.file() + ": whether run " + run + " is over cannot be read") != std::string::npos);
+  }
 }
