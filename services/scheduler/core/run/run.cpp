@@ -193,8 +193,8 @@ Result<HeldResult> Run::received_result(const SignedRecord& record) const {
 
 void Run::receive(const std::vector<bool>& final_tasks, const std::vector<bool>& skipped_tasks,
                   const std::string& giver) {
-  reports_.add(final_tasks, skipped_tasks);
-  ++version_;
+  // Any member may repeat a baton as often as it likes: that says nothing new to those who watch the run.
+  if (reports_.add(final_tasks, skipped_tasks)) ++version_;
   for (const TaskIndex task : open_tasks_.missing_results(reported_final())) work_.awaited().need_result(task, giver);
 }
 
