@@ -223,16 +223,13 @@ bool Run::may_start(UtcTime steady) const {
 }
 
 bool Run::is_idle() const {
-  const auto is_final = [&](TaskIndex task) { return results().has_final(task); };
-  const bool done = std::ranges::all_of(epochs_.own_tasks(), is_final);
-  return (done || is_stuck()) && deliveries_.pending().empty() && work_.is_empty();
+  return (open_tasks_.own_are_final() || is_stuck()) && deliveries_.pending().empty() && work_.is_empty();
 }
 
 /// A task has failed here, and none could begin: its decision may have come, and the run ended, while this node was
 /// away.
 bool Run::is_stuck() const {
-  const auto failed = [&](TaskIndex task) { return results().of(task) != nullptr && !results().has_final(task); };
-  return std::ranges::any_of(epochs_.own_tasks(), failed) && open_tasks_.startable().empty();
+  return open_tasks_.own_has_failed() && open_tasks_.startable().empty();
 }
 
 }  // namespace trb::scheduler
