@@ -42,7 +42,7 @@ Status DefinitionHandler::check_new(const Run& run, Step step) const {
                     " MiB that open runs may take here, with its runs and its results",
                 "abort those that nobody needs: trb run list");
   }
-  if (runs_.has_place_for(submitter)) return lookup_.has_room();
+  if (runs_.has_place_for(submitter)) return lookup_.has_room(submitter);
   const std::string open = std::to_string(RunStore::kMaxRuns) + " runs are open here";
   return fail(Errc::queue_full,
               runs_.full() ? open
