@@ -40,12 +40,20 @@ Run& RunStore::add(std::unique_ptr<Run> run) {
   return added;
 }
 
+std::size_t RunStore::taken() const {
+  return static_cast<std::size_t>(
+      std::ranges::count_if(by_age_, [](const Run* one) { return !one->orders().is_aborted(); }));
+}
+
 bool RunStore::has_place_for(const std::string& submitter) const {
-  if (full()) return false;
-  const auto own = static_cast<std::size_t>(
-      std::ranges::count_if(by_age_, [&](const Run* one) { return one->definition().start().submitter == submitter; }));
-  const std::size_t left_by_others = kMaxRuns - (runs_.size() - own);
-  return own < (left_by_others * 15 + 15) / 16;
+  std::size_t open = 0;
+  std::size_t aborted = 0;
+  for (const Run* run : by_age_) {
+    if (run->definition().start().submitter == submitter) ++(run->orders().is_aborted() ? aborted : open);
+  }
+  const auto share_of = [](std::size_t places) { return (places * 15 + 15) / 16; };
+  const std::size_t left_by_others = kMaxRuns - std::min(taken() - open, kMaxRuns);
+  return !full() && open < share_of(left_by_others) && aborted < share_of(kMaxRuns);
 }
 
 std::size_t RunStore::bytes_left(const std::string& node) const {

@@ -35,8 +35,12 @@ class RunStore {
     return Run::open(start, certificates_, self_);
   }
   Run& add(std::unique_ptr<Run> run);
-  [[nodiscard]] bool full() const { return runs_.size() >= kMaxRuns; }
-  /// One submitter has at most 15/16 of the places that the others leave: it cannot take them all.
+  /// How many take a place: those that are not aborted. An aborted one stays until every member has confirmed that,
+  /// and one that is gone for good, or does not want to, must not hold its place.
+  [[nodiscard]] std::size_t taken() const;
+  [[nodiscard]] bool full() const { return taken() >= kMaxRuns; }
+  /// One submitter has at most 15/16 of the places that the others leave: it cannot take them all. It begins no run
+  /// while as many of its runs as that are aborted, and not confirmed.
   [[nodiscard]] bool has_place_for(const std::string& submitter) const;
   /// How many bytes more a node may have, with the starts that it submits and the results that it signs as a robot. It
   /// may have a quarter of what the others leave: it takes neither their room, nor by its results a submitter's.

@@ -47,3 +47,33 @@ TEST_CASE("a small result is taken however much its robot has elsewhere") {
   CHECK(known.runs.bytes_left("drone") == 0);
   CHECK(known.runs.received_result(known.run(), small).ok());
 }
+
+TEST_CASE("an aborted run takes no place, though not every member has confirmed that; but nobody has many of them") {
+  KnownRun known(chain({"ur3"}));
+  int count = 0;
+  const auto id_of = [](int number) { return std::string(29, 'd') + std::to_string(100 + number); };
+  const auto fill = [&](const std::string& submitter) {
+    int added = 0;
+    for (; known.runs.has_place_for(submitter); ++added, ++count) {
+      auto run = known.runs.open(
+          known.signers.make_start(chain({"ur3"}), submitter, known.now.utc, seconds(3600), id_of(count)));
+      REQUIRE(run.ok());
+      known.runs.add(std::move(*run));
+    }
+    return added;
+  };
+  const auto abort = [&](int number) {
+    const SignedRecord order =
+        known.signers.sign("cloud", kSignedRunAbort, encode(AbortOrder{id_of(number), "cloud", "", 1}));
+    REQUIRE(known.runs.find(id_of(number))->apply(JournalAbort{order, false}).ok());
+  };
+  const int all = fill("drone");
+  CHECK(all == 480);
+  abort(0);
+  CHECK(fill("drone") == 1);
+  for (int i = 1; i < all; ++i) abort(i);
+  CHECK_FALSE(known.runs.has_place_for("drone"));
+  CHECK(known.runs.taken() == 2);
+  CHECK(known.runs.has_place_for("cloud"));
+  CHECK_FALSE(known.runs.full());
+}
