@@ -174,7 +174,8 @@ bool RobotSchedule::is_surely_new(Run& run, TaskIndex task, UtcTime now) const {
   const std::string& judge = run.definition().rule().judge();
   if (awaited.has_answered(judge, task)) return true;
   for (const TaskIndex own : run.epochs().own_tasks()) {
-    if (run.facts().current(own) == nullptr && !awaited.has_answered(judge, own)) awaited.need_result(own, judge);
+    if (run.facts().current(own) == nullptr && !awaited.has_answered(judge, own))
+      awaited.need_result(own, judge, judge);
   }
   return false;
 }

@@ -195,7 +195,10 @@ void Run::receive(const std::vector<bool>& final_tasks, const std::vector<bool>&
                   const std::string& giver) {
   // Any member may repeat a baton as often as it likes: that says nothing new to those who watch the run.
   if (reports_.add(final_tasks, skipped_tasks)) ++version_;
-  for (const TaskIndex task : open_tasks_.missing_results(reported_final())) work_.awaited().need_result(task, giver);
+  const std::string& judge = definition_.rule().judge();
+  for (const TaskIndex task : open_tasks_.missing_results(reported_final())) {
+    work_.awaited().need_result(task, giver, judge);
+  }
 }
 
 std::vector<bool> Run::reported_final() const {
