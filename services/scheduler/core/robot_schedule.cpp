@@ -161,8 +161,9 @@ void RobotSchedule::start_next(Step step) {
   executor_.want_adapter(false);
   resume_attempt();
   if (executor_.attempt() || lost_.open()) return;
+  const bool is_blocked = !executor_.obstacle({}).empty();
   for (Run* run : by_turn()) {
-    if (run->may_start(step.steady) && start_of(*run, step)) return;
+    if (run->may_start(step.steady) && start_of(*run, is_blocked, step)) return;
   }
 }
 
@@ -180,11 +181,11 @@ bool RobotSchedule::is_surely_new(Run& run, TaskIndex task, UtcTime now) const {
   return false;
 }
 
-bool RobotSchedule::start_of(Run& run, Step step) {
+bool RobotSchedule::start_of(Run& run, bool is_blocked, Step step) {
   for (const TaskIndex task : run.open_tasks().startable()) {
     if (run.work().timers().waits(task)) continue;
     if (!is_surely_new(run, task, step.now.utc)) continue;
-    if (executor_.obstacle(run.tasks()[task].skill).empty()) {
+    if (!is_blocked && executor_.obstacle(run.tasks()[task].skill).empty()) {
       start(run, task, step);
       return true;
     }
