@@ -207,8 +207,9 @@ void Links::set_address(Peer& peer, const std::string& address, Now now, Effects
 }
 
 void Links::expire(Peer& peer, const std::string& reason, Effects& out) {
+  // One that was silent already may be revoked later.
+  if (!peer.expired) out.count("peer_expired");
   peer.expired = true;
-  out.count("peer_expired");
   out.log(LogLevel::warning, "peer_expired", peer.id + ": " + reason);
   bus_.notify(PeerExpired{peer.id, reason}, out);
 }

@@ -26,7 +26,8 @@ void Membership::put_out(const std::string& id, Now now, Effects& out) {
   if (peer.link != 0) out.count("refused.cert_revoked");
   for (const LinkId link : links) links_.drop(link, "cert_revoked: " + entry.reason, true, now, out);
   out.log(LogLevel::warning, "peer_revoked", id + " (serial " + std::to_string(entry.serial) + "): " + entry.reason);
-  if (peer.met && !peer.expired) links_.expire(peer, "cert_revoked: " + entry.reason, out);
+  // Also of one that was silent before: who waits for it need not wait any longer.
+  if (peer.met) links_.expire(peer, "cert_revoked: " + entry.reason, out);
   errors_.note(id, "", "cert_revoked", "by list " + std::to_string(trust_.list_number()) + ": " + entry.reason, now);
   table_.forget(id);
 }

@@ -196,7 +196,7 @@ TEST_CASE("who is revoked while it is dialled is dialled no more, and whoever el
   CHECK(one.dials_to("bee") == 0);
 }
 
-TEST_CASE("of who is revoked after its lease has ended services hear nothing again") {
+TEST_CASE("of who is revoked after its lease has ended services hear that, too; it is counted once") {
   Ant one;
   one.greet(9, one.fleet.keys("bee"));
   one.tick(Seconds(10));
@@ -204,6 +204,7 @@ TEST_CASE("of who is revoked after its lease has ended services hear nothing aga
   one.revoke(1, {"bee"});
   CHECK(one.ant.peer("bee") == nullptr);
   CHECK(one.ant.count("peer_expired") == 1);
+  CHECK(one.told("peer_expired bee: cert_revoked: stolen") == 1);
 }
 
 TEST_CASE("a stranger that was let in, is then known by its beacon and revoked is none that said nothing") {

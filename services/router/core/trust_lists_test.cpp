@@ -64,6 +64,18 @@ TEST_CASE("a revoked node's key, Hello and beacon are refused, and services hear
   CHECK(ant.peer("cat") == nullptr);
 }
 
+TEST_CASE("services hear that a node is revoked which has been silent for long") {
+  Three three;
+  TestNode& ant = three.ant;
+  Effects effects;
+  ant.core->bus().on_hello(1, {"resilience", {"peer_expired"}, 1, 1, "1"}, "resilience", three.fleet.now, effects);
+  three.fleet.stop("cat");
+  three.fleet.run(Seconds(30));
+  REQUIRE(ant.told("peer_expired") == 1);
+  REQUIRE(three.tell(ant, {list_of(three.fleet.authority, 1, {"cat"}), {}}).ok());
+  CHECK(ant.told("peer_expired") == 2);
+}
+
 TEST_CASE("a revoked node that this one never met is refused at its Hello and handed the list") {
   TestFleet fleet;
   TestNode& ant = fleet.start("ant", {.beacon = false});

@@ -29,8 +29,9 @@ class Archive {
   Archive& operator=(const Archive&) = delete;
   virtual ~Archive() = default;
 
-  /// Whether a new run may be taken: its records need room. Error: queue_full, with what is short and the cure.
-  [[nodiscard]] virtual Status has_room() const = 0;
+  /// Whether a new run of that submitter may be taken: its records need room, and what stays known of it once it is
+  /// over. Error: queue_full, with what is short and the cure.
+  [[nodiscard]] virtual Status has_room(const std::string& submitter) const = 0;
   /// Nothing: the run is not over here.
   [[nodiscard]] virtual std::optional<Over> over(const std::string& run) const = 0;
   /// Errors: missing (it is not here, or its record has made room for younger ones), io_error (it cannot be read, or is

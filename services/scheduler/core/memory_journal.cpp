@@ -1,15 +1,22 @@
 #include "services/scheduler/core/memory_journal.hpp"
 
+#include <algorithm>
+
 #include "services/scheduler/core/view.hpp"
 
 namespace trb::scheduler {
 
 void MemoryArchive::put(JournalArchive record) {
   over_[record.view.run] = {{record.view.state, record.end}, record.until, ++count_};
+  ++by_submitter_[record.view.submitter];
   records_.emplace(count_, std::move(record));
   if (records_.size() <= most_) return;
-  over_[records_.begin()->second.view.run].record = 0;
-  records_.erase(records_.begin());
+  const auto most = std::ranges::max_element(by_submitter_, {}, [](const auto& one) { return one.second; });
+  const auto oldest =
+      std::ranges::find_if(records_, [&](const auto& one) { return one.second.view.submitter == most->first; });
+  over_[oldest->second.view.run].record = 0;
+  records_.erase(oldest);
+  if (--most->second == 0) by_submitter_.erase(most);
 }
 
 void MemoryArchive::prune(std::int64_t steady) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <string>
 #include <vector>
 
 #include "services/scheduler/core/archive.hpp"
@@ -20,10 +21,10 @@ class MemoryArchive final : public Archive {
   [[nodiscard]] std::size_t known() const { return over_.size(); }
   /// What has_room() answers from now on.
   void set_room(Status room) { room_ = std::move(room); }
-  /// How many records are kept: the oldest go.
+  /// How many records are kept: the oldest of the submitter that has the most go.
   void keep_most(std::size_t most) { most_ = most; }
 
-  [[nodiscard]] Status has_room() const override { return room_; }
+  [[nodiscard]] Status has_room(const std::string&) const override { return room_; }
   [[nodiscard]] std::optional<Over> over(const std::string& run) const override;
   [[nodiscard]] Result<JournalArchive> record(const std::string& run) const override;
   [[nodiscard]] std::vector<std::string> ids(const std::string& beginning, std::size_t limit) const override;
@@ -37,6 +38,7 @@ class MemoryArchive final : public Archive {
   };
   std::map<std::uint64_t, JournalArchive> records_;  ///< in the order in which they came
   std::map<std::string, Known> over_;
+  std::map<std::string, std::size_t> by_submitter_;  ///< how many records
   std::size_t most_ = 100'000;
   Status room_ = Done{};
   std::uint64_t count_ = 0;

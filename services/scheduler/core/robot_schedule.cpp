@@ -23,7 +23,7 @@ Result<std::string> data_for(const Run& run, TaskIndex task) {
 }
 
 /// The attempt that a start record is for.
-Attempt attempt_for(const Run& run, const JournalStart& fact) {
+Attempt attempt_for(const RunStore& runs, const Run& run, const JournalStart& fact) {
   const TaskIndex index = *run.index_of(fact.key.task);
   const Task& task = run.tasks()[index];
   const auto data = data_for(run, index);
@@ -34,8 +34,12 @@ Attempt attempt_for(const Run& run, const JournalStart& fact) {
   attempt.on_failure = task.on_failure;
   // What goes beside the data, a reason of 1 kB and the record, is small.
   constexpr std::size_t kBesides = 4096;
-  const std::size_t taken = run.results().bytes_of(run.epochs().self()) + kBesides;
-  attempt.most_data = ResultSet::kMostBytes - std::min(taken, ResultSet::kMostBytes);
+  const std::string& self = run.epochs().self();
+  const auto left_of = [&](std::size_t most) { return most - std::min(run.results().bytes_of(self) + kBesides, most); };
+  // The other members leave room for no more.
+  const std::size_t share = runs.bytes_left(self);
+  const std::size_t left = std::max(left_of(RunStore::kFreeBytes), share - std::min(kBesides, share));
+  attempt.most_data = std::min(left_of(ResultSet::kMostBytes), left);
   attempt.result.key = fact.key;
   attempt.result.digest = run.definition().start().digest;
   attempt.result.epoch = fact.epoch;
@@ -56,7 +60,7 @@ void notify_progress(const Run& run, const AttemptKey& key, TaskState state, con
 void RobotSchedule::resume_attempt() {
   if (executor_.attempt()) return;
   for (const Run* run : runs_.runs()) {
-    if (const JournalStart* open = run->facts().open_start()) return executor_.resume(attempt_for(*run, *open));
+    if (const JournalStart* open = run->facts().open_start()) return executor_.resume(attempt_for(runs_, *run, *open));
   }
 }
 
@@ -157,8 +161,9 @@ void RobotSchedule::start_next(Step step) {
   executor_.want_adapter(false);
   resume_attempt();
   if (executor_.attempt() || lost_.open()) return;
+  const bool is_blocked = !executor_.obstacle({}).empty();
   for (Run* run : by_turn()) {
-    if (run->may_start(step.steady) && start_of(*run, step)) return;
+    if (run->may_start(step.steady) && start_of(*run, is_blocked, step)) return;
   }
 }
 
@@ -170,16 +175,17 @@ bool RobotSchedule::is_surely_new(Run& run, TaskIndex task, UtcTime now) const {
   const std::string& judge = run.definition().rule().judge();
   if (awaited.has_answered(judge, task)) return true;
   for (const TaskIndex own : run.epochs().own_tasks()) {
-    if (run.facts().current(own) == nullptr && !awaited.has_answered(judge, own)) awaited.need_result(own, judge);
+    if (run.facts().current(own) == nullptr && !awaited.has_answered(judge, own))
+      awaited.need_result(own, judge, judge);
   }
   return false;
 }
 
-bool RobotSchedule::start_of(Run& run, Step step) {
+bool RobotSchedule::start_of(Run& run, bool is_blocked, Step step) {
   for (const TaskIndex task : run.open_tasks().startable()) {
     if (run.work().timers().waits(task)) continue;
     if (!is_surely_new(run, task, step.now.utc)) continue;
-    if (executor_.obstacle(run.tasks()[task].skill).empty()) {
+    if (!is_blocked && executor_.obstacle(run.tasks()[task].skill).empty()) {
       start(run, task, step);
       return true;
     }
@@ -204,7 +210,7 @@ void RobotSchedule::start(Run& run, TaskIndex task, Step step) {
     return step.out.log(LogLevel::error, "not_started", applied.error().text());
   }
   run.work().note_served(step.now.mono);
-  executor_.begin(attempt_for(run, fact), step.now, step.out);
+  executor_.begin(attempt_for(runs_, run, fact), step.now, step.out);
   notify_progress(run, fact.key, TaskState::initializing, {}, step);
 }
 

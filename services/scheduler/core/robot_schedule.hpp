@@ -49,7 +49,8 @@ class RobotSchedule {
   [[nodiscard]] std::vector<Run*> by_turn() const;
   /// True if the robot has got its next task.
   [[nodiscard]] bool is_surely_new(Run& run, TaskIndex task, UtcTime now) const;
-  bool start_of(Run& run, Step step);
+  /// `is_blocked`: the robot can begin no skill at all.
+  bool start_of(Run& run, bool is_blocked, Step step);
   void start(Run& run, TaskIndex task, Step step);
 
   const RunStore& runs_;

@@ -113,6 +113,20 @@ void RunJournal::keep_delivery(Run& run, DeliveryKind kind, const Inbound& from,
   }
 }
 
+void RunJournal::give_up(Run& run, const std::string& to, Step step) {
+  const std::vector<PendingDelivery> owed = run.deliveries().pending().owed_to(to);
+  for (const PendingDelivery& one : owed) {
+    const JournalDelivered fact{run.id(), to, std::string(name_of(one.kind)), one.tasks, run.epochs().current()};
+    step.out.record(fact);
+    if (auto applied = run.apply(fact); !applied) {
+      step.out.log(LogLevel::error, "delivery_not_applied", applied.error().text());
+    }
+  }
+  if (owed.empty()) return;
+  step.out.log(LogLevel::warning, "member_gone",
+               "run " + run.id() + ": '" + to + "' is revoked, and is owed nothing more");
+}
+
 Status RunJournal::keep_abort(Run& run, const SignedRecord& order, bool here, Step step) {
   if (run.orders().is_aborted()) return Done{};
   const JournalAbort fact{order, here};

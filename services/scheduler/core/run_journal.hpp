@@ -30,6 +30,8 @@ class RunJournal {
   /// Another node has journaled what it was owed; counted only if nothing was owed.
   void keep_delivery(Run& run, DeliveryKind kind, const Inbound& from, std::vector<TaskIndex> tasks,
                      std::uint32_t epoch, Step step);
+  /// That node is to get nothing more of it, though it has not journaled what it is owed.
+  void give_up(Run& run, const std::string& to, Step step);
 
   // What is checked first. Errors: those of RecordChecks and DecisionChecks.
   Status keep_abort(Run& run, const SignedRecord& order, bool here, Step step);

@@ -24,7 +24,7 @@ Run* RunLookup::find_or_defer(const std::string& run, const Blob& digest, const 
   if (runs_.full() || !defer(run, from, step)) {
     refuse(from,
            fail(Errc::queue_full, "no place for run " + run + " on '" + node_ + "'",
-                "end some of its " + std::to_string(runs_.runs().size()) + " open runs: trb run list"),
+                "end some of its " + std::to_string(runs_.taken()) + " open runs: trb run list"),
            step);
   } else {
     step.out.request(from.source, NeedDefinition{run, digest, true, true});

@@ -31,7 +31,7 @@ class RunLookup {
   /// not. If it cannot be deferred it is refused.
   bool defer_for_decisions(Run& run, std::uint32_t epoch, const Inbound& from, Step step);
   /// Archive::has_room().
-  [[nodiscard]] Status has_room() const { return archive_.has_room(); }
+  [[nodiscard]] Status has_room(const std::string& submitter) const { return archive_.has_room(submitter); }
   /// Requests the decisions on the run of a node that knows of a later epoch.
   void request_decisions(Run& run, const std::string& node, Step step) const;
   /// The run's fate if it is in the archive, and not open.

@@ -40,12 +40,47 @@ Run& RunStore::add(std::unique_ptr<Run> run) {
   return added;
 }
 
+std::size_t RunStore::taken() const {
+  return static_cast<std::size_t>(
+      std::ranges::count_if(by_age_, [](const Run* one) { return !one->orders().is_aborted(); }));
+}
+
 bool RunStore::has_place_for(const std::string& submitter) const {
-  if (full()) return false;
-  const auto own = static_cast<std::size_t>(
-      std::ranges::count_if(by_age_, [&](const Run* one) { return one->definition().start().submitter == submitter; }));
-  const std::size_t left_by_others = kMaxRuns - (runs_.size() - own);
-  return own < (left_by_others * 15 + 15) / 16;
+  std::size_t open = 0;
+  std::size_t aborted = 0;
+  for (const Run* run : by_age_) {
+    if (run->definition().start().submitter == submitter) ++(run->orders().is_aborted() ? aborted : open);
+  }
+  const auto share_of = [](std::size_t places) { return (places * 15 + 15) / 16; };
+  const std::size_t left_by_others = kMaxRuns - std::min(taken() - open, kMaxRuns);
+  return !full() && open < share_of(left_by_others) && aborted < share_of(kMaxRuns);
+}
+
+std::size_t RunStore::bytes_left(const std::string& node) const {
+  std::size_t own = 0;
+  std::size_t others = 0;
+  for (const Run* run : by_age_) {
+    const RunDefinition& definition = run->definition();
+    (definition.start().submitter == node ? own : others) += definition.record().payload.bytes.size();
+    const std::size_t signed_here = run->results().bytes_of(node);
+    own += signed_here;
+    others += run->results().bytes() - signed_here;
+  }
+  const std::size_t share = (most_bytes_ - std::min(others, most_bytes_)) / 4;
+  return share - std::min(own, share);
+}
+
+Result<HeldResult> RunStore::received_result(const Run& run, const SignedRecord& record) const {
+  auto held = run.received_result(record);
+  if (!held) return held;
+  const std::string& robot = held->result.robot;
+  const std::size_t size = record.payload.bytes.size();
+  if (run.results().bytes_of(robot) + size <= kFreeBytes || bytes_left(robot) >= size) return held;
+  if (!run.results().grows_by(*run.index_of(held->result.key.task), *held)) return held;
+  return fail(Errc::queue_full,
+              "run " + run.id() + ": '" + robot + "' has its share of the " + std::to_string(most_bytes_ >> 20U) +
+                  " MiB that open runs may take on '" + self_ + "'",
+              "let its skills answer with less data, or abort runs that nobody needs: trb run list");
 }
 
 Run* RunStore::find(const std::string& run) const {

@@ -48,6 +48,10 @@ SchedulerCore::SchedulerCore(SchedulerSettings settings, const Archive& archive)
       unattempted_(settings_.node, journal_),
       archiver_(settings_.has_robot, runs_, executor_, watchers_) {}
 
+std::vector<std::string> SchedulerCore::subscriptions() {
+  return {std::string(PeerJoined::kSubtype), std::string(PeerExpired::kSubtype)};
+}
+
 Status SchedulerCore::restore(std::span<const JournalRecord> records) {
   for (const JournalRecord& record : records) {
     if (const auto* time = std::get_if<JournalTime>(&record)) {
@@ -159,6 +163,7 @@ void SchedulerCore::advance(Run& run, Step step) {
 void SchedulerCore::archive_runs(Step step) {
   const std::vector<Run*> runs = runs_.runs();  // a copy: what is over leaves the store
   for (Run* run : runs) {
+    aborts_.give_up_revoked(*run, step);
     if (run->is_open(step.steady)) {
       run->work().stay();
     } else {

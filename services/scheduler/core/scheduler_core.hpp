@@ -56,6 +56,9 @@ class SchedulerCore : public Core {
                                    scheduler::DecisionHandler, scheduler::AbortHandler, scheduler::PauseHandler,
                                    scheduler::EndHandler, scheduler::QueryHandler, scheduler::RobotHandler>;
 
+  /// What the own router tells all its services, and this one wants to hear, too.
+  static std::vector<std::string> subscriptions();
+
   /// Takes in what the journal held, in order, before on_welcome. Errors: those of scheduler::RunStore::apply.
   Status restore(std::span<const scheduler::JournalRecord> records);
 

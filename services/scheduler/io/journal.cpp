@@ -2,6 +2,7 @@
 
 #include <sqlite3.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <stdexcept>
 
@@ -23,9 +24,11 @@ constexpr const char* kTables =
     "CREATE TABLE IF NOT EXISTS archive("
     "seq INTEGER PRIMARY KEY AUTOINCREMENT, run TEXT NOT NULL UNIQUE, state INTEGER NOT NULL, until INTEGER NOT NULL,"
     "final BLOB, summary BLOB, record BLOB);"
-    "CREATE INDEX IF NOT EXISTS archive_of_until ON archive(until) WHERE record IS NULL;"
-    // The oldest record is looked for at each run that is over, and runs without a record are many.
-    "CREATE INDEX IF NOT EXISTS archive_of_record ON archive(seq) WHERE record IS NOT NULL;";
+    "CREATE INDEX IF NOT EXISTS archive_of_until ON archive(until) WHERE record IS NULL;";
+/// A submitter's oldest record is looked for at each run that is over, and runs without a record are many.
+constexpr const char* kSubmitterIndexes =
+    "CREATE INDEX IF NOT EXISTS archive_of_submitter ON archive(submitter, seq) WHERE record IS NOT NULL;"
+    "CREATE INDEX IF NOT EXISTS archive_without_record ON archive(submitter) WHERE record IS NULL;";
 
 void bind_text(sqlite3_stmt* statement, int place, std::string_view text) {
   sqlite3_bind_text(statement, place, text.data(), static_cast<int>(text.size()), SQLITE_TRANSIENT);
@@ -80,10 +83,21 @@ Status JournalFile::prepare() {
     if (!compiled) return compiled.error();
     wanted.statement = std::move(*compiled);
   }
-  const auto bytes = number("SELECT COALESCE(SUM(LENGTH(record)), 0) FROM archive");
-  if (!bytes) return bytes.error();
-  archived_ = *bytes;
-  return Done{};
+  return read_sizes();
+}
+
+Status JournalFile::read_sizes() {
+  auto read = compile("SELECT submitter, SUM(LENGTH(record)) FROM archive WHERE record IS NOT NULL GROUP BY submitter");
+  if (!read) return read.error();
+  archived_ = 0;
+  sizes_.clear();
+  int code = SQLITE_OK;
+  while ((code = sqlite3_step(read->get())) == SQLITE_ROW) {
+    const std::int64_t bytes = sqlite3_column_int64(read->get(), 1);
+    sizes_[column(read->get(), 0)] = bytes;
+    archived_ += bytes;
+  }
+  return code == SQLITE_DONE ? Status(Done{}) : Status(damaged(sqlite3_errmsg(db_)));
 }
 
 Status JournalFile::bring_up_to_date() {
@@ -101,6 +115,7 @@ Status JournalFile::bring_up_to_date() {
   lost_ = *version == 0 && file_exists(path_ + kKnown);
   if (made && lost_) made = note_lost();
   if (made && *version == 1) made = move_tombstones();
+  if (made) made = name_submitters();
   if (made) made = run(("PRAGMA user_version=" + std::to_string(kSchemaVersion)).c_str());
   if (made) made = run("COMMIT");
   if (!made) sqlite3_exec(db_, "ROLLBACK", nullptr, nullptr, nullptr);
@@ -132,6 +147,29 @@ Status JournalFile::move_tombstones() {
     if (auto written = finish(write->get()); !written) return written;
   }
   return run("DELETE FROM records WHERE kind = 'journal_tombstone'");
+}
+
+/// An earlier version does not know the column, reads the file all the same, and writes rows without it.
+Status JournalFile::name_submitters() {
+  const auto known = number("SELECT COUNT(*) FROM pragma_table_info('archive') WHERE name = 'submitter'");
+  if (!known) return known.error();
+  if (*known == 0) {
+    if (auto added = run("ALTER TABLE archive ADD COLUMN submitter TEXT"); !added) return added;
+  }
+  if (auto made = run(kSubmitterIndexes); !made) return made;
+  auto read = compile("SELECT seq, record FROM archive WHERE record IS NOT NULL AND submitter IS NULL LIMIT 1");
+  if (!read) return read.error();
+  auto write = compile("UPDATE archive SET submitter = ? WHERE seq = ?");
+  if (!write) return write.error();
+  while (sqlite3_step(read->get()) == SQLITE_ROW) {
+    const auto record = decode_record(JournalArchive::kKind, column(read->get(), 1));
+    const auto* is = record ? std::get_if<JournalArchive>(&*record) : nullptr;  // a damaged one is nobody's
+    bind_text(write->get(), 1, is == nullptr ? std::string() : is->view.submitter);
+    sqlite3_bind_int64(write->get(), 2, sqlite3_column_int64(read->get(), 0));
+    sqlite3_reset(read->get());
+    if (auto written = finish(write->get()); !written) return written;
+  }
+  return Done{};
 }
 
 Result<std::int64_t> JournalFile::number(const char* sql) {
@@ -174,8 +212,9 @@ Status JournalFile::drop_records(const std::string& run) {
 }
 
 Status JournalFile::put_into_archive(const JournalRecord& record, const JournalArchive& is) {
-  auto put =
-      compile("INSERT OR REPLACE INTO archive(run, state, until, final, summary, record) VALUES(?, ?, ?, ?, ?, ?)");
+  auto put = compile(
+      "INSERT OR REPLACE INTO archive(run, state, until, final, summary, record, submitter) VALUES(?, ?, ?, ?, ?, ?, "
+      "?)");
   if (!put) return put.error();
   const Bytes end = is.end.kind.empty() ? Bytes() : encode(is.end);
   const Bytes summary = encode(RunChanged{summary_of(is.view)});
@@ -186,23 +225,33 @@ Status JournalFile::put_into_archive(const JournalRecord& record, const JournalA
   bind_bytes(put->get(), 4, end);
   bind_bytes(put->get(), 5, summary);
   bind_bytes(put->get(), 6, whole);
+  bind_text(put->get(), 7, is.view.submitter);
   if (auto written = finish(put->get()); !written) return written;
   archived_ += static_cast<std::int64_t>(whole.size());
+  sizes_[is.view.submitter] += static_cast<std::int64_t>(whole.size());
   return make_room();
 }
 
-/// Removes the oldest records; what is known of their runs without a record stays.
+/// Removes the oldest records of whoever has the most, so that nobody pushes out the others'; what is known of their
+/// runs without a record stays.
 Status JournalFile::make_room() {
+  if (archived_ <= archive_bytes_) return Done{};
+  auto find = compile(
+      "SELECT seq, LENGTH(record) FROM archive WHERE record IS NOT NULL AND submitter = ? ORDER BY seq LIMIT 1");
+  if (!find) return find.error();
+  auto drop = compile("UPDATE archive SET record = NULL, summary = NULL WHERE seq = ?");
+  if (!drop) return drop.error();
   while (archived_ > archive_bytes_) {
-    const auto size = number("SELECT LENGTH(record) FROM archive WHERE record IS NOT NULL ORDER BY seq LIMIT 1");
-    if (!size) return size.error();
-    if (auto dropped =
-            run("UPDATE archive SET record = NULL, summary = NULL WHERE seq = (SELECT seq FROM archive WHERE "
-                "record IS NOT NULL ORDER BY seq LIMIT 1)");
-        !dropped) {
-      return dropped;
-    }
-    archived_ -= *size;
+    const auto most = std::ranges::max_element(sizes_, {}, [](const auto& one) { return one.second; });
+    bind_text(find->get(), 1, most->first);
+    if (sqlite3_step(find->get()) != SQLITE_ROW) return damaged("its archive is not what it was");
+    const std::int64_t size = sqlite3_column_int64(find->get(), 1);
+    sqlite3_bind_int64(drop->get(), 1, sqlite3_column_int64(find->get(), 0));
+    sqlite3_reset(find->get());
+    if (auto dropped = finish(drop->get()); !dropped) return dropped;
+    archived_ -= size;
+    most->second -= size;
+    if (most->second == 0) sizes_.erase(most);
   }
   return Done{};
 }
@@ -233,11 +282,10 @@ Status JournalFile::write_all(const std::vector<Journal>& records) {
 Status JournalFile::commit(const std::vector<Journal>& records) {
   if (records.empty()) return Done{};
   if (auto begun = run("BEGIN IMMEDIATE"); !begun) return begun;
-  const std::int64_t before = archived_;
   Status written = write_all(records);
   if (written) return written;
   sqlite3_exec(db_, "ROLLBACK", nullptr, nullptr, nullptr);
-  archived_ = before;
+  (void)read_sizes();
   return written;
 }
 
@@ -273,10 +321,21 @@ Status JournalFile::prune(UtcTime steady) {
   return finish(statement->get());
 }
 
-Status JournalFile::has_room() const {
+Status JournalFile::has_room(const std::string& submitter) const {
   const std::string folder = std::filesystem::path(path_).parent_path();
   const auto disk = disk_state(folder);
-  return disk ? takes_more(*disk, folder) : Status(Done{});
+  if (auto more = disk ? takes_more(*disk, folder) : Status(Done{}); !more) return more;
+  auto count = compile("SELECT COUNT(*) FROM (SELECT 1 FROM archive WHERE record IS NULL AND submitter = ?1 LIMIT ?2)");
+  if (!count) return Done{};
+  bind_text(count->get(), 1, submitter);
+  sqlite3_bind_int64(count->get(), 2, kMostWithoutRecord);
+  const bool full =
+      sqlite3_step(count->get()) == SQLITE_ROW && sqlite3_column_int64(count->get(), 0) >= kMostWithoutRecord;
+  if (!full) return Done{};
+  return fail(Errc::queue_full,
+              "'" + submitter + "' has " + std::to_string(kMostWithoutRecord) +
+                  " runs here that are over before their time, and whose records have made room",
+              "give its runs a shorter life: --expires-h, or this node more room: archive_mb in node.json");
 }
 
 std::optional<Over> JournalFile::over(const std::string& run) const {

@@ -2,6 +2,7 @@
 // runs that are over.
 #pragma once
 
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -20,10 +21,13 @@ class JournalFile final : public Archive {
  public:
   static constexpr int kSchemaVersion = 2;
 
+  /// So many runs of one submitter may be known to be over without a record, until their time has come.
+  static constexpr std::int64_t kMostWithoutRecord = 16'384;
+
   /// Opens or creates the file (WAL, synchronous=FULL); an older schema is brought up to date. `archive_bytes`: when
-  /// the records of the archive take more, the oldest are removed; that those runs are over stays known as long as
-  /// messages for them may come. Errors: io_error, malformed (not a database, or damaged), version_mismatch; each names
-  /// the file and a cure.
+  /// the records of the archive take more, the oldest of the submitter that has the most are removed; that those runs
+  /// are over stays known as long as messages for them may come. Errors: io_error, malformed (not a database, or
+  /// damaged), version_mismatch; each names the file and a cure.
   static Result<std::unique_ptr<JournalFile>> open(const std::string& path, std::int64_t archive_bytes);
 
   JournalFile(const JournalFile&) = delete;
@@ -47,7 +51,7 @@ class JournalFile final : public Archive {
   Status prune(UtcTime steady);
 
   // Of ids() and page() what cannot be read is left out; open() and load() report damage.
-  [[nodiscard]] Status has_room() const override;
+  [[nodiscard]] Status has_room(const std::string& submitter) const override;
   /// Throws std::runtime_error if it cannot be read: it ends the process, as a failed commit does.
   [[nodiscard]] std::optional<Over> over(const std::string& run) const override;
   [[nodiscard]] Result<JournalArchive> record(const std::string& run) const override;
@@ -62,6 +66,8 @@ class JournalFile final : public Archive {
   Status prepare();
   Status bring_up_to_date();
   Status move_tombstones();
+  Status name_submitters();
+  Status read_sizes();
   Status note_lost();
   Result<std::int64_t> number(const char* sql);
   Status run(const char* sql);
@@ -80,7 +86,8 @@ class JournalFile final : public Archive {
   std::string path_;
   sqlite3* db_ = nullptr;
   std::int64_t archive_bytes_ = 0;
-  std::int64_t archived_ = 0;  ///< bytes of the archive's records
+  std::int64_t archived_ = 0;                    ///< bytes of the archive's records
+  std::map<std::string, std::int64_t> sizes_{};  ///< the same by submitter
   bool lost_ = false;
   Statement insert_{nullptr, nullptr};
   Statement drop_run_{nullptr, nullptr};

@@ -197,14 +197,65 @@ TEST_CASE("an archived record that is damaged is told from one that has made roo
   CHECK(journal->record("a").error().code == Errc::io_error);
 }
 
-TEST_CASE("the oldest record is found without a look at every run that is over, also in a file of an earlier build") {
+TEST_CASE("who has the most in the archive makes room: nobody pushes out the others' records") {
   const Folder folder;
-  REQUIRE(opened(folder)->commit({{over_of("a", RunState::finished, 1)}}).ok());
-  const std::string oldest = "SELECT LENGTH(record) FROM archive WHERE record IS NOT NULL ORDER BY seq LIMIT 1";
-  CHECK(plan_of(folder, oldest) == "SCAN archive USING INDEX archive_of_record");
-  sql(folder, "DROP INDEX IF EXISTS archive_of_record");
+  auto file = JournalFile::open(folder.file(), 4000);
+  REQUIRE(file.ok());
+  const auto put = [&](const std::string& submitter, int i) {
+    JournalArchive over = over_of(submitter + std::to_string(i), RunState::finished, 1000);
+    over.view.submitter = submitter;
+    REQUIRE((*file)->commit({{over}}).ok());
+  };
+  for (int i = 0; i < 5; ++i) put("cloud", i);
+  for (int i = 0; i < 200; ++i) put("drone", i);
+  for (int i = 0; i < 5; ++i) CHECK((*file)->record("cloud" + std::to_string(i)));
+  CHECK((*file)->record("drone199"));
+  CHECK_FALSE((*file)->record("drone100"));
+  file->reset();
+  file = JournalFile::open(folder.file(), 2000);
+  REQUIRE(file.ok());
+  put("drone", 200);
+  for (int i = 0; i < 5; ++i) CHECK((*file)->record("cloud" + std::to_string(i)));
+}
+
+TEST_CASE("a submitter whose runs have left too much behind begins no other before their time has come; others do") {
+  const Folder folder;
+  const auto journal = opened(folder);
+  CHECK(journal->has_room("drone").ok());
+  sql(folder,
+      "WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n WHERE i < 16384) "
+      "INSERT INTO archive(run, state, until, submitter) SELECT 'd' || i, 3, 100, 'drone' FROM n");
+  const Status full = journal->has_room("drone");
+  REQUIRE_FALSE(full.ok());
+  CHECK(full.error().code == Errc::queue_full);
+  CHECK_FALSE(full.error().hint.empty());
+  CHECK(journal->has_room("cloud").ok());
+  REQUIRE(journal->commit({{JournalTime{100}}}).ok());
+  CHECK(journal->has_room("drone").ok());
+}
+
+TEST_CASE("a file of an earlier build learns who has submitted its runs, and that build goes on with it") {
+  const Folder folder;
+  JournalArchive over = over_of("a", RunState::finished, 1);
+  over.view.submitter = "drone";
+  REQUIRE(opened(folder)->commit({{over}}).ok());
+  const std::string earlier =
+      "DROP INDEX archive_of_submitter; DROP INDEX archive_without_record;"
+      "ALTER TABLE archive DROP COLUMN submitter";
+  sql(folder, earlier);
   CHECK(opened(folder)->record("a").ok());
-  CHECK(plan_of(folder, oldest) == "SCAN archive USING INDEX archive_of_record");
+  sql(folder,
+      "INSERT OR REPLACE INTO archive(run, state, until, final, summary, record) "
+      "SELECT 'b', state, until, final, summary, record FROM archive");
+  CHECK(opened(folder)->record("b").ok());
+  const std::string oldest =
+      "SELECT seq, LENGTH(record) FROM archive WHERE record IS NOT NULL AND submitter = 'drone' ORDER BY seq LIMIT 1";
+  CHECK(plan_of(folder, oldest) == "SEARCH archive USING INDEX archive_of_submitter (submitter=?)");
+  auto file = JournalFile::open(folder.file(), 1);
+  REQUIRE(file.ok());
+  REQUIRE((*file)->commit({{over_of("c", RunState::finished, 1)}}).ok());
+  CHECK_FALSE((*file)->record("a"));
+  CHECK_FALSE((*file)->record("b"));
 }
 
 TEST_CASE("of the time the newest is kept, and so of the word that a journal was lost") {

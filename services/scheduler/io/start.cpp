@@ -41,7 +41,7 @@ Status open_journal(const NodeConfig& node, std::unique_ptr<JournalFile>& journa
 Result<int> start(NodeConfig node) {
   const auto keys = load_node_certificate(node.dir);
   if (!keys) return keys.error();
-  const ServiceOptions options{node.dir, "scheduler", SchedulerCore::Taken::subtypes()};
+  const ServiceOptions options{node.dir, "scheduler", SchedulerCore::Taken::subtypes(), SchedulerCore::subscriptions()};
   std::unique_ptr<JournalFile> journal;
   const auto waited = wait_for_files(options, [&] { return open_journal(node, journal); });
   if (!waited || *waited) return waited ? Result<int>(**waited) : waited.error();

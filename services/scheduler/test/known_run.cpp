@@ -4,11 +4,11 @@
 
 namespace trb::scheduler::test {
 
-KnownRun::KnownRun(const Scenario& scenario, const std::string& node)
+KnownRun::KnownRun(const Scenario& scenario, const std::string& node, std::size_t most_bytes)
     : self(node),
       start(signers.start(scenario)),
       now(Signers::kNow),
-      runs(self, signers.authority()),
+      runs(self, signers.authority(), most_bytes),
       executor(self),
       lookup(self, runs, archive),
       journal(self, runs) {

@@ -16,8 +16,9 @@ namespace trb::scheduler::test {
 
 class KnownRun {
  public:
-  /// As that node knows it.
-  explicit KnownRun(const Scenario& scenario, const std::string& node = "ur3");
+  /// As that node knows it, with so much room for open runs.
+  explicit KnownRun(const Scenario& scenario, const std::string& node = "ur3",
+                    std::size_t most_bytes = RunStore::kMostBytes);
 
   // Signed records of this run.
   [[nodiscard]] SignedRecord result(const std::string& task, const std::string& robot, TaskOutcome outcome,

@@ -121,6 +121,21 @@ TEST_CASE("ABORTED is said once all have confirmed, by every node alike") {
   CHECK(story.begun("drone") == 0);
 }
 
+TEST_CASE("a run that is aborted goes to the archive without a stolen node, once its certificate is revoked") {
+  HeldStory story(chain({"ur3", "drone"}));
+  story.fleet["drone"].cut = true;
+  REQUIRE(story.until([&] { return story.begun("ur3") == 1; }));
+  story.abort("ur3");
+  story.fleet.pass(seconds(20));
+  const std::vector<std::string> others = {"cloud", "conveyor", "pioneer", "ridgeback", "ur3"};
+  for (const std::string& node : others) {
+    story.fleet.tell(node, node, MessageType::information, PeerExpired{"drone", "cert_revoked: stolen"});
+  }
+  const auto is_archived = [&](const std::string& node) { return story.fleet[node].archive->size() == 1; };
+  CHECK(story.until([&] { return std::ranges::all_of(others, is_archived); }, seconds(90)));
+  for (const std::string& node : others) CHECK(story.state(node) == RunState::aborted);
+}
+
 TEST_CASE("a task done twice holds the run on every node, until a person has looked and lets it go on") {
   HeldStory story(chain({"ridgeback", "ur3", "drone", "drone"}));
   story.fleet["ur3"].adapter.skill_time = seconds(30);

@@ -103,6 +103,7 @@ void Node::start() {
   run(is.scheduler,
       {.name = "scheduler",
        .subtypes = SchedulerCore::Taken::subtypes(),
+       .hears = SchedulerCore::subscriptions(),
        .store = [this](const std::vector<Journal>& records) { write_scheduler(records); },
        .crash = &disk_.crash,
        .on_crash = [this] { in_.on_crash(plan_.id); }},

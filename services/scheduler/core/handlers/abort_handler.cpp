@@ -1,5 +1,6 @@
 #include "services/scheduler/core/handlers/abort_handler.hpp"
 
+#include "common/base/errc.hpp"
 #include "services/scheduler/core/refusal.hpp"
 #include "services/scheduler/core/run/drafts.hpp"
 #include "services/scheduler/core/view.hpp"
@@ -47,6 +48,21 @@ void AbortHandler::handle(const AbortConfirmed& body, const Inbound& from, Step 
   Run* run = lookup_.find(body.run, from, step);
   if (run == nullptr) return;
   journal_.keep_delivery(*run, DeliveryKind::abort, from, {}, run->epochs().current(), step);
+}
+
+void AbortHandler::handle(const PeerExpired& body, const Inbound& from, Step step) {
+  if (from.source != node_) return refuse(from, not_own(from), step);
+  if (body.reason.starts_with(errc_name(Errc::cert_revoked))) revoked_.insert(body.id);
+}
+
+void AbortHandler::handle(const PeerJoined& body, const Inbound& from, Step step) {
+  if (from.source != node_) return refuse(from, not_own(from), step);
+  revoked_.erase(body.id);
+}
+
+void AbortHandler::give_up_revoked(Run& run, Step step) {
+  if (!run.orders().is_aborted()) return;
+  for (const std::string& node : revoked_) journal_.give_up(run, node, step);
 }
 
 void AbortHandler::confirm(Run& run, Step step) const {

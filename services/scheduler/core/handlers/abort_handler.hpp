@@ -1,6 +1,9 @@
 // Orders that end a run: a person's, and this node's own when a task fails that ends it.
 #pragma once
 
+#include <set>
+#include <string>
+
 #include "common/actor/takes.hpp"
 #include "services/scheduler/core/executor.hpp"
 #include "services/scheduler/core/run_journal.hpp"
@@ -11,6 +14,8 @@ namespace trb::scheduler {
 class AbortHandler {
  public:
   using Taken = Takes<RunAbort, AbortConfirmed>;
+  /// What the own router tells all its services.
+  using Answers = Takes<PeerExpired, PeerJoined>;
 
   /// All must outlive it.
   AbortHandler(std::string node, const Executor& executor, RunLookup& lookup, RunJournal& journal)
@@ -18,7 +23,12 @@ class AbortHandler {
 
   void handle(const RunAbort& body, const Inbound& from, Step step);
   void handle(const AbortConfirmed& body, const Inbound& from, Step step);
+  /// A node whose certificate is revoked confirms no abort any more, until it is a member again.
+  void handle(const PeerExpired& body, const Inbound& from, Step step);
+  void handle(const PeerJoined& body, const Inbound& from, Step step);
 
+  /// At a step's end: gives up what an aborted run owes to nodes whose certificate is revoked.
+  void give_up_revoked(Run& run, Step step);
   /// At a step's end: confirms an abort once nothing of the run is under way here, and who passed it on has every
   /// result that it is owed.
   void confirm(Run& run, Step step) const;
@@ -32,6 +42,7 @@ class AbortHandler {
   const Executor& executor_;
   RunLookup& lookup_;
   RunJournal& journal_;
+  std::set<std::string> revoked_;  ///< since the start of this service
 };
 
 }  // namespace trb::scheduler

@@ -30,13 +30,13 @@ struct BatonHandler::Content {
   std::vector<HeldChoice> choices;
 };
 
-Result<BatonHandler::Content> BatonHandler::open(const Run& run, const Baton& baton) {
+Result<BatonHandler::Content> BatonHandler::open(const Run& run, const Baton& baton) const {
   const auto final_tasks = from_bitmap(baton.final_tasks.bytes, run.tasks().size());
   if (!final_tasks) return final_tasks.error();
   const auto skipped = from_bitmap(baton.skipped_tasks.bytes, run.tasks().size());
   if (!skipped) return skipped.error();
-  auto results =
-      check_all<HeldResult>(baton.results, [&](const SignedRecord& record) { return run.received_result(record); });
+  auto results = check_all<HeldResult>(baton.results,
+                                       [&](const SignedRecord& record) { return runs_.received_result(run, record); });
   if (!results) return results.error();
   auto choices =
       check_all<HeldChoice>(baton.choices, [&](const SignedRecord& record) { return run.checks().choice(record); });

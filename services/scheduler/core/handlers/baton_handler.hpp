@@ -24,7 +24,7 @@ class BatonHandler {
  private:
   struct Content;
   [[nodiscard]] Status check(const Run& run, const Baton& baton, Step step) const;
-  [[nodiscard]] static Result<Content> open(const Run& run, const Baton& baton);
+  [[nodiscard]] Result<Content> open(const Run& run, const Baton& baton) const;
   void request_decisions(Run& run, const Inbound& from, Step step);
   [[nodiscard]] bool began_long_ago(const Run& run, const std::vector<TaskIndex>& tasks, Now now) const;
   void repeat_progress(const Run& run, const Inbound& from, Step step) const;

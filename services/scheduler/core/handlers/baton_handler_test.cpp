@@ -51,6 +51,19 @@ TEST_CASE("results that a baton only speaks of are asked of its giver") {
         std::vector<TaskIndex>{0});
 }
 
+TEST_CASE("a baton that says nothing new changes nothing that watchers are told of, but is confirmed") {
+  Passing passing;
+  const std::uint64_t before = passing.known.run().version();
+  passing.known.send(passing.handler, "drone", passing.baton());
+  const std::uint64_t after = passing.known.run().version();
+  CHECK(after == before + 1);
+  for (int i = 0; i < 100; ++i) {
+    const Outbox out = passing.known.send(passing.handler, "drone", passing.baton());
+    CHECK(targets<BatonJournaled>(out) == Names{"drone"});
+  }
+  CHECK(passing.known.run().version() == after);
+}
+
 TEST_CASE("where decisions come from, a baton's word on others' tasks ends none of them") {
   KnownRun known{chain({"drone", "ur3", "pioneer"}), "cloud"};
   BatonHandler handler{known.self, known.runs, known.executor, known.lookup, known.journal};

@@ -36,7 +36,13 @@ Status DefinitionHandler::check_new(const Run& run, Step step) const {
                 "compare the nodes' clocks (trb doctor), or give it a longer life: --expires-h");
   }
   const std::string& submitter = run.definition().start().submitter;
-  if (runs_.has_place_for(submitter)) return lookup_.has_room();
+  if (runs_.bytes_left(submitter) < run.definition().record().payload.bytes.size()) {
+    return fail(Errc::queue_full,
+                "'" + submitter + "' has its share of the " + std::to_string(RunStore::kMostBytes >> 20U) +
+                    " MiB that open runs may take here, with its runs and its results",
+                "abort those that nobody needs: trb run list");
+  }
+  if (runs_.has_place_for(submitter)) return lookup_.has_room(submitter);
   const std::string open = std::to_string(RunStore::kMaxRuns) + " runs are open here";
   return fail(Errc::queue_full,
               runs_.full() ? open
@@ -147,7 +153,10 @@ void DefinitionHandler::request_whole(const std::string& run, const Inbound& fro
 /// A whole definition that a message waits for.
 void DefinitionHandler::take(const Definition& body, const RunStart& claimed, const Inbound& from, Step step) {
   auto run = runs_.open(body.start);
-  const Status checked = run ? check_new(**run, step) : Status(run.error());
+  Status checked = run ? check_new(**run, step) : Status(run.error());
+  if (checked && !makes_member(**run, body)) {
+    checked = fail(Errc::not_permitted, "node '" + node_ + "' is no member of run " + claimed.run);
+  }
   if (!checked) {
     step.out.log(LogLevel::warning, "definition_refused", "from '" + from.source + "': " + checked.error().text());
     return lookup_.refuse_deferred(claimed.run, from.source, checked.error(), step);
@@ -158,6 +167,17 @@ void DefinitionHandler::take(const Definition& body, const RunStart& claimed, co
     step.out.log(LogLevel::warning, "orders_refused", "from '" + from.source + "': " + kept.error().text());
   }
   lookup_.hand_out(added.id(), dispatch_, step);
+}
+
+/// This node is a member by the start, or by the decisions that come with it. Else anybody could fill its journal.
+bool DefinitionHandler::makes_member(const Run& run, const Definition& body) const {
+  if (run.members().contains(node_)) return true;
+  const auto later = runs_.open(body.start);  // as the run will be; nothing of it is kept
+  for (const SignedRecord& decision : body.decisions) {
+    if (!later || !(*later)->decision_checks().decision(decision)) return false;
+    if (!(*later)->apply(JournalDecision{decision, false})) return false;
+  }
+  return later && (*later)->members().contains(node_);
 }
 
 /// The answer of a node that was asked for decisions.

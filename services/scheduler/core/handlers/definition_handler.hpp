@@ -26,6 +26,7 @@ class DefinitionHandler {
  private:
   [[nodiscard]] Status check_created(const Run& run, UtcTime steady) const;
   [[nodiscard]] Status check_new(const Run& run, Step step) const;
+  [[nodiscard]] bool makes_member(const Run& run, const Definition& body) const;
   Status submit(std::unique_ptr<Run> run, Run* known, Step step);
   void handle_compact(const Inbound& from, Step step, bool may_wait);
   void wait_for_routes(const std::string& run, const Inbound& from, Step step);

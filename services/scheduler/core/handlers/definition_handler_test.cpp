@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include "common/scenario/run_start.hpp"
 #include "services/scheduler/test/known_run.hpp"
 
 using namespace trb;
@@ -80,6 +81,74 @@ TEST_CASE("a definition is taken only if a message waits for it, and that is han
   CHECK(answer().journal.size() == 1);
   CHECK(intake.known.runs.find(kNewRun) != nullptr);
   CHECK(intake.handed_out.size() == 1);
+}
+
+namespace {
+
+/// What is answered to the definition of a run of drone, whose baton has come.
+struct Taking {
+  Outbox take(const Definition& body) {
+    Outbox out;
+    Baton baton;
+    baton.run = kNewRun;
+    known.lookup.find_or_defer(kNewRun, {}, known.from("drone", MessageType::command, baton), known.step(out));
+    return known.send(handler, "drone", body, MessageType::information, 5);
+  }
+  /// Of the cloud and the drone alone.
+  [[nodiscard]] SignedRecord make_start() const {
+    return known.signers.sign(
+        "drone", kSignedRunStart,
+        encode(build_run_start(chain({"drone"}), {known.signers.member("cloud"), known.signers.member("drone")},
+                               "drone", known.now.utc, known.now.utc + seconds(3600), kNewRun)));
+  }
+  /// Moves the run's task to ur3.
+  SignedRecord decision(const SignedRecord& start) {
+    auto opened = known.runs.open(start);
+    REQUIRE(opened.ok());
+    Decision out;
+    out.run = kNewRun;
+    out.digest = (*opened)->definition().start().digest;
+    out.epoch = 2;
+    out.by = "cloud";
+    out.tasks.push_back({"task-0", Ruling::move, "ur3", 2, Evidence::word});
+    out.members.push_back(known.signers.member("ur3"));
+    return known.signers.sign("cloud", kSignedDecision, encode(out));
+  }
+
+  KnownRun known{chain({"ur3", "drone"})};
+  SignedRecord start = make_start();
+  DefinitionHandler handler{known.self, known.runs, known.lookup, known.journal, [](const Inbound&, Step) {}};
+};
+
+}  // namespace
+
+TEST_CASE("a run of which this node is no member is not taken, unless a decision makes it one") {
+  Taking taking;
+  const Outbox refused = taking.take(Definition{taking.start});
+  CHECK(refused.journal.empty());
+  CHECK(nacks(refused) == Codes{"not_permitted"});
+  SignedRecord forged = taking.decision(taking.start);
+  forged.signature.bytes[0] ^= 1;
+  CHECK(taking.take(Definition{taking.start, {forged}}).journal.empty());
+  CHECK(taking.known.runs.find(kNewRun) == nullptr);
+  CHECK(taking.take(Definition{taking.start, {taking.decision(taking.start)}}).journal.size() == 2);
+  REQUIRE(taking.known.runs.find(kNewRun) != nullptr);
+  CHECK(taking.known.runs.find(kNewRun)->members().contains("ur3"));
+}
+
+TEST_CASE("one submitter's runs take a quarter of the room that the others leave") {
+  const KnownRun model(chain({"ur3"}));
+  const std::size_t size = model.run().definition().record().payload.bytes.size();
+  KnownRun known(chain({"ur3"}), "ur3", 7 * size);
+  DefinitionHandler handler{known.self, known.runs, known.lookup, known.journal, [](const Inbound&, Step) {}};
+  const auto submit = [&](const std::string& submitter, char letter) {
+    const SignedRecord start =
+        known.signers.make_start(chain({"ur3"}), submitter, known.now.utc, seconds(3600), std::string(32, letter));
+    return nacks(known.send(handler, "ur3", RunSubmit{start}));
+  };
+  CHECK(submit("drone", 'b').empty());
+  CHECK(submit("drone", 'c') == Codes{"queue_full"});
+  CHECK(submit("pioneer", 'd').empty());
 }
 
 TEST_CASE("decisions are taken from a definition that was asked for") {

@@ -62,6 +62,49 @@ TEST_CASE("an abort is confirmed to a member once it has the result that it is o
   CHECK(targets<AbortConfirmed>(ordering.at_end_of_step()) == Names{"cloud"});
 }
 
+TEST_CASE("an aborted run waits for no node whose certificate is revoked, also after a restart") {
+  Ordering ordering;
+  ordering.known.finish("task-0");
+  const auto end_step = [&] {
+    Outbox out;
+    ordering.aborts.give_up_revoked(ordering.known.run(), ordering.known.step(out));
+    return out;
+  };
+  const auto tell = [&](const std::string& by, const char* reason) {
+    return ordering.known.send(ordering.aborts, by, PeerExpired{"cloud", reason}, MessageType::information);
+  };
+  const auto& owed = ordering.known.run().deliveries().pending();
+  CHECK(nacks(tell("drone", "cert_revoked: a lie")).empty());
+  tell("ur3", "10 s unheard");
+  ordering.known.send(ordering.aborts, "drone", RunAbort{ordering.known.abort("drone")});
+  CHECK(end_step().journal.empty());
+  tell("ur3", "cert_revoked: stolen");
+  const Outbox out = end_step();
+  CHECK(owed.owed_to("cloud").empty());
+  CHECK_FALSE(owed.owed_to("drone").empty());
+  KnownRun restarted(failing());
+  restarted.finish("task-0");
+  REQUIRE(restarted.run().apply(JournalAbort{restarted.abort("drone"), false}).ok());
+  CHECK_FALSE(restarted.run().deliveries().pending().owed_to("cloud").empty());
+  for (const Journal& record : out.journal) {
+    REQUIRE(restarted.run().apply(std::any_cast<JournalDelivered>(record.record)).ok());
+  }
+  CHECK(restarted.run().deliveries().pending().owed_to("cloud").empty());
+}
+
+TEST_CASE("a node that is a member again gets what it is owed") {
+  Ordering ordering;
+  const auto tell = [&](const auto& body) {
+    ordering.known.send(ordering.aborts, "ur3", body, MessageType::information);
+  };
+  tell(PeerExpired{"cloud", "cert_revoked: lost"});
+  tell(PeerJoined{"cloud", 7});
+  ordering.known.send(ordering.aborts, "drone", RunAbort{ordering.known.abort("drone")});
+  Outbox out;
+  ordering.aborts.give_up_revoked(ordering.known.run(), ordering.known.step(out));
+  CHECK(out.journal.empty());
+}
+
 TEST_CASE("a person's order on this node is answered") {
   Ordering ordering("cloud");
   Outbox out;

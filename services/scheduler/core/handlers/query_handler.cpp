@@ -11,6 +11,7 @@ namespace {
 
 constexpr std::size_t kMaxNamed = 8;
 constexpr std::uint32_t kMaxPage = 500;
+constexpr std::size_t kMaxAborted = 128;  ///< the newest of them: with every run that is open they fit into a message
 
 std::vector<Run*> newest_first(std::vector<Run*> runs) {
   std::ranges::reverse(runs);
@@ -89,8 +90,12 @@ void QueryHandler::handle(const RunProofRequest& body, const Inbound& from, Step
 
 RunTable QueryHandler::open_runs(Step step) const {
   RunTable table;
-  for (const Run* run : newest_first(runs_.runs())) table.runs.push_back(summary_of(*run, executor_, step.clock()));
-  table.open = static_cast<std::uint32_t>(table.runs.size());
+  std::size_t aborted = 0;
+  for (const Run* run : newest_first(runs_.runs())) {
+    if (run->orders().is_aborted() && ++aborted > kMaxAborted) continue;
+    table.runs.push_back(summary_of(*run, executor_, step.clock()));
+  }
+  table.open = static_cast<std::uint32_t>(runs_.taken());
   table.open_max = static_cast<std::uint32_t>(RunStore::kMaxRuns);
   return table;
 }
@@ -104,7 +109,7 @@ void QueryHandler::handle(const RunListRequest& body, const Inbound& from, Step 
   RunTable table;
   table.runs = std::move(page.runs);
   table.more = page.more;
-  table.open = static_cast<std::uint32_t>(runs_.runs().size());
+  table.open = static_cast<std::uint32_t>(runs_.taken());
   table.open_max = static_cast<std::uint32_t>(RunStore::kMaxRuns);
   step.out.reply(from, std::move(table));
 }

@@ -29,7 +29,7 @@ struct Showing {
 /// Knows of one run, and cannot read its record.
 class DamagedArchive final : public Archive {
  public:
-  [[nodiscard]] Status has_room() const override { return Done{}; }
+  [[nodiscard]] Status has_room(const std::string&) const override { return Done{}; }
   [[nodiscard]] std::optional<Over> over(const std::string&) const override { return Over{RunState::finished, {}}; }
   [[nodiscard]] Result<JournalArchive> record(const std::string&) const override {
     return fail(Errc::io_error, "damaged");

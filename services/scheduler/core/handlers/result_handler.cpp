@@ -72,7 +72,7 @@ Status ResultHandler::keep_choices(Run& run, const Results& body, Step step) {
 Status ResultHandler::keep_results(Run& run, const Results& body, std::vector<AttemptKey>& kept, Step step) {
   Status all = Done{};
   for (const SignedRecord& record : body.results) {
-    auto held = run.received_result(record);
+    auto held = runs_.received_result(run, record);
     if (held) {
       kept.push_back(held->result.key);
       journal_.keep_result(run, std::move(*held), step);

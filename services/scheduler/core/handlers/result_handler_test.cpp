@@ -25,7 +25,7 @@ struct Collecting {
 /// ur3 has asked the cloud for task-0's result.
 struct Asking : Collecting {
   Asking() : Collecting("ur3") {
-    awaited().need_result(0, "cloud");
+    awaited().need_result(0, "cloud", "cloud");
     awaited().take_due_results(known.now.mono);
   }
   AwaitedRecords& awaited() { return known.run().work().awaited(); }
@@ -52,7 +52,7 @@ TEST_CASE("an answer without a result says that its giver does not hold what it 
     const Results body{kKnownRun, std::move(results), {}};
     return collecting.known.send(collecting.handler, giver, body, MessageType::information, 5);
   };
-  awaited.need_result(0, "drone");
+  awaited.need_result(0, "drone", "cloud");
   awaited.take_due_results(collecting.known.now.mono);
   answer("cloud", {});
   CHECK(awaited.needs_results());

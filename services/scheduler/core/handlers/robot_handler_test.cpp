@@ -157,7 +157,6 @@ TEST_CASE("a task that is due for too long fails, and says what it waited for") 
   Scenario scenario = chain({"ur3"});
   scenario.tasks[0].start_within_s = 5;
   Working working(scenario);
-  working.known.run().receive({false}, {false}, "cloud");
   working.at_end_of_step();
   CHECK(RobotSchedule::next_late(working.known.run(), working.known.now.mono) == working.known.now.mono + seconds(5));
   working.known.pass(5);

@@ -10,6 +10,11 @@ constexpr Duration kAnswerTime = std::chrono::seconds(30);
 
 }  // namespace
 
+void AwaitedRecords::need_result(TaskIndex task, const std::string& giver, const std::string& judge) {
+  const auto [need, is_new] = results_.try_emplace(task, Need{giver});
+  if (!is_new && giver == judge && need->second.giver != judge) need->second = Need{giver};
+}
+
 void AwaitedRecords::settle(std::map<TaskIndex, Need>::iterator need) {
   answered_.insert({need->second.giver, need->first});
   results_.erase(need);

@@ -14,8 +14,9 @@ namespace trb::scheduler {
 
 class AwaitedRecords {
  public:
-  /// A result that this node's next tasks need, and which `giver` should hold. The first giver stays.
-  void need_result(TaskIndex task, const std::string& giver) { results_.try_emplace(task, Need{giver}); }
+  /// A result that this node's next tasks need, and which `giver` should hold. The first giver stays, unless the run's
+  /// judge should hold it: a member that says so and never answers keeps nobody from asking the judge.
+  void need_result(TaskIndex task, const std::string& giver, const std::string& judge);
   void drop_result(TaskIndex task) { results_.erase(task); }
   void drop_results() { results_.clear(); }
   /// The giver has answered with a result of the task, final or not: it holds no other.

@@ -9,9 +9,9 @@ using namespace trb::scheduler;
 
 TEST_CASE("results are asked of whoever was first said to hold them, with back-off") {
   AwaitedRecords awaited;
-  awaited.need_result(1, "drone");
-  awaited.need_result(1, "pioneer");
-  awaited.need_result(2, "pioneer");
+  awaited.need_result(1, "drone", "cloud");
+  awaited.need_result(1, "pioneer", "cloud");
+  awaited.need_result(2, "pioneer", "cloud");
   const auto first = awaited.take_due_results(at(0).mono);
   CHECK(first.at("drone") == std::vector<TaskIndex>{1});
   CHECK(first.at("pioneer") == std::vector<TaskIndex>{2});
@@ -26,11 +26,23 @@ TEST_CASE("results are asked of whoever was first said to hold them, with back-o
   CHECK_FALSE(awaited.needs_results());
 }
 
+TEST_CASE("who says that he holds a result and never answers keeps nobody from asking the judge") {
+  AwaitedRecords awaited;
+  awaited.need_result(1, "drone", "cloud");
+  awaited.take_due_results(at(0).mono);
+  awaited.need_result(1, "cloud", "cloud");
+  CHECK(awaited.take_due_results(at(0).mono).at("cloud") == std::vector<TaskIndex>{1});
+  awaited.need_result(1, "drone", "cloud");
+  CHECK_FALSE(awaited.take_due_results(at(10).mono).contains("drone"));
+  awaited.need_result(1, "cloud", "cloud");  // it keeps its back-off
+  CHECK(awaited.take_due_results(at(10.1).mono).empty());
+}
+
 TEST_CASE("an answer without a result is about what every request asked for that it may answer") {
   AwaitedRecords awaited;
-  awaited.need_result(1, "cloud");
+  awaited.need_result(1, "cloud", "cloud");
   awaited.take_due_results(at(0).mono);
-  awaited.need_result(2, "cloud");
+  awaited.need_result(2, "cloud", "cloud");
   CHECK(awaited.take_due_results(at(0.1).mono).at("cloud") == std::vector<TaskIndex>{1, 2});
   awaited.settle_without_result("cloud", at(0.2).mono);
   CHECK(awaited.has_answered("cloud", 1));
@@ -43,7 +55,7 @@ TEST_CASE("an answer without a result is about what every request asked for that
 
 TEST_CASE("what was never asked for is not answered") {
   AwaitedRecords awaited;
-  awaited.need_result(1, "cloud");
+  awaited.need_result(1, "cloud", "cloud");
   awaited.settle_without_result("cloud", at(60).mono);
   CHECK_FALSE(awaited.has_answered("cloud", 1));
   awaited.settle_result(1, "drone");

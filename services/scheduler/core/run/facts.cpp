@@ -6,12 +6,40 @@
 
 namespace trb::scheduler {
 
+Facts::Facts(const RunDefinition& definition, const Epochs& epochs)
+    : definition_(definition), epochs_(epochs), open_(definition.tasks().size()) {
+  for (const Task& task : definition.tasks()) before_.push_back({task.after.size(), task.after.size()});
+}
+
+bool Facts::add(TaskIndex task, HeldResult held) {
+  const bool was_final = results_.has_final(task);
+  const bool took_along = takes_along(task);
+  if (!results_.add(task, std::move(held))) return false;
+  ++changes_;
+  const std::size_t ended = !was_final && results_.has_final(task) ? 1 : 0;
+  const bool takes = takes_along(task);
+  open_ -= ended;
+  if (ended == 0 && takes == took_along) return true;
+  for (const TaskIndex next : definition_.successors(task)) {
+    before_[next].open -= ended;
+    // Who has done it after all pushes out that it was SKIPPED.
+    before_[next].going = before_[next].going + (took_along ? 1 : 0) - (takes ? 1 : 0);
+  }
+  return true;
+}
+
+void Facts::add(TaskIndex task, const JournalStart& start) {
+  starts_[task] = start;
+  ++changes_;
+}
+
 std::vector<TaskIndex> Facts::add(const std::shared_ptr<const HeldChoice>& held) {
   std::vector<TaskIndex> out;
   for (const ChosenTask& chosen : held->choice.tasks) {
     const TaskIndex task = *definition_.index_of(chosen.task);
     if (choices_.emplace(task, held).second) out.push_back(task);
   }
+  changes_ += out.size();
   return out;
 }
 
@@ -60,25 +88,12 @@ const JournalStart* Facts::open_start() const {
   return nullptr;
 }
 
-bool Facts::all_final() const {
-  for (std::size_t i = 0; i < definition_.tasks().size(); ++i) {
-    if (!results_.has_final(static_cast<TaskIndex>(i))) return false;
-  }
-  return true;
-}
-
-bool Facts::all_before_final(TaskIndex task) const {
-  return std::ranges::all_of(definition_.tasks()[task].after,
-                             [&](TaskIndex before) { return results_.has_final(before); });
-}
-
 bool Facts::takes_along(TaskIndex task) const {
   return results_.is_skipped(task) && !results_.of(task)->result.goes_on;
 }
 
 bool Facts::all_before_skipped(TaskIndex task) const {
-  const auto& after = definition_.tasks()[task].after;
-  return !after.empty() && std::ranges::all_of(after, [&](TaskIndex before) { return takes_along(before); });
+  return !definition_.tasks()[task].after.empty() && before_[task].going == 0;
 }
 
 bool Facts::own_before_final(TaskIndex task) const {
@@ -111,6 +126,15 @@ std::vector<TaskIndex> Facts::problems() const {
 
 std::optional<TaskIndex> Facts::ending_task() const {
   if (!definition_.aborts_on_failure()) return std::nullopt;
+  const std::pair now(changes_, epochs_.current());
+  if (ending_of_ != now) {
+    ending_ = find_ending_task();
+    ending_of_ = now;
+  }
+  return ending_;
+}
+
+std::optional<TaskIndex> Facts::find_ending_task() const {
   for (const TaskIndex task : results_.tasks()) {
     const HeldResult* held = current(task);
     const bool says = held != nullptr && (held->result.robot == epochs_.self() || epochs_.judges_here());

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/base/time.hpp"
@@ -27,15 +28,17 @@ enum class Fate : std::uint8_t { undecided = 0, goes, binds, skipped };
 class Facts {
  public:
   /// Both must outlive it.
-  Facts(const RunDefinition& definition, const Epochs& epochs) : definition_(definition), epochs_(epochs) {}
+  Facts(const RunDefinition& definition, const Epochs& epochs);
   Facts(const Facts&) = delete;
   Facts& operator=(const Facts&) = delete;
 
   /// Of a result that has been checked: true if it was new.
-  bool add(TaskIndex task, HeldResult held) { return results_.add(task, std::move(held)); }
+  bool add(TaskIndex task, HeldResult held);
   /// Of a choice that has been checked: the tasks on which it is the first one. What is chosen stays chosen.
   std::vector<TaskIndex> add(const std::shared_ptr<const HeldChoice>& held);
-  void add(TaskIndex task, const JournalStart& start) { starts_[task] = start; }
+  void add(TaskIndex task, const JournalStart& start);
+  /// Rises with every fact.
+  [[nodiscard]] std::uint64_t changes() const { return changes_; }
 
   [[nodiscard]] const ResultSet& results() const { return results_; }
   /// The choice on a task's condition, or nullptr.
@@ -52,8 +55,8 @@ class Facts {
   /// A start record without a result: nobody has reported yet how it ended.
   [[nodiscard]] const JournalStart* open_start() const;
 
-  [[nodiscard]] bool all_final() const;
-  [[nodiscard]] bool all_before_final(TaskIndex task) const;
+  [[nodiscard]] bool all_final() const { return open_ == 0; }
+  [[nodiscard]] bool all_before_final(TaskIndex task) const { return before_[task].open == 0; }
   /// There are predecessors, and every one is SKIPPED and takes what follows it along.
   [[nodiscard]] bool all_before_skipped(TaskIndex task) const;
   /// Those before it that this node executes are final.
@@ -71,12 +74,25 @@ class Facts {
   [[nodiscard]] bool tries_again(TaskIndex task, const TaskResult& result) const;
   /// It is SKIPPED, and so is what follows nothing else.
   [[nodiscard]] bool takes_along(TaskIndex task) const;
+  [[nodiscard]] std::optional<TaskIndex> find_ending_task() const;
+
+  /// Counted as results come: every step asks, and a task may have hundreds of predecessors.
+  struct Before {
+    std::size_t open = 0;   ///< predecessors that are not final
+    std::size_t going = 0;  ///< predecessors that do not take along what follows them
+  };
 
   const RunDefinition& definition_;
   const Epochs& epochs_;
   ResultSet results_;
   std::map<TaskIndex, std::shared_ptr<const HeldChoice>> choices_;
   std::map<TaskIndex, JournalStart> starts_;
+  std::vector<Before> before_;
+  std::size_t open_ = 0;  ///< tasks that are not final
+  std::uint64_t changes_ = 0;
+  /// Of which changes and epoch the ending task is known.
+  mutable std::optional<std::pair<std::uint64_t, std::uint32_t>> ending_of_;
+  mutable std::optional<TaskIndex> ending_;
 };
 
 }  // namespace trb::scheduler

@@ -68,6 +68,27 @@ TEST_CASE("what follows nothing but SKIPPED tasks is SKIPPED") {
   CHECK_FALSE(known.run().facts().all_before_skipped(0));
 }
 
+TEST_CASE("who has done what was SKIPPED takes along nothing any more; what is final stays counted once") {
+  Scenario scenario = chain({"ur3", "drone", "pioneer"});
+  scenario.tasks[1].after = {};
+  scenario.tasks[2].after = {0, 1};
+  KnownRun known(scenario, "pioneer");
+  const Facts& facts = known.run().facts();
+  known.add(known.result("task-0", "ur3", TaskOutcome::skipped));
+  CHECK_FALSE(facts.all_before_final(2));
+  known.add(known.result("task-1", "drone", TaskOutcome::skipped));
+  CHECK(facts.all_before_final(2));
+  CHECK(facts.fate_of(2) == Fate::skipped);
+  CHECK(known.run().open_tasks().startable().empty());
+  known.add(known.result("task-0", "ur3", TaskOutcome::finished));
+  CHECK(facts.all_before_final(2));
+  CHECK(facts.fate_of(2) == Fate::goes);
+  CHECK(known.run().open_tasks().startable() == std::vector<TaskIndex>{2});
+  CHECK_FALSE(facts.all_final());
+  known.finish("task-2");
+  CHECK(facts.all_final());
+}
+
 TEST_CASE("a failure that ends the run is no problem that a person solves") {
   Scenario scenario = chain({"ur3", "drone"});
   scenario.tasks[0].on_failure = OnFailure::abort;

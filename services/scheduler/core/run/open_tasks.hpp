@@ -1,6 +1,8 @@
 // Which tasks of a run this node can do something about now, as far as it knows. All lists ascend.
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "services/scheduler/core/run/deliveries.hpp"
@@ -24,13 +26,17 @@ class OpenTasks {
   explicit OpenTasks(const Parts& parts) : run_(parts) {}
 
   /// This node's tasks that could begin: not begun yet, all predecessors' final results held.
-  [[nodiscard]] std::vector<TaskIndex> startable() const { return own_tasks_that(Fate::goes); }
+  [[nodiscard]] std::vector<TaskIndex> startable() const { return ready().startable; }
   /// Tasks for which the decider's node, this one, has to report that a robot is wanted.
-  [[nodiscard]] std::vector<TaskIndex> to_bind() const { return own_tasks_that(Fate::binds); }
+  [[nodiscard]] std::vector<TaskIndex> to_bind() const { return ready().to_bind; }
   /// This node's tasks that are to be SKIPPED, and are not yet.
-  [[nodiscard]] std::vector<TaskIndex> skippable() const;
+  [[nodiscard]] std::vector<TaskIndex> skippable() const { return ready().skippable; }
   /// The tasks whose conditions this node has to evaluate now.
-  [[nodiscard]] std::vector<TaskIndex> to_choose() const;
+  [[nodiscard]] std::vector<TaskIndex> to_choose() const { return ready().to_choose; }
+  /// All of this node's tasks are final.
+  [[nodiscard]] bool own_are_final() const { return ready().own_are_final; }
+  /// One of this node's tasks has a result, and is not final.
+  [[nodiscard]] bool own_has_failed() const { return ready().own_has_failed; }
   /// This node's tasks that it was asked to give back and has not begun.
   [[nodiscard]] std::vector<TaskIndex> releasable() const;
   /// Nothing stands before them on this node, and they are not known to have begun. Of tasks of other nodes only the
@@ -42,11 +48,31 @@ class OpenTasks {
   [[nodiscard]] std::vector<TaskIndex> missing_results(const std::vector<bool>& known_final) const;
 
  private:
-  [[nodiscard]] std::vector<TaskIndex> own_tasks_that(Fate fate) const;
+  /// What every step asks of every run. It is worked out anew only when it has changed.
+  struct Ready {
+    std::vector<TaskIndex> startable;
+    std::vector<TaskIndex> to_bind;
+    std::vector<TaskIndex> skippable;
+    std::vector<TaskIndex> to_choose;
+    bool own_are_final = true;
+    bool own_has_failed = false;
+  };
+  /// All that Ready follows from.
+  struct Version {
+    std::uint64_t facts = 0;
+    std::uint32_t epoch = 0;
+    std::uint64_t withheld = 0;
+    bool operator==(const Version&) const = default;
+  };
+  [[nodiscard]] const Ready& ready() const;
+  void sort_in(TaskIndex own, Ready& out) const;
   [[nodiscard]] bool is_due(TaskIndex task) const;
   [[nodiscard]] bool may_skip() const;
+  [[nodiscard]] bool has_to_choose(TaskIndex task) const;
 
   Parts run_;
+  mutable std::optional<Version> ready_of_;
+  mutable Ready ready_;
 };
 
 }  // namespace trb::scheduler

@@ -31,6 +31,25 @@ TEST_CASE("a task that is asked back is released, not started") {
   CHECK(known.run().open_tasks().releasable().empty());
 }
 
+TEST_CASE("what each step asks follows each change: of facts, of what is withheld, of the epoch") {
+  KnownRun known(chain({"ur3", "drone"}));
+  const OpenTasks& open = known.run().open_tasks();
+  CHECK(open.startable() == Tasks{0});
+  known.run().work().withheld().fail(0, "no robot");
+  CHECK(open.startable().empty());
+  known.run().work().withheld().drop_failing(0);
+  CHECK(open.startable() == Tasks{0});
+  known.add(known.result("task-0", "ur3", TaskOutcome::failed));
+  CHECK(open.own_has_failed());
+  CHECK(open.startable().empty());
+  known.decide({{"task-0", Ruling::retry, "ur3", 2, Evidence::result}});
+  CHECK(open.startable() == Tasks{0});
+  CHECK_FALSE(open.own_are_final());
+  known.add(known.result("task-0", "ur3", TaskOutcome::finished, 2));
+  CHECK(open.own_are_final());
+  CHECK_FALSE(open.own_has_failed());
+}
+
 TEST_CASE("conditions are chosen on where the first predecessor's actor is; the judge knows who has to") {
   KnownRun chooser(left_or_right(), "ridgeback");
   KnownRun judge(left_or_right(), "cloud");

@@ -103,6 +103,14 @@ bool PendingDeliveries::owes_baton(TaskIndex task) const {
   });
 }
 
+std::vector<PendingDelivery> PendingDeliveries::owed_to(const std::string& node) const {
+  std::vector<PendingDelivery> out;
+  for (const PendingDelivery& delivery : open_) {
+    if (delivery.to == node) out.push_back(delivery);
+  }
+  return out;
+}
+
 std::vector<std::string> PendingDeliveries::creditors(DeliveryKind kind) const {
   std::vector<std::string> out;
   for (const PendingDelivery& delivery : open_) {

@@ -76,6 +76,8 @@ class PendingDeliveries {
   [[nodiscard]] bool owes(DeliveryKind kind, const std::string& to) const;
   /// The baton for that task is owed to somebody.
   [[nodiscard]] bool owes_baton(TaskIndex task) const;
+  /// All that is owed to that node.
+  [[nodiscard]] std::vector<PendingDelivery> owed_to(const std::string& node) const;
   /// To whom something of that kind is owed, in order of owing.
   [[nodiscard]] std::vector<std::string> creditors(DeliveryKind kind) const;
 

@@ -37,7 +37,7 @@ TEST_CASE("a task that a decision has ruled on begins anew") {
 TEST_CASE("results, signatures and values that are waited for keep a run from being idle") {
   PendingWork work;
   CHECK(work.is_empty());
-  work.awaited().need_result(1, "drone");
+  work.awaited().need_result(1, "drone", "cloud");
   CHECK_FALSE(work.is_empty());
   work.awaited().drop_results();
   work.inquiries().emplace_back("ur3", Condition{});

@@ -4,11 +4,15 @@
 
 namespace trb::scheduler {
 
-void Reports::add(const std::vector<bool>& final_tasks, const std::vector<bool>& skipped_tasks) {
+bool Reports::add(const std::vector<bool>& final_tasks, const std::vector<bool>& skipped_tasks) {
+  bool is_new = false;
   for (std::size_t i = 0; i < final_.size(); ++i) {
+    const bool skipped = final_tasks[i] && skipped_tasks[i];
+    is_new = is_new || (final_tasks[i] && !final_[i]) || (skipped && !skipped_[i]);
     final_[i] = final_[i] || final_tasks[i];
-    skipped_[i] = skipped_[i] || (final_tasks[i] && skipped_tasks[i]);
+    skipped_[i] = skipped_[i] || skipped;
   }
+  return is_new;
 }
 
 void Reports::note_progress(TaskIndex task, TaskState state, const std::string& wait) {

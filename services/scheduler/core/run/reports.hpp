@@ -18,8 +18,8 @@ class Reports {
 
   explicit Reports(std::size_t tasks) : final_(tasks, false), skipped_(tasks, false) {}
 
-  /// What a baton states of each task.
-  void add(const std::vector<bool>& final_tasks, const std::vector<bool>& skipped_tasks);
+  /// What a baton states of each task; true if some of it is new.
+  bool add(const std::vector<bool>& final_tasks, const std::vector<bool>& skipped_tasks);
   [[nodiscard]] const std::vector<bool>& final_tasks() const { return final_; }
   [[nodiscard]] const std::vector<bool>& skipped_tasks() const { return skipped_; }
 

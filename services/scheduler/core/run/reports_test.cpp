@@ -13,6 +13,15 @@ TEST_CASE("what batons say is added up; only what is final can be SKIPPED") {
   CHECK(reports.skipped_tasks() == std::vector<bool>{false, false, true});
 }
 
+TEST_CASE("a baton that is repeated says nothing new") {
+  Reports reports(2);
+  CHECK_FALSE(reports.add({false, false}, {true, true}));
+  CHECK(reports.add({true, false}, {false, false}));
+  CHECK_FALSE(reports.add({true, false}, {false, true}));
+  CHECK(reports.add({true, false}, {true, false}));
+  CHECK_FALSE(reports.add({true, false}, {false, false}));
+}
+
 TEST_CASE("a task is under way from its robot's word on, and its condition waits no more") {
   Reports reports(2);
   reports.note_wait(1, "the sensor cannot be reached");

@@ -45,7 +45,9 @@ bool ResultSet::add(TaskIndex task, HeldResult result) {
   auto& list = by_task_[task];
   const auto place = std::lower_bound(list.begin(), list.end(), result, before);
   const auto same = [key = result.result.key](const HeldResult& held) { return held.result.key == key; };
-  bytes_[result.result.robot] += result.record.payload.bytes.size() + sizeof(HeldResult);
+  const std::size_t size = result.record.payload.bytes.size() + sizeof(HeldResult);
+  bytes_[result.result.robot] += size;
+  all_bytes_ += size;
   list.insert(place, std::move(result));
   if (static_cast<std::size_t>(std::count_if(list.begin(), list.end(), same)) > kMaxPerAttempt)
     list.erase(std::prev(std::find_if(list.rbegin(), list.rend(), same).base()));

@@ -48,6 +48,8 @@ class ResultSet {
   [[nodiscard]] std::uint32_t last_attempt(TaskIndex task, const std::string& robot, std::uint32_t epoch) const;
   /// What that robot's results have taken, with those that others of their attempt have pushed out: each was journaled.
   [[nodiscard]] std::size_t bytes_of(const std::string& robot) const;
+  /// The same of all robots.
+  [[nodiscard]] std::size_t bytes() const { return all_bytes_; }
   /// Robots with a result of it that says failed, retriable or interrupted, by id.
   [[nodiscard]] std::vector<std::string> failed_by(TaskIndex task) const;
   /// Two different FINISHED results of one task and iteration: it may have been done twice.
@@ -60,7 +62,8 @@ class ResultSet {
   bool operator==(const ResultSet& other) const;
 
  private:
-  std::map<std::string, std::size_t> bytes_;              ///< by robot
+  std::map<std::string, std::size_t> bytes_;  ///< by robot
+  std::size_t all_bytes_ = 0;
   std::map<TaskIndex, std::vector<HeldResult>> by_task_;  ///< each list by iteration, attempt, then as they are kept
 };
 

@@ -193,9 +193,12 @@ Result<HeldResult> Run::received_result(const SignedRecord& record) const {
 
 void Run::receive(const std::vector<bool>& final_tasks, const std::vector<bool>& skipped_tasks,
                   const std::string& giver) {
-  reports_.add(final_tasks, skipped_tasks);
-  ++version_;
-  for (const TaskIndex task : open_tasks_.missing_results(reported_final())) work_.awaited().need_result(task, giver);
+  // Any member may repeat a baton as often as it likes: that says nothing new to those who watch the run.
+  if (reports_.add(final_tasks, skipped_tasks)) ++version_;
+  const std::string& judge = definition_.rule().judge();
+  for (const TaskIndex task : open_tasks_.missing_results(reported_final())) {
+    work_.awaited().need_result(task, giver, judge);
+  }
 }
 
 std::vector<bool> Run::reported_final() const {
@@ -223,16 +226,13 @@ bool Run::may_start(UtcTime steady) const {
 }
 
 bool Run::is_idle() const {
-  const auto is_final = [&](TaskIndex task) { return results().has_final(task); };
-  const bool done = std::ranges::all_of(epochs_.own_tasks(), is_final);
-  return (done || is_stuck()) && deliveries_.pending().empty() && work_.is_empty();
+  return (open_tasks_.own_are_final() || is_stuck()) && deliveries_.pending().empty() && work_.is_empty();
 }
 
 /// A task has failed here, and none could begin: its decision may have come, and the run ended, while this node was
 /// away.
 bool Run::is_stuck() const {
-  const auto failed = [&](TaskIndex task) { return results().of(task) != nullptr && !results().has_final(task); };
-  return std::ranges::any_of(epochs_.own_tasks(), failed) && open_tasks_.startable().empty();
+  return open_tasks_.own_has_failed() && open_tasks_.startable().empty();
 }
 
 }  // namespace trb::scheduler

@@ -27,8 +27,9 @@ void TaskTimers::set_due(std::vector<TaskIndex> tasks, MonotonicTime now) {
 }
 
 bool TaskTimers::is_late(TaskIndex task, double within_s, MonotonicTime now) const {
+  if (within_s <= 0) return false;
   const auto due = due_since_.find(task);
-  return within_s > 0 && due != due_since_.end() && due->second + seconds(within_s) <= now;
+  return due != due_since_.end() && due->second + seconds(within_s) <= now;
 }
 
 void TaskTimers::set_passes(std::vector<TaskIndex> tasks, MonotonicTime at) {

@@ -47,7 +47,7 @@ class TaskTimers {
   Times retry_at_;
   Times pass_at_;
   Times due_since_;
-  std::uint64_t version_ = 0;
+  std::optional<std::uint64_t> version_;
 };
 
 }  // namespace trb::scheduler

@@ -1,6 +1,7 @@
 // This node's tasks of a run that it does not begin any more: the decider wants them back, or they cannot be begun.
 #pragma once
 
+#include <cstdint>
 #include <map>
 #include <set>
 #include <string>
@@ -20,20 +21,26 @@ class WithheldTasks {
   [[nodiscard]] bool is_to_stop(TaskIndex task) const { return to_stop_.contains(task); }
 
   /// It fails without an attempt. `why`: for a person.
-  void fail(TaskIndex task, std::string why) { failing_[task] = std::move(why); }
+  void fail(TaskIndex task, std::string why) {
+    failing_[task] = std::move(why);
+    ++changes_;
+  }
   [[nodiscard]] const std::map<TaskIndex, std::string>& failing() const { return failing_; }
   [[nodiscard]] bool is_failing(TaskIndex task) const { return failing_.contains(task); }
   /// Its result is known.
-  void drop_failing(TaskIndex task) { failing_.erase(task); }
+  void drop_failing(TaskIndex task) { changes_ += failing_.erase(task); }
 
   [[nodiscard]] bool contains(TaskIndex task) const { return is_asked_back(task) || is_failing(task); }
   /// A decision has ruled on it: it begins anew.
   void drop(TaskIndex task);
+  /// Rises with every change.
+  [[nodiscard]] std::uint64_t changes() const { return changes_; }
 
  private:
   std::set<TaskIndex> asked_back_;
   std::set<TaskIndex> to_stop_;
   std::map<TaskIndex, std::string> failing_;
+  std::uint64_t changes_ = 0;
 };
 
 }  // namespace trb::scheduler
