@@ -32,8 +32,8 @@ class ByteBudget {
   std::atomic<std::size_t> used_{0};
 };
 
-/// Smaller frames are not counted: the limit on their number (kHighWaterMark) bounds them to 1 MiB a destination. So a
-/// control message still passes when pictures have used up the budget, and costs nothing extra.
+/// Smaller frames are not counted: the limit on their number (kHighWaterMark) bounds them to 1 MiB a destination, 2 MiB
+/// a service. So a control message still passes when pictures have used up the budget, and costs nothing extra.
 constexpr std::size_t kCountedFrame = 1024;
 
 /// The same frame with the same bytes; they are given back when its last holder releases it, in any thread: it has been

@@ -113,6 +113,7 @@ zmq::context_t make_context(int io_threads) {
 
 /// A server of a node's own bus: with keys on a bus over TCP.
 void be_bus_server(zmq::socket_t& socket, const std::string& endpoint, const CurveKeys* curve) {
+  socket.set(zmq::sockopt::sndhwm, kBusHighWaterMark);
   if (curve != nullptr) {
     be_curve_server(socket, *curve, kBusDomain);
     watch_bus(socket);

@@ -54,6 +54,7 @@ enum class SendResult { sent, full, unroutable };
 /// How many messages may wait for one receiver. A full queue refuses (queue_full), it never blocks. A ByteBudget limits
 /// the bytes of large messages.
 constexpr int kHighWaterMark = 1000;
+constexpr int kBusHighWaterMark = 2 * kHighWaterMark;  ///< for a service: all peers' messages meet there
 /// How many messages received on one connection may wait for the loop; more stay with their sender. libzmq counts no
 /// bytes here, and a message has 1 MiB at most. On a bus the I/O thread is faster than the loop, which hashes: 128 MiB
 /// for a service that floods. On links almost nothing waits while the loop runs, for the I/O thread decrypts what the

@@ -266,12 +266,14 @@ class BeforeDelivery(Case):
 
 class FullBus(Case):
     def test_a_service_that_does_not_read(self):
-        """A requester gets queue_full, over a link and on the bus; the rest of the node goes on."""
+        """A requester gets queue_full over its link, once it has its share of the queue. Another member, and the own
+        node, still find room there; the rest of the node goes on."""
         pid = int(self.fleet.services(TARGET)["scheduler"]["pid"])
         os.kill(pid, signal.SIGSTOP)
         self.addCleanup(os.kill, pid, signal.SIGCONT)
-        client = self.joined()
+        client, other = self.joined(), self.joined(self.dog)
         client.seal()
+        other.seal()
         codes, end = [], time.monotonic() + 30
         while "queue_full" not in codes and time.monotonic() < end:
             for _ in range(MOST - 1):
@@ -282,8 +284,12 @@ class FullBus(Case):
                 if frame.subtype == "nack":
                     codes.append(wire.nack(frame)["code"])
         self.assertEqual(set(codes), {"queue_full"})
+        waits = self.ask_scheduler(other)
+        inner = self.ask_router(other)
+        other.seal()
+        self.assertEqual(other.receive_until(lambda frame: frame.reply_to in (waits, inner)).subtype, "route_table")
         done = self.fleet.trb("request", TARGET, "run_list", node=TARGET, check=False)
-        self.assertIn("queue_full", done.stdout + done.stderr)
+        self.assertNotIn("queue_full", done.stdout + done.stderr)
         dropped = self.dropped()
         os.kill(pid, signal.SIGCONT)
         answers, end = [], time.monotonic() + 30

@@ -135,7 +135,12 @@ ConnectionId BusSockets::connection_of(const Server& server, BytesView routing_i
 ConnectionId BusSockets::add_connection(Server& server, BytesView routing_id, const std::string& name) {
   const ConnectionId id = ++next_connection_;
   server.connections.emplace(Bytes(routing_id), id);
-  connections_[id] = {&server, Bytes(routing_id), name, shell_.new_budget(), nullptr};
+  connections_[id] = {&server,
+                      Bytes(routing_id),
+                      name,
+                      shell_.new_budget(),
+                      std::make_unique<WaitingFrames>(ShellContext::kDestinationBytes),
+                      nullptr};
   return id;
 }
 
@@ -219,12 +224,32 @@ SendResult BusSockets::send(ConnectionId to, Frame&& frame) {
   const SendResult result = send_within(connection.budget, frame, [&](Frame&& one) {
     return connection.server->socket.send_to(connection.routing_id, std::move(one));
   });
-  if (result == SendResult::unroutable) {
-    Effects effects;
-    forget_connection(to, effects);
-    shell_.carry_out(effects);
-  }
+  if (result == SendResult::unroutable) forget_unroutable(to);
   return result;
+}
+
+SendResult BusSockets::send_of(std::string_view peer, ConnectionId to, Frame&& frame) {
+  if (peer == shell_.core().config().id) return send(to, std::move(frame));
+  const auto at = connections_.find(to);
+  if (at == connections_.end()) return SendResult::unroutable;
+  const Connection& connection = at->second;
+  if (!connection.waiting->has_room(peer, frame.size())) {
+    shell_.count("dropped.peer_share");
+    return SendResult::full;
+  }
+  const SendResult result = send_within(connection.budget, frame, [&](Frame&& one) {
+    return connection.waiting->send(peer, one, [&](Frame&& marked) {
+      return connection.server->socket.send_to(connection.routing_id, std::move(marked));
+    });
+  });
+  if (result == SendResult::unroutable) forget_unroutable(to);
+  return result;
+}
+
+void BusSockets::forget_unroutable(ConnectionId connection) {
+  Effects effects;
+  forget_connection(connection, effects);
+  shell_.carry_out(effects);
 }
 
 }  // namespace trb::router

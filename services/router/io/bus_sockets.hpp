@@ -10,6 +10,7 @@
 #include "services/router/io/shell_options.hpp"
 #include "services/router/io/tap.hpp"
 #include "services/router/io/tcp_bus_guard.hpp"
+#include "services/router/io/waiting_frames.hpp"
 
 namespace trb::router {
 
@@ -27,6 +28,8 @@ class BusSockets {
   bool admit(BytesView key) { return guard_ != nullptr && guard_->admit(key); }
   /// `unroutable`: that connection is gone, and the core was notified.
   SendResult send(ConnectionId to, Frame&& frame);
+  /// The same for a peer's frame: `full` also if that peer has its share of what waits for this connection.
+  SendResult send_of(std::string_view peer, ConnectionId to, Frame&& frame);
   /// Now and then, of a bus over TCP: ends connections on which messages without a last part pile up.
   void look();
 
@@ -41,6 +44,7 @@ class BusSockets {
     Bytes routing_id;
     std::string name;  ///< the service it proves
     std::shared_ptr<ByteBudget> budget;
+    std::unique_ptr<WaitingFrames> waiting;       ///< of peers
     std::shared_ptr<IncompleteBytes> incomplete;  ///< on a bus over TCP
   };
 
@@ -62,6 +66,7 @@ class BusSockets {
   void request_hello(Server& server, BytesView routing_id);
   void forget_unknown();
   void forget_connection(ConnectionId connection, Effects& effects);
+  void forget_unroutable(ConnectionId connection);
 
   ShellContext& shell_;
   Tap& tap_;

@@ -67,3 +67,32 @@ TEST_CASE("a bus in the folder admits no key; one over TCP those of its services
   CHECK(parts.counted("refused.bus_key") == 1);
   CHECK(guard.name_of(to_frame("a frame that came by no connection")).empty());
 }
+
+TEST_CASE("a peer that sends faster than a service reads gets no more room; another peer's and the node's own arrive") {
+  ShellParts parts;
+  REQUIRE(parts.bus.open().ok());
+  BusClient adapter(parts, "mode-adapter");
+  adapter.send("service_hello", hello("mode-adapter"));
+  REQUIRE(parts.turn_until([&] { return parts.core.bus().knows(1); }));
+  constexpr std::size_t kMany = 100'000;  // the kernel and the client have queues, too
+  std::size_t sent = 0;
+  while (sent < kMany && parts.bus.send_of("bee", 1, to_frame("a frame of bee")) == SendResult::sent) ++sent;
+  CHECK(sent >= WaitingFrames::kMost / 2);
+  REQUIRE(sent < kMany);
+  CHECK(parts.counted("dropped.peer_share") == 1);
+  CHECK(parts.bus.send_of("cat", 1, to_frame("a frame of cat")) == SendResult::sent);
+  CHECK(parts.bus.send_of("ant", 1, to_frame("a frame of its own node")) == SendResult::sent);
+  CHECK(parts.bus.send(1, to_frame("a frame of the router")) == SendResult::sent);
+  CHECK(parts.bus.send_of("bee", 1, to_frame("a frame of bee")) == SendResult::full);
+
+  Frame frame;
+  for (std::size_t i = 0; i < sent; ++i) {
+    REQUIRE(parts.turn_until([&] { return adapter.socket.receive(frame); }));
+    CHECK(view_of(frame) == "a frame of bee");
+  }
+  for (const std::string text : {"a frame of cat", "a frame of its own node", "a frame of the router"}) {
+    REQUIRE(parts.turn_until([&] { return adapter.socket.receive(frame); }));
+    CHECK(view_of(frame) == text);
+  }
+  CHECK(parts.turn_until([&] { return parts.bus.send_of("bee", 1, to_frame("more")) == SendResult::sent; }));
+}

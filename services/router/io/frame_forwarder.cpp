@@ -82,20 +82,21 @@ void FrameForwarder::from_link(LinkId link, const HeaderView& as_sent, Frame& fr
 void FrameForwarder::deliver(LinkId link, const HeaderView& header, Frame& frame, const FrameOrders& orders,
                              Effects& effects) {
   for (const ConnectionId to : orders.copies) {
-    const SendResult result = deliver_one(link, header.sequence, orders.hold, to, to_frame(view_of(frame)));
+    const SendResult result = deliver_one(link, header, orders.hold, to, to_frame(view_of(frame)));
     if (result != SendResult::sent) shell_.count("dropped.queue_full");
   }
   if (orders.shown > 0) to_.tap.show('<', view_of(frame));
   if (orders.way.to != Routing::To::service) return;
-  const SendResult result = deliver_one(link, header.sequence, orders.hold, orders.way.connection, std::move(frame));
+  const SendResult result = deliver_one(link, header, orders.hold, orders.way.connection, std::move(frame));
   // A failed send has not changed the frame, nor the header that points into it.
   if (result != SendResult::sent)
     shell_.core().forwarding().on_undelivered(link, header, why_undelivered(result), effects);
 }
 
-SendResult FrameForwarder::deliver_one(LinkId link, std::uint64_t sequence, bool hold, ConnectionId to, Frame&& frame) {
-  if (!hold) return to_.bus.send(to, std::move(frame));
-  to_.held.hold(link, sequence, to, std::move(frame));
+SendResult FrameForwarder::deliver_one(LinkId link, const HeaderView& header, bool hold, ConnectionId to,
+                                       Frame&& frame) {
+  if (!hold) return to_.bus.send_of(header.source, to, std::move(frame));
+  to_.held.hold(link, header.sequence, to, std::move(frame));
   return SendResult::sent;
 }
 
@@ -112,7 +113,7 @@ void FrameForwarder::from_lane(LinkId link, Frame& frame) {
   const Routing decision = shell_.core().forwarding().from_lane(link, *header, effects);
   if (decision.to == Routing::To::service) {
     to_.tap.show('<', view_of(frame));
-    const SendResult result = to_.bus.send(decision.connection, std::move(frame));
+    const SendResult result = to_.bus.send_of(header->source, decision.connection, std::move(frame));
     const Errc why = why_undelivered(result);
     shell_.count(result == SendResult::sent ? "lane.received" : "dropped." + std::string(errc_name(why)));
   }

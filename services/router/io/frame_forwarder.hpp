@@ -42,7 +42,7 @@ class FrameForwarder {
   void send(ConnectionId from, const HeaderView& header, const FrameOrders& orders, Frame& frame, Effects& effects);
   void send_copy(const Routing& way, const Frame& frame);
   void deliver(LinkId link, const HeaderView& header, Frame& frame, const FrameOrders& orders, Effects& effects);
-  SendResult deliver_one(LinkId link, std::uint64_t sequence, bool hold, ConnectionId to, Frame&& frame);
+  SendResult deliver_one(LinkId link, const HeaderView& header, bool hold, ConnectionId to, Frame&& frame);
 
   ShellContext& shell_;
   To to_;

@@ -19,11 +19,12 @@ void HeldFrames::deliver(const DeliverHeld& proven) {
 }
 
 void HeldFrames::deliver(LinkId link, Held held) {
-  const SendResult result = bus_.send(held.to, std::move(held.frame));
+  const auto header = decode_frame(view_of(held.frame));
+  if (!header) return;
+  const SendResult result = bus_.send_of(header->source, held.to, std::move(held.frame));
   if (result == SendResult::sent) return;
   Effects effects;
-  if (const auto header = decode_frame(view_of(held.frame)))
-    shell_.core().forwarding().on_undelivered(link, *header, why_undelivered(result), effects);
+  shell_.core().forwarding().on_undelivered(link, *header, why_undelivered(result), effects);
   shell_.carry_out(effects);
 }
 

@@ -125,7 +125,9 @@ void RouterShell::carry_out(BusSend& send) {
   const auto frame = encode_own(shell_, send.message);
   if (!frame) return;
   tap_.show('=', *frame);
-  if (bus_.send(send.to, to_frame(*frame)) == SendResult::full) shell_.count("dropped.queue_full");
+  // What a relay has brought of a peer is that peer's.
+  if (bus_.send_of(send.message.source, send.to, to_frame(*frame)) == SendResult::full)
+    shell_.count("dropped.queue_full");
 }
 
 void RouterShell::carry_out(LinkSend& send) {

@@ -3,9 +3,8 @@
 namespace trb::router {
 namespace {
 
-/// How many bytes may wait for one receiver (a service, a link, the tap), and in the whole node. One more message of
-/// each is being encrypted in libzmq's I/O thread, and the kernel has its buffers.
-constexpr std::size_t kDestinationBytes = 8U << 20U;
+/// How many bytes may wait in the whole node; for one receiver (a service, a link, the tap): kDestinationBytes. One
+/// more message of each is being encrypted in libzmq's I/O thread, and the kernel has its buffers.
 constexpr std::size_t kNodeBytes = 64U << 20U;
 
 }  // namespace

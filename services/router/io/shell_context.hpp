@@ -25,6 +25,8 @@ class ShellContext {
   [[nodiscard]] const std::shared_ptr<ByteBudget>& whole() const { return whole_; }
   /// The budget of one destination: a service, a link, all listeners of the tap.
   [[nodiscard]] std::shared_ptr<ByteBudget> new_budget() const;
+  /// How many bytes it has.
+  static constexpr std::size_t kDestinationBytes = 8U << 20U;
 
   void carry_out(Effects& effects) const { carry_out_(effects); }
   void count(std::string_view name) const { core_.counters().count(name); }
