@@ -34,6 +34,7 @@ void ResilienceCore::on_welcome(const NodeIdentity& node, Now now, Outbox& out) 
 }
 
 void ResilienceCore::on(const Inbound& message, Now now, Outbox& out) {
+  if (!holds_alternative<AlertListRequest>(message.body)) told_.reset();
   if (message.type == MessageType::information) {
     on_information(message, now, out);
   } else {
@@ -45,7 +46,6 @@ void ResilienceCore::on(const Inbound& message, Now now, Outbox& out) {
 // ---- requests and verdicts of people
 
 void ResilienceCore::on_request(const Inbound& message, Now now, Outbox& out) {
-  parts_.situation.note_change();
   if (Taken::dispatch(message.body, [&](const auto& body) { handle(body, message, now, out); })) return;
   out.count("refused.unexpected");
   out.nack(message,
@@ -57,14 +57,24 @@ void ResilienceCore::handle(const AlertListRequest& body, const Inbound& from, N
     const WatchedRun* run = parts_.situation.runs().find(alert->run);
     // The proposals of an expired alert are old.
     const bool is_old = alert->state == AlertState::expired && run != nullptr && run->is_known();
-    if (is_old) parts_.proposer.propose(*alert, *run, now);
+    if (!is_old || !parts_.alerts.work(alert->id).inquiry.may_rank(now)) continue;
+    parts_.proposer.propose(*alert, *run, now);
+    parts_.situation.note_change();
+    told_.reset();
   }
-  AlertTable table = parts_.alerts.book().table(body.all);
+  // However often it is asked for, it is made once while nothing happens.
+  if (!told_ || told_->all != body.all || now.mono - told_->at >= kLook)
+    told_ = {make_table(body.all, now), body.all, now.mono};
+  out.reply(from, told_->table);
+}
+
+AlertTable ResilienceCore::make_table(bool all, Now now) {
+  AlertTable table = parts_.alerts.book().table(all);
   for (Alert& lesser : lesser_faults(fleet(), now.utc - kShown)) {
     if (table.alerts.size() == AlertBook::kMaxTable) break;
     table.alerts.push_back(std::move(lesser));
   }
-  out.reply(from, std::move(table));
+  return table;
 }
 
 void ResilienceCore::handle(const AlertDecide& body, const Inbound& from, Now now, Outbox& out) {
@@ -72,6 +82,7 @@ void ResilienceCore::handle(const AlertDecide& body, const Inbound& from, Now no
     if (auto other = parts_.verdicts.elsewhere(body)) return out.reply(from, std::move(*other));
   }
   const auto taken = parts_.verdicts.receive(body, from.source, now, out);
+  if (taken) parts_.situation.note_change();
   if (taken) return out.reply(from, Ack{"accepted", cut_utf8(*taken, 1024)});
   out.count("refused.alert_decide." + std::string(errc_name(taken.error().code)));
   out.nack(from, taken.error());
@@ -195,6 +206,7 @@ void ResilienceCore::look(Now now, Outbox& out) {
   parts_.detection.look(now, out);
   if (!parts_.situation.take_change() && !due) return;
   looked_at_ = now.mono;
+  told_.reset();
   look_at_alerts(now, out);
   parts_.standing.raise_due(now, out);
 }

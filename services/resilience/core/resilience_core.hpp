@@ -49,13 +49,22 @@ class ResilienceCore final : public Core {
   void receive(const Ack& ack, const std::string& from, Now now);
   void receive(const Nack& nack, const std::string& from, Now now, Outbox& out);
 
+  AlertTable make_table(bool all, Now now);
   void look(Now now, Outbox& out);
   void look_at_alerts(Now now, Outbox& out);
   void settle(Now now, Outbox& out);
   void schedule_look(Now now);
   void want_routes(Now now);
 
+  /// The last answer to who asked for the alerts; gone once anything else has come, or was looked at.
+  struct Told {
+    AlertTable table;
+    bool all = false;
+    MonotonicTime at;
+  };
+
   CoreParts parts_;
+  std::optional<Told> told_;
   HistoryReader* history_;
   bool welcomed_ = false;
   std::optional<MonotonicTime> looked_at_;

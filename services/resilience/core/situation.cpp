@@ -48,7 +48,12 @@ void Situation::receive(const RobotFault& fault, const std::string& robot, Now n
 }
 
 void Situation::receive(const RobotConnection& connection, const std::string& robot, Now now, Outbox& out) {
-  if (!fleet_.on_connection(robot, connection, now.utc)) out.count("dropped.robot_connection");
+  const RobotRecord* known = fleet_.find(robot);
+  if (known == nullptr) return out.count("dropped.robot_connection");
+  const auto told = [&] { return std::pair(known->profile.is.robot, known->profile.is.detail); };
+  const auto before = told();
+  fleet_.on_connection(robot, connection, now.utc);
+  if (told() == before) return;
   note_robot(robot, now);
   routes_.want(now, RouteRequests::kAtOnce);
 }

@@ -171,3 +171,32 @@ TEST_CASE("a run of very many tasks that no robot can do, of a robot's node, lea
   fixture->wait(seconds(10));
   CHECK(fixture->alerts().size() == AlertBook::kMaxOfSubmitter);
 }
+
+TEST_CASE("whoever asks for the alerts without end has those that have expired ranked every 5 s at most") {
+  auto fixture = paper();
+  fixture->fault("ridgeback", "mobile");
+  fixture->end_task("t4", TaskOutcome::failed, "stuck");
+  fixture->wait(fixture->settings.resilience.expires + seconds(10));
+  Alert before = fixture->run_alert();
+  REQUIRE(before.state == AlertState::expired);
+  std::set<std::int64_t> ranked;
+  for (int i = 0; i < 100; ++i) {
+    ranked.insert(fixture->run_alert().expires);
+    fixture->wait(std::chrono::milliseconds(100));
+  }
+  CHECK(ranked.size() >= 2);
+  CHECK(ranked.size() <= 3);
+}
+
+TEST_CASE("a list of alerts that was made for the last question is not told once something has happened") {
+  auto fixture = paper();
+  CHECK(fixture->alerts().empty());
+  fixture->fault("ridgeback", "mobile");
+  fixture->end_task("t4", TaskOutcome::failed, "stuck");
+  CHECK(fixture->run_alerts().size() == 1);
+  const std::string id = fixture->run_alert().id;
+  CHECK(fixture->decide(Verdict::abort) == "accepted");
+  fixture->settle();
+  CHECK(fixture->run_alerts().empty());
+  CHECK(fixture->any(id).state == AlertState::decided);
+}

@@ -35,6 +35,21 @@ TEST_CASE("a fault makes its robot's runs due once, however often it is told") {
   CHECK(parts.situation.take_due_runs(parts.now).empty());
 }
 
+TEST_CASE("a connection makes its robot's runs due when it changes, however often it is told") {
+  Parts parts;
+  const auto tell = [&](const std::string& detail) {
+    parts.situation.receive(RobotConnection{"OFFLINE", detail}, "r1", parts.now, parts.out);
+    return parts.situation.take_due_runs(parts.now);
+  };
+  CHECK(tell("no answer") == Runs{"run1"});
+  parts.situation.take_change();
+  CHECK(tell("no answer").empty());
+  CHECK_FALSE(parts.situation.has_change());
+  CHECK(tell("no cable") == Runs{"run1"});
+  parts.situation.receive(RobotConnection{"OFFLINE", ""}, "nobody", parts.now, parts.out);
+  CHECK(parts.out.counts == std::vector<std::string>{"dropped.robot_connection"});
+}
+
 TEST_CASE("nothing is judged before the router's first table") {
   Situation situation({"", Role::cloud, default_resilience(), {}});
   const Now now{{1}, at_second(0)};

@@ -114,6 +114,7 @@ TEST_CASE("nobody decides in time: the run stays paused, and can still be decide
   // The robots' values are ten minutes old.
   CHECK(alert.proposals.front().note.find("battery is 6") != std::string::npos);
   fixture->say("pioneer2", RobotState{{{"position", "[4, 0, 0]"}, {"battery", "0.9"}}});
+  fixture->wait(Inquiry::kAgain);
   CHECK(robots_of(fixture->alert()).front() == "pioneer2");
   CHECK(fixture->decide(Verdict::accept) == "accepted");
   CHECK(rulings(fixture->taken.at(0)) == "t4>pioneer2 t7>pioneer2");

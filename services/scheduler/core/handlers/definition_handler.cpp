@@ -87,8 +87,8 @@ void DefinitionHandler::handle(const NeedDefinition& body, const Inbound& from, 
     return refuse(from, fail(Errc::conflict, "run " + body.run + " has another definition"), step);
   }
   Definition answer{run->definition().record(), run->epochs().records(), run->orders().records()};
-  if (auto compact = body.compact ? compact_start(answer.start, body.reads_short) : std::nullopt) {
-    answer.compact = std::move(*compact);
+  if (const Blob* compact = body.compact ? run->definition().compact(body.reads_short) : nullptr) {
+    answer.compact = *compact;
     answer.counts_on = body.reads_short;
     answer.start.payload = {};
   }

@@ -5,6 +5,7 @@
 #include "common/scenario/run_start.hpp"
 #include "common/security/keys.hpp"
 #include "proto/body.hpp"
+#include "services/scheduler/core/run/compact_start.hpp"
 #include "services/scheduler/core/run/members.hpp"
 
 namespace trb::scheduler {
@@ -31,6 +32,12 @@ Result<RunStart> open_signed_start(const SignedRecord& record, Certificates& cer
 }
 
 }  // namespace
+
+const Blob* RunDefinition::compact(bool counts_on) const {
+  auto& made = compact_.at(counts_on ? 1 : 0);
+  if (!made) made = compact_start(record_, counts_on);
+  return *made ? &**made : nullptr;
+}
 
 Result<RunDefinition> RunDefinition::open(const SignedRecord& record, Certificates& certificates) {
   auto start = open_signed_start(record, certificates);

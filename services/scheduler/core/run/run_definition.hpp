@@ -1,6 +1,7 @@
 // What the submitter has signed of a run: its tasks, members and times. It never changes.
 #pragma once
 
+#include <array>
 #include <map>
 #include <optional>
 #include <string>
@@ -26,6 +27,8 @@ class RunDefinition {
   [[nodiscard]] const std::string& id() const { return start_.run; }
   [[nodiscard]] const RunStart& start() const { return start_; }
   [[nodiscard]] const SignedRecord& record() const { return record_; }
+  /// As compact_start() makes it, once: each member may ask, any number of times. nullptr: it travels whole.
+  [[nodiscard]] const Blob* compact(bool counts_on) const;
   static constexpr std::size_t kTagSize = 8;
   /// Names run and digest in a short form.
   [[nodiscard]] const Bytes& tag() const { return tag_; }
@@ -54,6 +57,7 @@ class RunDefinition {
   RunDefinition(const SignedRecord& record, RunStart start);
 
   SignedRecord record_;
+  mutable std::array<std::optional<std::optional<Blob>>, 2> compact_;  ///< by counts_on
   RunStart start_;
   Bytes tag_;
   DecisionRule rule_;

@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include "services/scheduler/core/run/compact_start.hpp"
 #include "services/scheduler/test/known_run.hpp"
 
 using namespace trb;
@@ -29,6 +30,17 @@ TEST_CASE("a definition knows its tasks, what follows them, and who decides") {
   CHECK(definition.rule().decider() == "cloud");
   CHECK_FALSE(definition.has_conditions());
   CHECK_FALSE(definition.aborts_on_failure());
+}
+
+TEST_CASE("its compact form is made once, however often members ask for it") {
+  const KnownRun known(nine_tasks());
+  const RunDefinition& definition = known.run().definition();
+  for (const bool counts_on : {false, true}) {
+    const Blob* first = definition.compact(counts_on);
+    REQUIRE(first != nullptr);
+    CHECK(*first == compact_start(definition.record(), counts_on));
+    CHECK(definition.compact(counts_on)->bytes.data() == first->bytes.data());
+  }
 }
 
 TEST_CASE("a run lives until it expires, and is refused for a day more") {
