@@ -24,7 +24,9 @@ void WaitingFrames::remove_mark(Frame& frame, Mark& mark) {
 
 WaitingFrames::Loads::iterator WaitingFrames::load_of(std::string_view peer) {
   const auto known = loads_.find(peer);
-  return known == loads_.end() ? loads_.emplace(peer, Load{}).first : known;
+  if (known != loads_.end()) return known;
+  if (loads_.size() >= kMostKept) std::erase_if(loads_, [](const auto& one) { return one.second.frames == 0; });
+  return loads_.emplace(peer, Load{}).first;
 }
 
 void WaitingFrames::note_sent(Loads::iterator of, std::size_t bytes, bool has_mark) {
@@ -43,7 +45,7 @@ void WaitingFrames::drop_gone() {
     waiting_.pop_front();
     bytes_ -= bytes;
     of->second.bytes -= bytes;
-    if (--of->second.frames == 0) loads_.erase(of);
+    --of->second.frames;
   }
 }
 

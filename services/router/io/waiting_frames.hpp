@@ -21,7 +21,7 @@ class WaitingFrames {
  public:
   /// Half of what libzmq takes: it learns of frames that are gone in steps of half its limit.
   static constexpr std::size_t kMost = kBusHighWaterMark / 2;
-  static constexpr std::size_t kEach = 16;  ///< small frames, and one has a mark; larger ones all have
+  static constexpr std::size_t kEach = 32;  ///< small frames, and one has a mark; larger ones all have
 
   explicit WaitingFrames(std::size_t bytes) : most_bytes_(bytes) {}
 
@@ -37,9 +37,8 @@ class WaitingFrames {
     const SendResult result = put(std::move(frame));
     if (result == SendResult::sent) {
       note_sent(of, bytes, mark != nullptr);
-    } else {
-      if (mark != nullptr) remove_mark(frame, *mark);
-      if (of->second.frames == 0) loads_.erase(of);
+    } else if (mark != nullptr) {
+      remove_mark(frame, *mark);
     }
     return result;
   }
@@ -63,6 +62,8 @@ class WaitingFrames {
     std::shared_ptr<Gone> gone;  ///< nullptr: the frame was not sent
     std::uint64_t number;
   };
+
+  static constexpr std::size_t kMostKept = 1024;  ///< peers; of more, those of whom nothing waits are forgotten
 
   static std::size_t counted(std::size_t size) { return size >= kCountedFrame ? size : 0; }
   static void let_go(void* data, void* mark) noexcept;
