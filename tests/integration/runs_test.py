@@ -52,5 +52,33 @@ class Runs(unittest.TestCase):
             self.assertIn("use a whole number from 0 to 9", done.stderr)
 
 
+class Stolen(unittest.TestCase):
+    def test_an_aborted_run_waits_for_no_stolen_node(self):
+        """It is off, and only then revoked: the run that needs it ends on the nodes that stay."""
+        fleet = support.make_fleet(self, block=248, udp_port=50248,
+                                   robots={robot: trb_fleet.ROBOTS[robot] for robot in (ROBOT, "pioneer2")})
+        fleet.start()
+        fleet.wait_formed()
+        path = support.temporary_folder(self) / "s.json"
+        path.write_text(json.dumps({"name": "needs both", "tasks": [
+            {"id": "go", "robot": ROBOT, "skill": "go_to", "data": {"place": "dock"}},
+            {"id": "follow", "robot": "pioneer2", "skill": "go_to", "data": {"place": "dock"}, "after": ["go"]}]}))
+        fleet.nodes.pop("pioneer2").stop()
+        fleet.wait("pioneer2 is away", lambda: any(
+            row["id"] == "pioneer2" and row["state"] == "OFFLINE"
+            for row in fleet.json("route", "list", node=CLOUD)["routes"]), 60)
+        run = fleet.json("scenario", "run", path, node=CLOUD)["run"]
+
+        def shown():
+            return fleet.json("run", "show", run, node=CLOUD)
+
+        fleet.trb("scenario", "abort", run, node=CLOUD, check=False)  # it waits some seconds for the end
+        fleet.wait("only pioneer2 has not confirmed it", lambda: "the confirmation of 'pioneer2'" in
+                   shown()["waits_for"], 60)
+        self.assertEqual(shown()["state"], "ABORTING")
+        fleet.trb("fleet", "revoke", fleet.authority_dir(), "pioneer2", "--reason", "stolen", "--via", fleet.dir(CLOUD))
+        fleet.wait("the run is over", lambda: shown()["state"] == "ABORTED", 10)
+
+
 if __name__ == "__main__":
     support.main()
