@@ -19,11 +19,12 @@ export interface Task {
   data?: Record<string, unknown>;
   after?: string[];
   when?: Condition;
-  timeout_s?: number;
-  retries?: number;
-  retry_after_s?: number;
+  // What somebody typed that is no number stays text: the check says so.
+  timeout_s?: number | string;
+  retries?: number | string;
+  retry_after_s?: number | string;
   on_failure?: string;
-  start_within_s?: number;
+  start_within_s?: number | string;
   pinned?: boolean;
   [more: string]: unknown;
 }
