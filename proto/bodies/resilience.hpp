@@ -161,15 +161,18 @@ struct AlertDecide {
   Verdict verdict{};
   std::string robot;  ///< accept: the robot of the proposal, empty for the best; override: the robot that takes over
   std::string person;
-  std::string reason;                ///< an override needs one
-  bool stands = false;               ///< the person confirms that the failed robot stands still
-  std::string run{};                 ///< without an alert: the run (or a unique beginning of its id) ...
-  std::vector<std::string> tasks{};  ///< ... and its tasks; with an alert: which of its tasks are meant, empty: all
+  std::string reason;                 ///< an override needs one
+  bool stands = false;                ///< the person confirms that the failed robot stands still
+  std::string run{};                  ///< without an alert: the run (or a unique beginning of its id) ...
+  std::vector<std::string> tasks{};   ///< ... and its tasks; with an alert: which of its tasks are meant, empty: all
+  std::vector<TaskForRobot> shown{};  ///< accept: the proposal as the person saw it; no task goes to another robot.
+                                      ///< Empty: whatever is proposed now
   template <class T = AlertDecide>
   static FieldTable fields() {
-    return FieldTable{field("alert", &T::alert, 64),   field("verdict", &T::verdict),     field("robot", &T::robot, 64),
-                      field("person", &T::person, 64), field("reason", &T::reason, 1024), field("stands", &T::stands),
-                      field("run", &T::run, 64),       field("tasks", &T::tasks, 1000)};
+    return FieldTable{
+        field("alert", &T::alert, 64),   field("verdict", &T::verdict),     field("robot", &T::robot, 64),
+        field("person", &T::person, 64), field("reason", &T::reason, 1024), field("stands", &T::stands),
+        field("run", &T::run, 64),       field("tasks", &T::tasks, 1000),   field("shown", &T::shown, 1000)};
   }
 };
 

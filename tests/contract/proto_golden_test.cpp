@@ -198,7 +198,10 @@ TEST_CASE("alerts and what is decided on them") {
         "cb3fe0000000000000"
         "90a0c200a0a000a0");
   CHECK(to_hex(encode(AlertDecide{"a", Verdict::override_, "p1", "Ann", "why", true, "r", {"go"}})) ==
-        "98a16102a27031a3416e6ea3776879c3a17291a2676f");
+        "99a16102a27031a3416e6ea3776879c3a17291a2676f90");
+  CHECK(to_hex(encode(AlertDecide{"a", Verdict::accept, "", "Ann", "", false, "", {}, {{"go", "p1"}}})) ==
+        "99a16101a0a3416e6ea0c2a090"
+        "9192a2676fa27031");
   CHECK(to_hex(encode(DecidedElsewhere{"c", "r", {"go"}})) == "93a163a17291a2676f");
   CHECK(to_hex(encode(AlertListRequest{true})) == "91c3");
   CHECK(to_hex(encode(AlertRankRequest{"a", {{"b", 1}}})) == "92a1619192a162cb3ff0000000000000");

@@ -329,6 +329,17 @@ class Stream(GatewayCase):
         self.assertFalse(done.json["well"])
         self.fleet.wait("the robot is back", self.is_online, WAIT_S)
 
+    # ---- a decision
+
+    def test_what_a_person_was_shown_is_a_list_of_tasks_with_their_robots(self):
+        decision = "/api/v1/alerts/0123456789abcdef/decision"
+        shown = {"task": "go", "robot": ROBOT}
+        for wrong in ("go", ["go"], [{"task": "go"}], [{"task": "go", "robot": 1}], [{**shown, "x": 1}]):
+            refused = self.operator.ask("POST", decision, {"verdict": "accept", "shown": wrong})
+            self.assert_problem(refused, 422, "bad_value")
+            self.assertIn("shown", refused.json["detail"])
+        self.assert_problem(self.operator.ask("POST", decision, {"verdict": "accept", "shown": [shown]}), 404)
+
     # ---- a decision without an alert
 
     def test_a_person_skips_a_task_that_waits(self):

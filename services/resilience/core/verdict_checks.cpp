@@ -12,9 +12,16 @@ namespace {
 constexpr const char* kStands = "say --stands if you have seen that it stands";
 
 /// The chosen proposal: of one robot, or of several; the best if none is named.
-std::vector<Proposal>::iterator find_proposal(Alert& alert, const std::string& robot) {
-  if (robot.empty()) return alert.proposals.begin();
-  return std::ranges::find(alert.proposals, robot, &Proposal::robot);
+std::vector<Proposal>::iterator find_proposal(Alert& alert, const AlertDecide& body) {
+  return std::ranges::find_if(alert.proposals, [&](const Proposal& one) {
+    return (body.robot.empty() || one.robot == body.robot) && is_as_shown(one, body.shown);
+  });
+}
+
+std::string tasks_of(const Proposal& proposal) {
+  std::string out;
+  for (const TaskForRobot& one : proposal.tasks) out += (out.empty() ? "" : ", ") + one.task + " to " + one.robot;
+  return cut_utf8(out, 512);
 }
 
 std::string robots_of(const std::vector<Proposal>& proposals) {
@@ -28,6 +35,12 @@ bool moves(Verdict verdict) {
 }
 
 }  // namespace
+
+bool is_as_shown(const Proposal& proposal, const std::vector<TaskForRobot>& shown) {
+  if (shown.empty()) return true;
+  return std::ranges::all_of(proposal.tasks,
+                             [&](const TaskForRobot& one) { return std::ranges::find(shown, one) != shown.end(); });
+}
 
 Status VerdictChecks::check_decider(const Alert& alert, const WatchedRun* run, const AlertDecide& body) const {
   if (run == nullptr || !run->is_known() || !situation_.is_judged()) {
@@ -99,7 +112,11 @@ Status VerdictChecks::take_proposal(Alert& alert, const AlertDecide& body, const
   if (alert.proposals.empty()) {
     return fail(Errc::conflict, "no robot can take over", "trb alert list says why; --retry, --skip or --abort");
   }
-  const auto chosen = find_proposal(alert, body.robot);
+  const auto chosen = find_proposal(alert, body);
+  if (chosen == alert.proposals.end() && !body.shown.empty()) {
+    return fail(Errc::conflict, "what you were shown is not proposed any more",
+                "look at it again; the best is now: " + tasks_of(alert.proposals.front()));
+  }
   if (chosen == alert.proposals.end()) {
     return fail(Errc::bad_value, "'" + body.robot + "' is not proposed",
                 "use one of " + robots_of(alert.proposals) + ", or --override with a reason");

@@ -5,6 +5,10 @@
 
 namespace trb::resilience {
 
+/// Does each of its tasks go to the robot that a person was shown? Tasks that have ended since then do not count.
+/// Nothing was shown: it does.
+bool is_as_shown(const Proposal& proposal, const std::vector<TaskForRobot>& shown);
+
 class VerdictChecks {
  public:
   VerdictChecks(Situation& situation, AlertLifecycle& alerts, Proposer& proposer)

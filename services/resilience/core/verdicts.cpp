@@ -184,7 +184,8 @@ Result<std::string> Verdicts::decide_again(Alert& alert, const AlertDecide& body
   if (body.verdict == Verdict::retry && !is_open(alert) && !alert.robot.empty())
     return mend_again(alert, body, now, out);
   const bool same = alert.verdict == body.verdict &&
-                    (body.robot.empty() || alert.proposals.empty() || alert.proposals.front().robot == body.robot);
+                    (alert.proposals.empty() || (is_as_shown(alert.proposals.front(), body.shown) &&
+                                                 (body.robot.empty() || alert.proposals.front().robot == body.robot)));
   if (alert.verdict == Verdict::none) return fail(Errc::conflict, name + "is closed: " + alert.waits_for);
   if (!same && decisions_.is_stuck(alert, now)) return decide(alert, body, now, out);
   if (!same) return fail(Errc::conflict, name + decided_text(alert), "trb alert list --all contains it");

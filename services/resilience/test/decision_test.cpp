@@ -114,6 +114,28 @@ TEST_CASE("words that are said twice, too late or otherwise do no harm, and are 
   CHECK(fixture->taken.size() == 1);
 }
 
+TEST_CASE("a task goes to no other robot than the person was shown") {
+  auto fixture = broken();
+  fixture->keeps.insert("ridgeback");
+  const std::string id = fixture->alert().id;
+  const Proposal best = fixture->alert().proposals.at(0);
+  AlertDecide word{id, Verdict::accept, "", "", "", false};
+  word.shown = {{"t4", best.robot}, {"t7", "pioneer2"}};
+  CHECK(fixture->decide(word) == "conflict");
+  CHECK(fixture->last_text.find("t4 to pioneer1, t7 to pioneer1") != std::string::npos);
+  word.shown = best.tasks;
+  fixture->silence(best.robot);  // the best is another one by now
+  CHECK(fixture->decide(word) == "conflict");
+  CHECK(fixture->any(id).verdict == Verdict::none);
+  word.shown = {{"t4", "pioneer2"}, {"t7", "pioneer2"}, {"t1", "ur3"}};  // t1 has ended since
+  CHECK(fixture->decide(word) == "accepted");
+  CHECK(fixture->any(id).proposals.at(0).robot == "pioneer2");
+  CHECK(fixture->decide(word) == "accepted");
+  word.shown = {{"t4", "turtlebot"}, {"t7", "turtlebot"}};
+  CHECK(fixture->decide(word) == "conflict");
+  CHECK(fixture->last_text.find("t4 to pioneer2") != std::string::npos);
+}
+
 TEST_CASE("a verdict comes from the own node alone, and a robot's node decides nothing") {
   auto fixture = broken();
   const Alert alert = fixture->alert();

@@ -9,9 +9,42 @@
 namespace trb::gateway {
 namespace {
 
-/// {"verdict", "robot", "reason", "stands"}: what `trb alert decide` takes. The person is who is signed in.
+constexpr std::size_t kMaxShown = 1000;  ///< of AlertDecide
+constexpr std::size_t kMaxId = 64;
+
+Error no_shown_task(const std::string& why) {
+  return fail(Errc::bad_value, "shown: " + why, R"(write [{"task": ..., "robot": ...}, ...])");
+}
+
+Result<TaskForRobot> task_shown(const Value& json) {
+  const auto members = Members::of(json, {"task", "robot"});
+  if (!members) return no_shown_task(members.error().what);
+  const auto task = members->text("task", kMaxId);
+  if (!task) return no_shown_task(task.error().what);
+  const auto robot = members->text("robot", kMaxId);
+  if (!robot) return no_shown_task(robot.error().what);
+  return TaskForRobot{*task, *robot};
+}
+
+/// The tasks' robots of the proposal that the person saw.
+Result<std::vector<TaskForRobot>> shown_in(const Members& body) {
+  std::vector<TaskForRobot> out;
+  const Value* json = body.value("shown");
+  if (json == nullptr) return out;
+  if (!json->is_list()) return no_shown_task("is no list");
+  if (json->list().size() > kMaxShown) return fail(Errc::too_large, "shown: has too many tasks", "use at most 1000");
+  for (const Value& one : json->list()) {
+    auto task = task_shown(one);
+    if (!task) return task.error();
+    out.push_back(std::move(*task));
+  }
+  return out;
+}
+
+/// {"verdict", "robot", "reason", "stands"}: what `trb alert decide` takes; and what was shown. The person is who is
+/// signed in.
 Result<AlertDecide> decision_of(const Call& call) {
-  const auto body = Members::of(call, {"verdict", "robot", "reason", "stands"});
+  const auto body = Members::of(call, {"verdict", "robot", "reason", "stands", "shown"});
   if (!body) return body.error();
   const auto verdict = body->one_of<Verdict>("verdict");
   if (!verdict) return verdict.error();
@@ -21,6 +54,8 @@ Result<AlertDecide> decision_of(const Call& call) {
   if (!reason) return reason.error();
   const auto stands = body->flag_or("stands", false);
   if (!stands) return stands.error();
+  auto shown = shown_in(*body);
+  if (!shown) return shown.error();
   AlertDecide out;
   out.alert = call.parameter("alert");
   out.verdict = *verdict;
@@ -28,6 +63,7 @@ Result<AlertDecide> decision_of(const Call& call) {
   out.person = call.who().name;
   out.reason = *reason;
   out.stands = *stands;
+  out.shown = std::move(*shown);
   return out;
 }
 

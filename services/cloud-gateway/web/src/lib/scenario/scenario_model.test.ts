@@ -1,6 +1,6 @@
 import { describe, expect, it } from 'vitest';
 import {
-  afterOf, changed, connected, copied, disconnected, emptyScenario, freshId, isFreeId, parsed, renamed, textOf, withTask, withoutTask, wouldCircle,
+  afterOf, changed, connected, copied, disconnected, emptyScenario, freshId, isFreeId, parsed, renamed, textOf, withTask, withoutTask, wordsIn, wouldCircle,
   type Scenario,
 } from './scenario_model';
 
@@ -73,6 +73,17 @@ describe('a scenario that is edited', () => {
     expect(copy.scenario.tasks[3]).toEqual({ ...three.tasks[2], id: 'c_2' });
     expect(copied(copy.scenario, 'c_2').id).toBe('c_3');
     expect(withTask(three, { id: 'd' }).tasks).toHaveLength(4);
+  });
+
+  it('takes what is no list of words for none: a scenario that was stored so can be mended', () => {
+    const odd = { name: 'odd', tasks: [{ id: 'a', after: 5, requires: 'wheels' }, { id: 'b', after: ['a', 'a', 7] }, { id: 'b', after: 'a' }] } as unknown as Scenario;
+    expect(afterOf(odd)).toEqual([[], [0, 0], []]);
+    expect(wordsIn(odd.tasks[0]!.requires)).toEqual([]);
+    expect(wouldCircle(odd, 'b', 'a')).toBe(false);
+    expect(connected(odd, 'b', 'a').tasks[0]!.after).toEqual(['b']);
+    expect(disconnected(odd, 'a', 'b').tasks[1]).toEqual({ id: 'b' });
+    expect(renamed(odd, 'a', 'c').tasks.map((task) => task.after)).toEqual([5, ['c', 'c', 7], 'a']);
+    expect(withoutTask(odd, 'a').tasks).toHaveLength(2);
   });
 
   it('tells the layout who follows whom, and leaves out who is not there', () => {

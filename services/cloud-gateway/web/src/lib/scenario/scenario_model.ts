@@ -19,11 +19,12 @@ export interface Task {
   data?: Record<string, unknown>;
   after?: string[];
   when?: Condition;
-  timeout_s?: number;
-  retries?: number;
-  retry_after_s?: number;
+  // What somebody typed that is no number stays text: the check says so.
+  timeout_s?: number | string;
+  retries?: number | string;
+  retry_after_s?: number | string;
   on_failure?: string;
-  start_within_s?: number;
+  start_within_s?: number | string;
   pinned?: boolean;
   [more: string]: unknown;
 }
@@ -58,6 +59,11 @@ export function parsed(text: string): Scenario | null {
   }
 }
 
+/** A list of words, as a file has to have it; what somebody stored instead of one is none. */
+export function wordsIn(value: unknown): string[] {
+  return Array.isArray(value) ? value.filter((one): one is string => typeof one === 'string') : [];
+}
+
 export const textOf = (scenario: Scenario): string => `${JSON.stringify(scenario, null, 2)}\n`;
 
 /** Names like `go_to`, `go_to_2`. */
@@ -86,8 +92,8 @@ export function renamed(scenario: Scenario, id: string, to: string): Scenario {
   const name = (one: string) => (one === id ? to : one);
   return mapped(scenario, (task) => {
     const out: Task = { ...task, id: name(task.id) };
-    if (task.after) out.after = task.after.map(name);
-    if (task.data) {
+    if (Array.isArray(task.after)) out.after = task.after.map(name);
+    if (typeof task.data === 'object' && task.data !== null) {
       out.data = Object.fromEntries(Object.entries(task.data).map(([key, value]) => [key, sourceOf(value) === id ? { ...(value as object), from: to } : value]));
     }
     return out;
@@ -96,35 +102,38 @@ export function renamed(scenario: Scenario, id: string, to: string): Scenario {
 
 /** Who followed it follows those that it followed. */
 export function withoutTask(scenario: Scenario, id: string): Scenario {
-  const before = scenario.tasks.find((task) => task.id === id)?.after ?? [];
+  const before = wordsIn(scenario.tasks.find((task) => task.id === id)?.after);
   const rest = { ...scenario, tasks: scenario.tasks.filter((task) => task.id !== id) };
   return mapped(rest, (task) => {
-    if (!task.after?.includes(id)) return task;
-    return without(task, { after: [...new Set(task.after.flatMap((one) => (one === id ? before : [one])))] });
+    const after = wordsIn(task.after);
+    if (!after.includes(id)) return task;
+    return without(task, { after: [...new Set(after.flatMap((one) => (one === id ? before : [one])))] });
   });
 }
 
 export function copied(scenario: Scenario, id: string): { scenario: Scenario; id: string } {
   const task = scenario.tasks.find((one) => one.id === id);
   if (!task) return { scenario, id };
-  const to = freshId(scenario, id.replace(/_\d+$/, ''));
+  const to = freshId(scenario, String(id).replace(/_\d+$/, ''));
   return { scenario: withTask(scenario, { ...structuredClone(task), id: to }), id: to };
 }
 
 /** `to` follows `from`. Nothing changes if it does so already, or if `from` would then follow itself. */
 export function connected(scenario: Scenario, from: string, to: string): Scenario {
   const task = scenario.tasks.find((one) => one.id === to);
-  if (!task || task.after?.includes(from) || wouldCircle(scenario, from, to)) return scenario;
-  return changed(scenario, to, { after: [...(task.after ?? []), from] });
+  const after = wordsIn(task?.after);
+  if (!task || after.includes(from) || wouldCircle(scenario, from, to)) return scenario;
+  return changed(scenario, to, { after: [...after, from] });
 }
 
 export function disconnected(scenario: Scenario, from: string, to: string): Scenario {
   const task = scenario.tasks.find((one) => one.id === to);
-  return task?.after?.includes(from) ? changed(scenario, to, { after: task.after.filter((one) => one !== from) }) : scenario;
+  const after = wordsIn(task?.after);
+  return after.includes(from) ? changed(scenario, to, { after: after.filter((one) => one !== from) }) : scenario;
 }
 
 export function wouldCircle(scenario: Scenario, from: string, to: string): boolean {
-  const before = new Map(scenario.tasks.map((task) => [task.id, task.after ?? []]));
+  const before = new Map(scenario.tasks.map((task) => [task.id, wordsIn(task.after)]));
   const seen = new Set<string>();
   const waiting = [from];
   for (let one = waiting.pop(); one !== undefined; one = waiting.pop()) {
@@ -139,7 +148,7 @@ export function wouldCircle(scenario: Scenario, from: string, to: string): boole
 /** The places of those that each task follows, for the layout. */
 export function afterOf(scenario: Scenario): number[][] {
   const places = new Map(scenario.tasks.map((task, place) => [task.id, place]));
-  return scenario.tasks.map((task) => (Array.isArray(task.after) ? task.after : []).flatMap((one) => places.get(one) ?? []));
+  return scenario.tasks.map((task) => wordsIn(task.after).flatMap((one) => places.get(one) ?? []));
 }
 
 /** The task from whose result a parameter takes its value. */

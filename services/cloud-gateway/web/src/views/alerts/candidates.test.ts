@@ -23,10 +23,10 @@ it('draws all bars to one scale, and remembers the places by the weights in forc
 
 it('accepts who is proposed, overrides with who is not, and takes shared tasks only as the best', () => {
   const alert = { proposals: [near] } as unknown as Alert;
-  expect(choiceOf(alert, near)).toEqual({ verdict: 'accept', robot: 'near' });
+  expect(choiceOf(alert, near)).toEqual({ verdict: 'accept', robot: 'near', shown: [{ task: 'go', robot: 'near' }] });
   expect(choiceOf(alert, full)).toEqual({ verdict: 'override', robot: 'full' });
   expect(choiceOf(alert, shared)).toBeNull();
-  expect(choiceOf({ proposals: [shared] } as unknown as Alert, shared)).toEqual({ verdict: 'accept', robot: '' });
+  expect(choiceOf({ proposals: [shared] } as unknown as Alert, shared)).toEqual({ verdict: 'accept', robot: '', shown: shared.tasks });
 });
 
 it('asks for another ranking when others can take over, not when they only change places', () => {

@@ -1,5 +1,6 @@
 /** Who could take over, as it is shown: bars by criterion, and what a person would decide by choosing him. */
 import type { Alert, Schemas } from '../../lib/api/types';
+import { takersIn, type Decision } from './decision';
 
 export type Proposal = Schemas['Proposal'];
 
@@ -42,15 +43,17 @@ export function candidatesOf(shown: Proposal[], inForce: Proposal[]): Candidate[
   });
 }
 
-/** Choosing a proposed robot accepts the proposal; one that only other weights bring up is an override. */
-export function choiceOf(alert: Alert, proposal: Proposal): { verdict: 'accept' | 'override'; robot: string } | null {
+/**
+ * Choosing a proposed robot accepts the proposal, as it is shown; one that only other weights bring up is an override.
+ */
+export function choiceOf(alert: Alert, proposal: Proposal): Decision | null {
   if (proposal.robot !== '') {
     const isProposed = alert.proposals.some((one) => one.robot === proposal.robot);
-    return { verdict: isProposed ? 'accept' : 'override', robot: proposal.robot };
+    return isProposed ? { verdict: 'accept', robot: proposal.robot, shown: proposal.tasks } : { verdict: 'override', robot: proposal.robot };
   }
   // Shared tasks have no robot to name: only the best is accepted without one.
   const best = alert.proposals[0];
-  return best !== undefined && keyOf(best) === keyOf(proposal) ? { verdict: 'accept', robot: '' } : null;
+  return best !== undefined && keyOf(best) === keyOf(proposal) ? { verdict: 'accept', robot: '', shown: proposal.tasks } : null;
 }
 
 /**
@@ -62,5 +65,5 @@ export function whoOf(alert: Alert): string {
 }
 
 function nameOf(proposal: Proposal): string {
-  return proposal.robot || [...new Set(proposal.tasks.map((one) => one.robot))].join(' + ');
+  return proposal.robot || takersIn(proposal.tasks);
 }

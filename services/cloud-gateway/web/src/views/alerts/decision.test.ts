@@ -1,7 +1,7 @@
 import { expect, it } from 'vitest';
 import type { Alert, AlertRow } from '../../lib/api/types';
 import { openAlarms } from '../../lib/fleet/alarms';
-import { bodyOf, deciderIn, inOrder, isRanked, isUndecided, standsAgain, verdictsOf, winnerOf } from './decision';
+import { bodyOf, deciderIn, inOrder, isRanked, isUndecided, standsAgain, takersIn, verdictsOf, winnerOf } from './decision';
 
 const alert = (of: Partial<Alert>): Alert => ({
   id: 'a', severity: 'CRITICAL', time: 1, state: 'OPEN', run: 'r', name: 'paper', robot: 'ridgeback', capability: 'mobile', cause: 'robot_fault',
@@ -28,6 +28,10 @@ it('sends no empty member', () => {
 
 it('repeats a verdict with the word that the robot stands', () => {
   expect(standsAgain(decided)).toEqual({ verdict: 'override', robot: 'drone', reason: 'it is free', stands: true });
+  const shared = [{ task: 'go', robot: 'near' }, { task: 'grab', robot: 'full' }, { task: 'put', robot: 'near' }];
+  const accepted = standsAgain(alert({ verdict: 'accept', proposals: [{ robot: '', tasks: shared }] as unknown as Alert['proposals'] }))!;
+  expect([accepted.robot, accepted.shown, takersIn(shared)]).toEqual(['', shared, 'near + full']);
+  expect(bodyOf(accepted)).toEqual({ verdict: 'accept', stands: true, shown: shared });
   expect(standsAgain(alert({}))).toBeNull();
 });
 

@@ -30,12 +30,18 @@ export function isRanked(alert: Alert): boolean {
 /** The same verdict again, with the word that the failed robot stands. */
 export function standsAgain(alert: Alert): Decision | null {
   if (alert.verdict === 'none') return null;
-  return { verdict: alert.verdict, robot: chosenRobot(alert), reason: alert.reason, stands: true };
+  const out: Decision = { verdict: alert.verdict, robot: chosenRobot(alert), reason: alert.reason, stands: true };
+  return alert.verdict === 'accept' ? { ...out, shown: alert.proposals[0]?.tasks ?? [] } : out;
 }
 
 /** Who takes over by the decision; empty: nobody, or several. */
 export function chosenRobot(alert: Alert): string {
   return alert.verdict === 'accept' || alert.verdict === 'override' ? (alert.proposals[0]?.robot ?? '') : '';
+}
+
+/** Who takes over, in words: each robot once. */
+export function takersIn(tasks: readonly { robot: string }[]): string {
+  return [...new Set(tasks.map((one) => one.robot))].join(' + ');
 }
 
 /** Only what the gateway needs: no empty member. */
@@ -44,6 +50,7 @@ export function bodyOf(decision: Decision): Decision {
   if (decision.robot) out.robot = decision.robot;
   if (decision.reason) out.reason = decision.reason;
   if (decision.stands) out.stands = true;
+  if (decision.shown?.length) out.shown = decision.shown;
   return out;
 }
 

@@ -7,7 +7,7 @@ const answer = (more: Partial<Answer> = {}): Answer => ({
   seconds: 30, messages: 0, bytes: 0, between_computers: { messages: 0, bytes: 0 }, over_time: { interval_s: 1, messages: [], bytes: [] },
   phases: {} as Answer['phases'], model: {} as Answer['model'],
   world: { state: 'FINISHED', over_everywhere: true, tasks_done: 2, makespan_s: 8, linked_s: 0.5, submitted_s: 10, events: 5, broken: [] },
-  tasks: [{ id: 'go', robot: 'a', begin_s: 11, end_s: 14 }, { id: 'pick', robot: 'b', begin_s: 15 }, { id: 'pick', robot: 'a', begin_s: 18, end_s: 20 }],
+  tasks: [{ id: 'go', robot: 'a', begin_s: 11, end_s: 14 }, { id: 'pick', robot: 'b', begin_s: 15, failed_s: 16 }, { id: 'pick', robot: 'a', begin_s: 18, end_s: 20 }],
   tasks_not_listed: 0, sendings_not_listed: 0,
   sendings: [{ at_s: 14, phase: 'forward', from: 'a', to: 'b' }, { at_s: 14.5, phase: 'task', from: 'a', to: 'cloud' }],
   happenings: [{ at_s: 16, kind: 'fail', node: 'b' }, { at_s: 17, kind: 'cut', node: 'b', other: 'a', way: 'there' }, { at_s: 19, kind: 'heal', node: 'b', other: 'a' }],
@@ -27,9 +27,29 @@ describe('the film of a simulated run', () => {
     expect(changesOf(film())).toEqual([1, 4, 5, 6, 7, 8, 9, 10]);
   });
 
-  it('goes on to where the simulation was cut off', () => {
-    const world = { ...answer().world!, cut_off: true };
-    expect(film({ world }).end).toBe(23);
+  it('goes on to where the simulation was cut off, if something was under way', () => {
+    const world = { ...answer().world!, state: 'OPEN', cut_off: true };
+    const [go, pick] = answer().tasks;
+    expect(film({ world, tasks: [go!, { id: 'pick', robot: 'b', begin_s: 15 }] }).end).toBe(20);
+    expect(film({ world, tasks: [go!, pick!], happenings: [] }).end).toBe(9);
+    expect(film({ world, tasks: [go!, pick!], happenings: [{ at_s: 18, kind: 'kill', node: 'b' }] }).end).toBe(11);
+  });
+
+  it('lets who has failed stand where he was, and who was cut off be on his way to the end', () => {
+    const places = new Map([['dock', { x: 6, y: 0 }]]);
+    const at = (task: Answer['tasks'][number], time: number, isCalm = false) => pointAt(film({ tasks: [task] }), 'a', { x: 0, y: 0 }, places, time, isCalm).x;
+    const failed = { id: 'go', robot: 'a', begin_s: 11, failed_s: 15 };
+    expect([2, 4.9, 5, 9].map((time) => at(failed, time))).toEqual([0, 0, 0, 0]);
+    const open = { id: 'go', robot: 'a', begin_s: 11 };
+    expect([1, 10.5, 20].map((time) => at(open, time))).toEqual([0, 3, 6]);
+    expect([10.5, 20].map((time) => at(open, time, true))).toEqual([0, 0]);
+  });
+
+  it('ends an attempt of the paper when the next one begins: when it failed is not known', () => {
+    const { world: _, ...paper } = answer({ tasks: [{ id: 'pick', robot: 'b', begin_s: 15 }, { id: 'pick', robot: 'a', begin_s: 18, end_s: 20 }], happenings: [] });
+    const of = filmOf(one, paper);
+    const at = (time: number) => sceneAt(of, time).actors.map((actor) => actor.task);
+    expect([at(16), at(19), at(21)]).toEqual([[null, null, 'pick'], [null, 'pick', null], [null, null, null]]);
   });
 
   it('shows who works on what, and who is broken', () => {

@@ -54,7 +54,7 @@ export const FLIGHT_S = 0.6;
 export function filmOf(one: Simulation, answer: Answer): Film {
   const from = answer.world?.submitted_s ?? 0;
   const bars = barsOf(answer);
-  const end = spanOf(bars, answer.world?.cut_off ? answer.seconds - from : null) + TAIL_S;
+  const end = endOf(answer, bars, from);
   const since = <Of extends { at_s: number }>(all: Of[]): Of[] => all.map((of) => ({ ...of, at_s: of.at_s - from })).filter((of) => of.at_s <= end);
   const sendings = since(answer.sendings).filter((of) => of.at_s >= 0);
   const scenario = one.job.scenario as { tasks?: { id: string; data?: Record<string, unknown> }[] } | undefined;
@@ -68,13 +68,21 @@ export function filmOf(one: Simulation, answer: Answer): Film {
   return { end, nodes: [...nodes], tasks, bars, sendings, happenings, goals };
 }
 
+/** Of what was under way to the end of all that was simulated; else until nothing happens any more. */
+function endOf(answer: Answer, bars: Bar[], from: number): number {
+  if (bars.some((bar) => bar.state === 'RUNNING')) return spanOf(bars, answer.seconds - from);
+  return spanOf(bars, Math.max(0, ...answer.happenings.map((one) => one.at_s - from))) + TAIL_S;
+}
+
 export function sceneAt(film: Film, time: number, flightS = FLIGHT_S): Scene {
   const past = film.happenings.filter((one) => one.at_s <= time);
   const stages = new Map<string, Stage>(film.tasks.map((task) => [task, 'WAITING']));
   const at = new Map<string, string>();
   for (const bar of film.bars) {
     if (bar.start === null || bar.start > time) continue;
-    const isOver = bar.end !== null && bar.end <= time;
+    // When one of the paper's attempts failed is not known: it was before the next one of its task.
+    const isReplaced = bar.state === 'FAILED' && bar.end === null && (time >= film.end || film.bars.some((one) => one.task === bar.task && one.start! > bar.start! && one.start! <= time));
+    const isOver = isReplaced || (bar.end !== null && bar.end <= time);
     stages.set(bar.task, isOver ? (bar.state === 'FINISHED' ? 'FINISHED' : 'FAILED') : 'RUNNING');
     if (!isOver) at.set(bar.robot, bar.task);
   }
@@ -132,15 +140,18 @@ export function standsOf(nodes: string[], known: Map<string, Point>, box: { west
   return out;
 }
 
+function partOf(begin: number, end: number, time: number): number {
+  return time >= end ? 1 : (time - begin) / (end - begin);
+}
+
 /** On its way to the place of a task, straight; `isCalm`: it is there when the task is done. */
 export function pointAt(film: Film, robot: string, stand: Point, places: Map<string, Point>, time: number, isCalm: boolean): Point {
   let at = stand;
   for (const bar of film.bars) {
     const goal = places.get(film.goals.get(bar.task) ?? '');
     if (bar.robot !== robot || goal === undefined || bar.start === null || bar.start > time) continue;
-    const end = bar.end ?? film.end;
-    const part = time >= end ? 1 : isCalm ? 0 : (time - bar.start) / (end - bar.start);
-    if (bar.state !== 'FINISHED' && time >= end) continue;
+    if (bar.state === 'FAILED') continue; // where it came to is not known
+    const part = isCalm && (bar.end === null || time < bar.end) ? 0 : partOf(bar.start, bar.end ?? film.end, time);
     at = { x: at.x + part * (goal.x - at.x), y: at.y + part * (goal.y - at.y) };
   }
   return at;

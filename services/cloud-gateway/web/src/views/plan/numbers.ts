@@ -1,4 +1,8 @@
 /** Numbers as somebody types them, and what is wrong with them. */
+import { numberIn } from '../../lib/scenario/values';
+
+export { numberIn };
+
 export interface Bounds {
   min: number;
   max: number;
@@ -8,13 +12,6 @@ export interface Bounds {
 }
 
 export type Wrong = { why: 'missing' } | { why: 'between' | 'whole'; min: number; max: number };
-
-/** Nothing: there is none, or it is none. */
-export function numberIn(text: string | undefined): number | undefined {
-  const trimmed = (text ?? '').trim().replace(',', '.');
-  const value = trimmed === '' ? NaN : Number(trimmed);
-  return Number.isFinite(value) ? value : undefined;
-}
 
 export function wrongNumber(text: string | undefined, { min, max, isNeeded = false, isWhole = false }: Bounds): Wrong | null {
   if ((text ?? '').trim() === '') return isNeeded ? { why: 'missing' } : null;

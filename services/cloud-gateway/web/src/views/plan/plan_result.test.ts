@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { barsOf, compareRows, inIntervalsOf, makespanOf, peakOf, phaseRows, seriesOf, timesOf, waitRows, withoutUpkeep, type Answer } from './plan_result';
+import { barsOf, compareRows, inIntervalsOf, makespanOf, peakOf, phaseRows, seriesOf, timesOf, underWay, waitRows, withoutUpkeep, type Answer } from './plan_result';
 
 const PHASES = ['boot', 'identification', 'devices', 'task', 'forward', 'sensor', 'fail', 'upkeep'] as const;
 const count = (messages: number) => ({ messages, bytes: messages * 50, between_computers: { messages: messages / 2, bytes: messages * 25 } });
@@ -38,26 +38,28 @@ describe('the result of a simulation', () => {
     expect(inIntervalsOf([1, 1, 1, 1], 0.1, 0.2)).toEqual([2, 2]);
   });
 
-  it('draws attempts from the submission on; one that was not done lasts until its robot broke', () => {
-    const bars = barsOf(answer({ world, happenings: [{ at_s: 5.5, kind: 'fail', node: 'r1' }] }));
+  it('draws attempts from the submission on; one that was given up lasts until then', () => {
+    const tasks = [{ id: 't0', robot: 'r0', begin_s: 1, end_s: 4 }, { id: 't1', robot: 'r1', begin_s: 4, failed_s: 5.5 }, { id: 't1', robot: 'r0', begin_s: 6, end_s: 9 }];
+    const bars = barsOf(answer({ world, tasks, happenings: [{ at_s: 8, kind: 'fail', node: 'r1' }] }));
     expect(bars.map((bar) => [bar.task, bar.robot, bar.state, bar.start, bar.end])).toEqual(
       [['t0', 'r0', 'FINISHED', 0, 3], ['t1', 'r1', 'FAILED', 3, 4.5], ['t1', 'r0', 'FINISHED', 5, 8]]);
   });
 
-  it('ends an attempt when it was given up, whatever its robot did later', () => {
-    const happenings = [{ at_s: 8, kind: 'fail' as const, node: 'r1' }];
-    const tasks = [{ id: 't1', robot: 'r1', begin_s: 4, failed_s: 5.5 }];
-    expect(barsOf(answer({ world, tasks, happenings }))[0]).toMatchObject({ state: 'FAILED', start: 3, end: 4.5 });
+  it('leaves an attempt open that was under way as all ended, also if its node was killed: the robot works on', () => {
+    const open = answer({ world, happenings: [{ at_s: 5, kind: 'kill', node: 'r1' }] });
+    expect(barsOf(open)[1]).toMatchObject({ state: 'RUNNING', start: 3, end: null });
+    expect([underWay(open), underWay(answer())]).toEqual([1, 0]);
   });
 
-  it('leaves an attempt open that was under way as all ended', () => {
-    expect(barsOf(answer())[1]).toMatchObject({ state: 'RUNNING', start: 4, end: null });
+  it('knows of the paper\'s protocol that an attempt failed, not when', () => {
+    expect(barsOf(answer())[1]).toMatchObject({ state: 'FAILED', start: 4, end: null });
   });
 
   it('says how long the tasks took', () => {
     expect(makespanOf(answer())).toBe(8);
     expect(makespanOf(answer({ world }))).toBe(8);
     expect(makespanOf(answer({ world: { ...world, tasks_done: 0, makespan_s: 0 } }))).toBeNull();
+    expect(makespanOf(answer({ world: { ...world, state: 'OPEN', tasks_done: 1, makespan_s: 3 } }))).toBeNull();
     expect(makespanOf(answer({ tasks_not_listed: 7 }))).toBe(9.5);
   });
 
@@ -70,10 +72,22 @@ describe('the result of a simulation', () => {
   it('says what each task of a scenario waited for, in the timeline\'s time', () => {
     const waits = [{ task: 't0', waited_for: '', robot_busy: false, critical: true }, { task: 't1', waited_for: 't0', robot_busy: true, critical: false }];
     const rows = waitRows(answer({ world, waits }));
-    expect(rows[0]).toEqual({ task: 't0', robot: 'r0', begin: 0, end: 3, holder: null, busy: null, isCritical: true });
-    expect(rows[1]).toEqual({ task: 't1', robot: 'r0', begin: 5, end: 8, holder: 't0', busy: 'r0', isCritical: false });
+    expect(rows[0]).toEqual({ task: 't0', robot: 'r0', begin: 0, end: 3, hasFailed: false, holder: null, busy: null, isCritical: true });
+    expect(rows[1]).toEqual({ task: 't1', robot: 'r0', begin: 5, end: 8, hasFailed: false, holder: 't0', busy: 'r0', isCritical: false });
     expect(waitRows(answer())).toEqual([]);
     expect(waitRows(answer({ waits: [{ task: 'gone', waited_for: '', robot_busy: false, critical: true }] }))).toEqual([]);
+  });
+
+  it('counts the attempts that the waits are of: of a task never done its last one that failed, of one done twice both', () => {
+    const tasks = [
+      { id: 't0', robot: 'r0', begin_s: 1, end_s: 4 }, { id: 't1', robot: 'r1', begin_s: 4, failed_s: 5 }, { id: 't0', robot: 'r2', begin_s: 4.5, end_s: 6 },
+      { id: 't1', robot: 'r0', begin_s: 6, failed_s: 8 }, { id: 't2', robot: 'r2', begin_s: 7 },
+    ];
+    const wait = (task: string, waited_for: string, robot_busy: boolean, critical: boolean) => ({ task, waited_for, robot_busy, critical });
+    const twice = answer({ world, tasks, waits: [wait('t0', '', false, true), wait('t0', 't0', false, false), wait('t1', 't0', true, true)] });
+    expect(waitRows(twice).map((row) => [row.task, row.robot, row.begin, row.end, row.hasFailed, row.busy, row.isCritical])).toEqual([
+      ['t0', 'r0', 0, 3, false, null, true], ['t0', 'r2', 3.5, 5, false, null, false], ['t1', 'r0', 5, 7, true, 'r0', true]]);
+    expect(barsOf(twice).map((bar) => bar.isCritical)).toEqual([true, false, false, true, false]);
   });
 
   it('marks the critical path in the timeline: the attempt that was done', () => {

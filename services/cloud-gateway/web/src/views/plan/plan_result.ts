@@ -3,6 +3,8 @@ import type { Schemas } from '../../lib/api/types';
 import type { Bar } from '../runs/timeline';
 
 export type Answer = Schemas['SimulationAnswer'];
+type Attempt = Answer['tasks'][number];
+type Wait = Schemas['SimulationWait'];
 export type Counted = 'messages' | 'bytes';
 
 export interface PhaseRow {
@@ -55,19 +57,55 @@ export function peakOf(values: number[], interval: number): { at: number; value:
   return { at: Math.max(0, values.indexOf(value)) * interval, value };
 }
 
-/** Attempts as bars, in s since the run's submission. One that was neither done nor given up was under way as all ended. */
+/**
+ * Attempts as bars, in s since the run's submission.
+ *
+ * | An attempt has             | State    | End                  |
+ * |----------------------------|----------|----------------------|
+ * | `end_s`                    | FINISHED | then                 |
+ * | `failed_s`                 | FAILED   | then                 |
+ * | neither, in a world        | RUNNING  | none: it was under way as the time was up; a robot works on without its node |
+ * | neither, by the paper      | FAILED   | not known: its robot was replaced |
+ */
 export function barsOf(answer: Answer): Bar[] {
   const from = answer.world?.submitted_s ?? 0;
-  const critical = new Set((answer.waits ?? []).filter((one) => one.critical).map((one) => one.task));
+  const waits = waitsByAttempt(answer);
   return answer.tasks.map((task) => {
-    const isDone = task.end_s !== undefined;
-    const gone = answer.happenings.find((one) => one.node === task.robot && (one.kind === 'fail' || one.kind === 'kill') && one.at_s >= task.begin_s);
-    const end = task.end_s ?? task.failed_s ?? gone?.at_s;
+    const end = task.end_s ?? task.failed_s;
     return {
-      task: task.id, robot: task.robot, state: isDone ? 'FINISHED' : end === undefined ? 'RUNNING' : 'FAILED', ready: null,
-      start: Math.max(0, task.begin_s - from), end: end === undefined ? null : Math.max(0, end - from), isCritical: isDone && critical.has(task.id),
+      task: task.id, robot: task.robot, state: stateOf(task, answer.world !== undefined), ready: null,
+      start: Math.max(0, task.begin_s - from), end: end === undefined ? null : Math.max(0, end - from), isCritical: waits.get(task)?.critical ?? false,
     };
   });
+}
+
+function stateOf(task: Attempt, isWorld: boolean): Bar['state'] {
+  if (task.end_s !== undefined) return 'FINISHED';
+  return task.failed_s === undefined && isWorld ? 'RUNNING' : 'FAILED';
+}
+
+/** Tasks that were under way as the simulated time was up. */
+export function underWay(answer: Answer): number {
+  return new Set(barsOf(answer).filter((bar) => bar.state === 'RUNNING').map((bar) => bar.task)).size;
+}
+
+/**
+ * Which attempt a wait is of. Those that were done have one each, and of a task that never was its last one that has
+ * failed; several of one task follow each other by their begin.
+ */
+function waitsByAttempt(answer: Answer): Map<Attempt, Wait> {
+  const waits = new Map<string, Wait[]>();
+  for (const wait of answer.waits ?? []) waits.set(wait.task, [...(waits.get(wait.task) ?? []), wait]);
+  const out = new Map<Attempt, Wait>();
+  for (const [id, of] of waits) {
+    const attempts = answer.tasks.filter((task) => task.id === id);
+    const done = attempts.filter((task) => task.end_s !== undefined).sort((a, b) => a.begin_s - b.begin_s);
+    const counted = done.length > 0 ? done : attempts.filter((task) => task.failed_s !== undefined).slice(-1);
+    counted.forEach((task, i) => {
+      if (of[i] !== undefined) out.set(task, of[i]);
+    });
+  }
+  return out;
 }
 
 /** What held a task up. */
@@ -76,9 +114,11 @@ export interface WaitRow {
   robot: string;
   begin: number;
   end: number;
+  /** It was never done: its last attempt ended so. */
+  hasFailed: boolean;
   /** Nothing: it waited for none. */
   holder: string | null;
-  /** The robot that had to do the holder first; nothing: the holder comes before the task. */
+  /** The robot, if it had to do the holder first; nothing: the holder comes before the task. */
   busy: string | null;
   isCritical: boolean;
 }
@@ -86,15 +126,11 @@ export interface WaitRow {
 /** In s since the run's submission, as the timeline; nothing of a simulation without a scenario. */
 export function waitRows(answer: Answer): WaitRow[] {
   const from = answer.world?.submitted_s ?? 0;
-  const done = new Map(answer.tasks.filter((task) => task.end_s !== undefined).map((task) => [task.id, task]));
-  return (answer.waits ?? []).flatMap((wait) => {
-    const task = done.get(wait.task);
-    if (task === undefined) return [];
-    return [{
-      task: task.id, robot: task.robot, begin: Math.max(0, task.begin_s - from), end: Math.max(0, task.end_s! - from),
-      holder: wait.waited_for || null, busy: wait.robot_busy ? (done.get(wait.waited_for)?.robot ?? task.robot) : null, isCritical: wait.critical,
-    }];
-  });
+  const attempts = [...waitsByAttempt(answer)].sort(([a], [b]) => a.begin_s - b.begin_s);
+  return attempts.map(([task, wait]) => ({
+    task: task.id, robot: task.robot, begin: Math.max(0, task.begin_s - from), end: Math.max(0, (task.end_s ?? task.failed_s!) - from),
+    hasFailed: task.end_s === undefined, holder: wait.waited_for || null, busy: wait.robot_busy ? task.robot : null, isCritical: wait.critical,
+  }));
 }
 
 export interface CompareRow {
@@ -119,9 +155,9 @@ export function compareRows(a: Answer, b: Answer): CompareRow[] {
   ];
 }
 
-/** From the first task's begin to the last one's end, s; nothing: none was done. */
+/** From the first task's begin to the last one's end, s; nothing: not all were done. */
 export function makespanOf(answer: Answer): number | null {
-  if (answer.world) return answer.world.tasks_done > 0 ? answer.world.makespan_s : null;
+  if (answer.world) return answer.world.state === 'FINISHED' && answer.world.tasks_done > 0 ? answer.world.makespan_s : null;
   return answer.tasks_not_listed > 0 ? answer.seconds : lastEnd(answer) - (answer.tasks[0]?.begin_s ?? 0);
 }
 

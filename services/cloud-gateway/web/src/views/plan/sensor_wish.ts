@@ -1,6 +1,7 @@
 /** What the sensors tell that a scenario's conditions wait for. */
 import type { Schemas } from '../../lib/api/types';
 import type { Scenario } from '../../lib/scenario/scenario_model';
+import { textIn as comparedText, valueIn as comparedIn } from '../../lib/scenario/values';
 import { numberIn, present, wrongNumber, type Wrong } from './numbers';
 
 export type JobSensor = Schemas['SimulationSensor'];
@@ -32,7 +33,7 @@ export function newSensor(node: string): SensorWish {
 export function sensorsWanted(scenario: Scenario): SensorWish[] {
   const out = new Map<string, SensorWish>();
   for (const { when } of scenario.tasks) {
-    if (when === undefined) continue;
+    if (typeof when !== 'object' || when === null) continue;
     const name = when.sensor ?? 'sensor';
     const node = when.of || 'cloud';
     const key = `${node} ${name} ${when.identity ?? ''}`;
@@ -66,21 +67,14 @@ function wrongsOfRamp(texts: SensorWish['texts']): SensorWrongs {
   return out;
 }
 
-/** As a number is written. A tag's "00123" or "0x1F" is none. */
-const NUMERAL = /^[-+]?(0|[1-9]\d*)?([.,]\d+)?([eE][-+]?\d+)?$/;
-
-/** What stands in quotes is a text, whatever it is. */
+/** "-": it cannot be read. */
 function valueIn(text: string): Value {
-  const trimmed = text.trim();
-  const quoted = /^"(.*)"$/s.exec(trimmed);
-  if (quoted) return quoted[1]!;
-  if (trimmed === '-') return null;
-  return (NUMERAL.test(trimmed) ? numberIn(trimmed) : undefined) ?? trimmed;
+  return text.trim() === '-' ? null : comparedIn(text);
 }
 
 function textIn(value: Value): string {
   if (value === null) return '-';
-  return value !== '' && valueIn(String(value)) === value ? String(value) : `"${value}"`;
+  return value === '-' ? '"-"' : comparedText(value);
 }
 
 /** Nothing: a line is none, or they are not in order of time. */

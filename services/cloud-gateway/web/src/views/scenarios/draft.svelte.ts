@@ -94,5 +94,39 @@ export class Draft {
   }
 }
 
-/** Drafts that are not saved yet stay while the page is open: who comes back finds his own. */
-export const drafts = new Map<string, Draft>();
+/** Drafts that are not saved yet stay while the page is open: who comes back finds his own, and nobody else's. */
+export class Drafts {
+  private readonly kept = new Map<Draft, { user: string; id: string }>();
+
+  /** `user`: who is signed in. */
+  constructor(private readonly user: () => string) {}
+
+  get(id: string): Draft | undefined {
+    const user = this.user();
+    for (const [draft, of] of this.kept) if (of.user === user && of.id === id) return draft;
+    return undefined;
+  }
+
+  /** Of who is signed in; instead of another one of his. */
+  keep(id: string, draft: Draft): void {
+    const before = this.get(id);
+    if (before !== undefined) this.kept.delete(before);
+    this.kept.set(draft, { user: this.user(), id });
+  }
+
+  /** It has an id of its own now; it stays whose it was. */
+  rename(draft: Draft, id: string): void {
+    const of = this.kept.get(draft);
+    if (of !== undefined) this.kept.set(draft, { ...of, id });
+  }
+
+  drop(draft: Draft): void {
+    this.kept.delete(draft);
+  }
+
+  /** Who is signed in would lose something. */
+  get areChanged(): boolean {
+    const user = this.user();
+    return [...this.kept].some(([draft, of]) => of.user === user && draft.isChanged);
+  }
+}

@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { Draft } from './draft.svelte';
+import { Draft, Drafts } from './draft.svelte';
 import { textOf, withTask } from '../../lib/scenario/scenario_model';
 
 const begin = textOf({ name: 'x', tasks: [] });
@@ -58,5 +58,37 @@ describe('a draft', () => {
     expect([draft.isChanged, draft.text, draft.etag]).toEqual([true, `${begin}  `, '"2"']);
     draft.type(sent);
     expect(draft.isChanged).toBe(false);
+  });
+});
+
+describe('drafts of several people at one page', () => {
+  it('are found again by who made them', () => {
+    let user = 'ann';
+    const drafts = new Drafts(() => user);
+    const hers = new Draft(begin, '"1"');
+    drafts.keep('s', hers);
+    expect(drafts.areChanged).toBe(false);
+    hers.type('{');
+    expect(drafts.areChanged).toBe(true);
+    user = 'bob';
+    expect([drafts.get('s'), drafts.areChanged]).toEqual([undefined, false]);
+    const his = new Draft(begin);
+    drafts.keep('s', his);
+    expect(drafts.get('s')).toBe(his);
+    drafts.drop(his);
+    user = 'ann';
+    expect(drafts.get('s')).toBe(hers);
+  });
+
+  it('stay whose they were when a new one gets its id after somebody else has signed in', () => {
+    let user = 'ann';
+    const drafts = new Drafts(() => user);
+    const hers = new Draft(begin);
+    drafts.keep('new', hers);
+    user = 'bob';
+    drafts.rename(hers, 's');
+    expect(drafts.get('s')).toBeUndefined();
+    user = 'ann';
+    expect([drafts.get('s'), drafts.get('new')]).toEqual([hers, undefined]);
   });
 });

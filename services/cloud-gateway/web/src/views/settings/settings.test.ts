@@ -1,5 +1,5 @@
 import { expect, it } from 'vitest';
-import { criteriaOf, formOfPolicy, minimumsOf, numberOf, policyOf, rowsOfCriteria, rowsOfMinimums, twice, type Criteria } from './settings';
+import { criteriaOf, formOfPolicy, minimumsOf, numberOf, policyOf, rowsOfCriteria, rowsOfMinimums, twice, withNewBounds, withNewCriteria, type Criteria } from './settings';
 
 const criteria = {
   criteria: {
@@ -38,4 +38,24 @@ it('finds a name that is there twice', () => {
   expect(twice(rows)).toBeNull();
   rows[2]!.name = 'battery ';
   expect(twice(rows)).toBe('battery');
+});
+
+it('keeps what is typed when bounds or criteria were saved in the other form', () => {
+  const bounded = { criteria: { ...criteria.criteria, distance: { weight: 0, best: 0, worst: 100, at_most: 40 } } } as unknown as Criteria;
+  const typed = rowsOfCriteria(criteria);
+  expect(withNewBounds(typed, criteria, bounded)).toEqual(rowsOfCriteria(bounded));
+  typed[0]!.weight = '0.77';
+  const next = withNewBounds(typed, criteria, bounded)!;
+  expect([next[0]!.weight, next[1]!.kept.at_most]).toEqual(['0.77', 40]);
+  const others = { criteria: { ...criteria.criteria, distance: { weight: 1, best: 0, worst: 100 } } } as unknown as Criteria;
+  expect(withNewBounds(typed, criteria, others)).toBeNull();
+});
+
+it('keeps typed minimums of criteria that are still there', () => {
+  const old = rowsOfMinimums(criteria, {});
+  const typed = rowsOfMinimums(criteria, {});
+  typed[1]!.atMost = '40';
+  const fewer = rowsOfMinimums({ criteria: { battery: { weight: 1 }, distance: { weight: 1 }, load: { weight: 1, unit: 'kg' } } } as unknown as Criteria, { battery: { at_least: 10 } });
+  expect(withNewCriteria(typed, old, fewer)!.map((row) => [row.name, row.atLeast, row.atMost])).toEqual([['battery', '10', ''], ['distance', '', '40'], ['load', '', '']]);
+  expect(withNewCriteria(typed, old, rowsOfMinimums(criteria, { distance: { at_most: 9 } }))).toBeNull();
 });

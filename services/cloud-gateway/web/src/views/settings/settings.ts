@@ -74,6 +74,18 @@ export function rowsOfCriteria(criteria: Criteria): CriterionRow[] {
   }));
 }
 
+/**
+ * What is typed stays when the minimums were saved meanwhile: bounds are of both. Nothing: somebody has changed what is
+ * typed over, too.
+ */
+export function withNewBounds(typed: CriterionRow[], old: Criteria, now: Criteria): CriterionRow[] | null {
+  const rows = rowsOfCriteria(now);
+  const plain = (all: CriterionRow[]) => JSON.stringify(all.map((row) => ({ ...row, kept: row.kept.capabilities })));
+  if (plain(typed) === plain(rowsOfCriteria(old))) return rows;
+  if (plain(rows) !== plain(rowsOfCriteria(old))) return null;
+  return typed.map((row) => ({ ...row, kept: rows.find((one) => one.name === row.name)?.kept ?? row.kept }));
+}
+
 export function emptyCriterion(): CriterionRow {
   return { name: '', weight: '1', best: '', worst: '', isOwn: true, from: 'robot', value: '', unit: '', kept: {} };
 }
@@ -105,6 +117,18 @@ export function rowsOfMinimums(criteria: Criteria, minimums: Minimums): MinimumR
     atLeast: minimums[name]?.at_least === undefined ? '' : String(minimums[name]?.at_least),
     atMost: minimums[name]?.at_most === undefined ? '' : String(minimums[name]?.at_most),
   }));
+}
+
+/** The same of minimums, when the criteria were saved. */
+export function withNewCriteria(typed: MinimumRow[], old: MinimumRow[], now: MinimumRow[]): MinimumRow[] | null {
+  const boundsOf = (rows: MinimumRow[], name: string) => {
+    const row = rows.find((one) => one.name === name);
+    return row && { atLeast: row.atLeast, atMost: row.atMost };
+  };
+  const isSame = (a: unknown, b: unknown) => JSON.stringify(a) === JSON.stringify(b);
+  const isTyped = (name: string) => !isSame(boundsOf(typed, name), boundsOf(old, name));
+  if (now.some(({ name }) => isTyped(name) && !isSame(boundsOf(now, name), boundsOf(old, name)))) return null;
+  return now.map((row) => (isTyped(row.name) ? { ...row, ...boundsOf(typed, row.name) } : row));
 }
 
 export function minimumsOf(rows: MinimumRow[]): unknown {

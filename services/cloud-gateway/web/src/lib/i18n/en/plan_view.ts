@@ -55,7 +55,7 @@ export const plan = {
     bytes: 'Bytes',
     betweenMessages: 'Messages between computers',
     betweenBytes: 'Bytes between computers',
-    cutOff: 'The time that was simulated, {time}, was up before the run was over: what is missing here may have come later.',
+    cutOff: 'The time was up after {time}, with tasks under way: {count}. What is missing here may have come later.',
     broken: 'What must hold does not: {what}',
     byPhase: 'By phase',
     bars: 'As bars',

@@ -2,6 +2,7 @@ export const runs = {
   runs: {
     title: 'Runs',
     all: 'All runs',
+    unread: 'The run could not be read: {why}',
     missing: 'No scheduler knows this run. It is older than the archive, or its address is wrong.',
     scenario: 'Scenario',
     tasksDone: 'Tasks done',
@@ -43,6 +44,7 @@ export const runs = {
     skip: 'Leave out',
     moveTo: 'Give it to',
     askTask: 'It is decided without an alert, and signed with your name.',
+    movedMeanwhile: 'Meanwhile {robot} has the task, attempt {attempt}.',
     stands: 'I see that {robot} stands still',
     taken: 'Taken: {what}',
     skill: 'Skill',

@@ -60,6 +60,7 @@ export const scenarios = {
     sensorOf: 'Of the node',
     comparison: 'Comparison',
     value: 'Value',
+    valueHint: 'A number or a word (in quotes a word of digits: "123")',
     unit: 'Unit',
     whenItFails: 'When it fails',
     retries: 'Tries again, times (0 to 16)',

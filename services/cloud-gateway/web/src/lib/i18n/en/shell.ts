@@ -43,6 +43,7 @@ export const shell = {
     signOut: 'Sign out',
     signOutEverywhere: 'Sign out everywhere',
     notFound: 'There is no such view.',
+    undrawn: 'This cannot be shown: {why}',
     viewFailed: 'This view could not be loaded.',
     alarms: 'Alarms',
     noAlarms: 'No alarms',

@@ -56,7 +56,7 @@ export const plan: Pick<LateWords, 'plan'> = {
     bytes: 'Octets',
     betweenMessages: 'Messages entre ordinateurs',
     betweenBytes: 'Octets entre ordinateurs',
-    cutOff: 'Le temps simulé, {time}, était écoulé avant la fin de l’exécution : ce qui manque ici serait peut-être venu plus tard.',
+    cutOff: 'Le temps était écoulé après {time}, avec des tâches en cours : {count}. Ce qui manque ici serait peut-être venu plus tard.',
     broken: 'Ce qui doit tenir ne tient pas : {what}',
     byPhase: 'Par phase',
     bars: 'En barres',

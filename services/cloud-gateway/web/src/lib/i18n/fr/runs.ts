@@ -4,6 +4,7 @@ export const runs: Pick<Words, 'runs'> = {
   runs: {
     title: 'Exécutions',
     all: 'Toutes les exécutions',
+    unread: 'L’exécution n’a pas pu être lue : {why}',
     missing: 'Aucun ordonnanceur ne connaît cette exécution. Elle est plus ancienne que l’archive, ou l’adresse est fausse.',
     scenario: 'Scénario',
     tasksDone: 'Tâches faites',
@@ -45,6 +46,7 @@ export const runs: Pick<Words, 'runs'> = {
     skip: 'Omettre',
     moveTo: 'Confier à',
     askTask: 'C’est décidé sans alerte, et signé de votre nom.',
+    movedMeanwhile: 'Entre-temps, {robot} a la tâche, essai {attempt}.',
     stands: 'Je vois que {robot} est à l’arrêt',
     taken: 'Accepté : {what}',
     skill: 'Compétence',

@@ -62,6 +62,7 @@ export const scenarios: Pick<Words, 'scenarios' | 'skills'> = {
     sensorOf: 'Du nœud',
     comparison: 'Comparaison',
     value: 'Valeur',
+    valueHint: 'Un nombre ou un mot (entre guillemets droits un mot de chiffres : "123")',
     unit: 'Unité',
     whenItFails: 'En cas d’échec',
     retries: 'Nouveaux essais (0 à 16)',

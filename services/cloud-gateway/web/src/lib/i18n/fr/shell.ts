@@ -45,6 +45,7 @@ export const shell: Pick<Words, 'common' | 'shell' | 'stop' | 'signIn' | 'notice
     signOut: 'Se déconnecter',
     signOutEverywhere: 'Se déconnecter partout',
     notFound: 'Cette vue n’existe pas.',
+    undrawn: 'Impossible d’afficher ceci : {why}',
     viewFailed: 'Cette vue n’a pas pu être chargée.',
     alarms: 'Alarmes',
     noAlarms: 'Aucune alarme',
