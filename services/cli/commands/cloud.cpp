@@ -64,7 +64,9 @@ int run_password(const Arguments& arguments) {
     return print_error(arguments, written.error());
   give_keys_to_owner(dir);
   if (arguments.has("--json")) {
-    print_json(Value{Value::Object{{"user", Value{user}}, {"password", Value{password}}}});
+    Value::Object out{{"user", Value{user}}, {"password", Value{password}}};
+    if (!before.empty() && before != user) out.emplace_back("replaces", Value{before});
+    print_json(Value{std::move(out)});
     return kGood;
   }
   print_line("user:     " + user);

@@ -197,6 +197,8 @@ int run_down(const Arguments& arguments) {
                        fail(Errc::missing, dir + ": no node.json there", "name a node's folder, or that of trb demo"));
   }
   const auto pid = NodeLock::holder(dir);
+  if (!pid && pid.error().code == Errc::missing && file_exists(dir + "/demo.json"))
+    return print_error(arguments, fail(Errc::missing, pid.error().what, "start it: trb demo " + dir));
   if (!pid) return print_error(arguments, pid.error());
   const auto wait = arguments.number("--timeout", 10);
   if (!wait) return print_error(arguments, wait.error());
