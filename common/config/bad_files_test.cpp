@@ -318,6 +318,7 @@ TEST_CASE("commands.json: values") {
 
 TEST_CASE("places and descriptions: the fault names the file as node.json does") {
   check_changes("lines", {{"places.json", R"("x": 1)", R"("x": true)", "places.dock.x", "true or false"},
+                          {"places.json", R"("y": 2)", R"("y": 2, "yaw": 90)", "places.dock.yaw", "more than a turn"},
                           {"robots/r.json", R"("end": {"kind": "acknowledgement"})", R"("timeout_s": 5)",
                            "skills.go.end", "has no end"},
                           {"robots/r.json", "{place.x}", "{plaze.x}", "skills.go.command.data", "no parameter"}});

@@ -17,6 +17,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* kOption = "--framework";
+
 /// Each member function is one file or one question; none stops at a fault.
 class RobotChecker {
  public:
@@ -32,7 +34,8 @@ class RobotChecker {
       for (const Skill& skill : out_.description.skills) check_places(skill);
     }
     read_words();
-    files_.framework.empty() ? look_for_words() : check_words_of(files_.framework);
+    const std::string framework = files_.framework.empty() ? node_framework() : files_.framework;
+    framework.empty() ? look_for_words() : check_words_of(framework);
     return std::move(out_);
   }
 
@@ -47,6 +50,25 @@ class RobotChecker {
       if (file_exists(beside.string())) return beside.lexically_normal().string();
     }
     out_.absent.push_back(name);
+    return {};
+  }
+
+  /// The framework of the node whose description this is, if it lies in the node's folder: its words are meant, however
+  /// many others would fit. What is wrong with node.json itself is told by `trb check`.
+  std::string node_framework() {
+    const fs::path folder = fs::path(files_.description).parent_path();
+    for (const fs::path& beside : {folder, folder / ".."}) {
+      const std::string path = (beside / "node.json").lexically_normal().string();
+      const auto text = read_file(path);
+      const auto json = text ? parse_json(*text) : Result<Value>(text.error());
+      const Value* described = json ? json->find("description") : nullptr;
+      const Value* framework = json ? json->find("framework") : nullptr;
+      if (described == nullptr || !described->is_text() || framework == nullptr || !framework->is_text()) continue;
+      std::error_code problem;
+      if (!fs::equivalent(beside / described->text(), files_.description, problem)) continue;
+      named_in_ = path;
+      return framework->text();
+    }
     return {};
   }
 
@@ -106,9 +128,8 @@ class RobotChecker {
     if (profile_.empty()) return;
     const auto mode = profile_.find(framework);
     if (mode == profile_.end()) {
-      sink("--framework")
-          .add("", in_quotes(framework) + " is not in profile.json",
-               did_you_mean(framework, frameworks(), "add it there with its mode, or use one of"));
+      sink(named_in_).add(named_in_ == kOption ? "" : "framework", in_quotes(framework) + " is not in profile.json",
+                          did_you_mean(framework, frameworks(), "add it there with its mode, or use one of"));
       return;
     }
     const bool known = words_.contains(framework);
@@ -137,13 +158,14 @@ class RobotChecker {
                        [&](const Skill& skill) { return words.commands.contains(skill.subtype); });
   }
 
-  /// A maker's own commands fit if they serve every skill and nothing is missing; fields fit a framework whose robots
-  /// use them.
+  /// A maker's own commands fit if they serve every skill, or let the robot's program serve the others, and nothing is
+  /// missing; fields fit a framework whose robots use them.
   bool fits(const std::string& framework, Mode mode, VendorCommands& words) {
     const bool well = faults_of(framework, mode, words).empty();
     const Transport* transport = known_.find(words.transport);
     if (transport != nullptr && !transport->names_values) return out_.description.has_field_channel;
-    return well && serves(words);
+    const bool takes_fields = transport != nullptr && transport->takes_fields && out_.description.has_field_channel;
+    return well && (takes_fields || serves(words));
   }
 
   void look_for_words() {
@@ -175,7 +197,8 @@ class RobotChecker {
   RobotCheck out_;
   Profile profile_;
   AllCommands words_;
-  std::string path_;  ///< of the file that was loaded last
+  std::string path_;                ///< of the file that was loaded last
+  std::string named_in_ = kOption;  ///< where the framework is named
   std::string commands_path_;
 };
 

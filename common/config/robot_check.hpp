@@ -16,7 +16,8 @@ struct RobotFiles {
   std::string profile;
   std::string commands;
   std::string places;
-  std::string framework;  ///< whose commands are used; empty: any that fit
+  std::string
+      framework;  ///< whose commands are used; empty: of the node that has it as its description, else any that fit
 };
 
 /// A framework whose commands fit the description.

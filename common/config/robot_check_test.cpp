@@ -37,8 +37,45 @@ TEST_CASE("a good description is told with the frameworks whose words fit") {
   CHECK(check.spoken_to[0].transport == "tcp-text");
 }
 
+TEST_CASE("a description in a node's folder is checked with its framework's words, however many others would fit") {
+  const NodeFolder folder("lines");
+  folder.change("robots/r.json", R"("skills")", R"("field_channel": {}, "skills")");
+  const RobotCheck check = check_robot_files(files_of(folder), drivers::robot_transports());
+  CHECK_MESSAGE(check.faults.empty(), to_text(check.faults));
+  REQUIRE(check.spoken_to.size() == 1);
+  CHECK(check.spoken_to[0].framework == "lines");
+  folder.change("node.json", R"("lines")", R"("line")");
+  const ConfigFault fault = only_fault(files_of(folder));
+  CHECK(fault.file.ends_with("node.json"));
+  CHECK(fault.key == "framework");
+}
+
+TEST_CASE("what a KUKA's own words lack is told, though its description has fields") {
+  const NodeFolder folder("lines");
+  folder.change("node.json", R"("lines")", R"("kuka")");
+  folder.change("profile.json", R"("lines")", R"("kuka": "direct", "lines")");
+  folder.change("robots/r.json", R"("skills")", R"("field_channel": {}, "skills")");
+  const std::string words = R"json("kuka": {"transport": "c3", "port": 7000, "commands": {"stop": "TRB_STOP = TRUE",
+    "move": "A = {0}"}}, )json";
+  folder.change("commands.json", R"("ur": {)", words + R"("ur": {)");
+  const auto frameworks = [&] {
+    const RobotCheck check = check_robot_files(files_of(folder), drivers::robot_transports());
+    CHECK_MESSAGE(check.faults.empty(), to_text(check.faults));
+    std::vector<std::string> names;
+    for (const SpokenTo& one : check.spoken_to) names.push_back(one.framework);
+    return names;
+  };
+  CHECK(frameworks() == std::vector<std::string>{"kuka"});
+  folder.change("commands.json", "A = {0}", "A = {nothing}");
+  CHECK(only_fault(files_of(folder)).key.find("kuka.commands") == 0);
+  folder.change("commands.json", "A = {nothing}", "A = {0}");
+  folder.remove("node.json");
+  CHECK(frameworks() == std::vector<std::string>{"abb", "kuka", "lines", "ur"});
+}
+
 TEST_CASE("a robot that speaks fields is served by the interpreter's frameworks") {
   const NodeFolder folder("lines");
+  folder.remove("node.json");
   folder.change("robots/r.json", R"("skills")", R"("field_channel": {}, "skills")");
   folder.change("robots/r.json", R"("command": {"data")", R"("command": {"subtype": "drive", "data")");
   const RobotCheck check = check_robot_files(files_of(folder), drivers::robot_transports());
@@ -113,6 +150,8 @@ TEST_CASE("a file that is malformed is told with line and column") {
 TEST_CASE("words that fit nobody, and a framework that is not there") {
   const NodeFolder folder("ur");
   folder.change("robots/r.json", R"("command": {"data")", R"("command": {"subtype": "fly", "data")");
+  CHECK(only_fault(files_of(folder)).key == "ur.commands.fly");  // of its node.json
+  folder.remove("node.json");
   CHECK(only_fault(files_of(folder)).what.find("no framework of") != std::string::npos);
   CHECK(only_fault(files_of(folder, "urr")).hint == "did you mean 'ur'?");
   CHECK(only_fault(files_of(folder, "ur")).key == "ur.commands.fly");

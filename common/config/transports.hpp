@@ -25,6 +25,7 @@ struct Transport {
   std::vector<std::string_view> wraps{};        ///< values of "wrap"
   std::vector<std::string> monitored_values{};  ///< that the monitor reports without a request
   bool names_values = true;                     ///< false: the robot names its values when it sends them
+  bool takes_fields = false;  ///< what commands.json has no words for goes field by field, if the robot's program can
 };
 
 class Transports {

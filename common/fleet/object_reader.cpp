@@ -49,7 +49,8 @@ const Value* ObjectReader::value(std::string_view key, Need need) {
 }
 
 void ObjectReader::wrong_type(std::string_view key, const Value& found, std::string_view wanted) const {
-  faults_.add(path(key), "is a " + std::string(found.kind()), "write " + std::string(wanted) + " here");
+  faults_.add(path(key), (found.is_object() ? "is an " : "is a ") + std::string(found.kind()),
+              "write " + std::string(wanted) + " here");
 }
 
 std::optional<std::string> ObjectReader::text(std::string_view key, Need need, std::size_t max) {

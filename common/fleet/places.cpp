@@ -1,5 +1,7 @@
 #include "common/fleet/places.hpp"
 
+#include <cmath>
+
 #include "common/base/ids.hpp"
 #include "common/fleet/description_parts.hpp"
 
@@ -8,18 +10,20 @@ namespace {
 
 constexpr std::size_t kMaxPlaces = 1000;
 constexpr double kFarthest = 1e6;  // metres: more is a wrong unit
+constexpr double kTurn = 6.2832;   // radians: more is degrees
 
 }  // namespace
 
 Pose read_pose(const Value& json, const std::string& path, Need need, const FileFaults& faults) {
   ObjectReader reader(json, path, faults);
   const Range metres{-kFarthest, kFarthest};
-  const Range turns{-100, 100};
   Pose pose;
   pose.x = reader.number("x", need, metres).value_or(0);
   pose.y = reader.number("y", need, metres).value_or(0);
   pose.z = reader.number("z", Need::optional, metres).value_or(0);
-  pose.yaw = reader.number("yaw", Need::optional, turns).value_or(0);
+  pose.yaw = reader.number("yaw", Need::optional, Range{-1e6, 1e6}).value_or(0);
+  if (std::abs(pose.yaw) > kTurn)
+    reader.faults().add(reader.path("yaw"), "is more than a turn", "write it in radians: 90 degrees are 1.5708");
   reader.refuse_unknown_keys();
   return pose;
 }

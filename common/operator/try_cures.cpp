@@ -54,6 +54,12 @@ std::string cure_of_skill(const NodeProfile& profile, const std::string& skill, 
          words_of(profile) + ".commands";
 }
 
+std::string cure_of_control(const NodeProfile& profile) {
+  constexpr std::string_view kRun = "run ";
+  if (!profile.control.starts_with(kRun)) return "let it end: control ends 10 s after its last command";
+  return "wait for its end, or end it: trb scenario abort " + profile.control.substr(kRun.size());
+}
+
 std::string cure_of_order(const NodeProfile& profile, const std::string& order) {
   if (by_fields(profile)) return "the robot's own program has to confirm '" + order + "': trb robot conform shows how";
   return words_of(profile) + ".commands." + order +

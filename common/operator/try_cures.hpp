@@ -15,6 +15,8 @@ std::string cure_of_connection(const NodeProfile& profile);
 std::string cure_of_request(const NodeProfile& profile, const std::string& word, std::string_view code);
 /// A skill has not ended well; `reason` is what its task says.
 std::string cure_of_skill(const NodeProfile& profile, const std::string& skill, const std::string& reason);
+/// Somebody commands it.
+std::string cure_of_control(const NodeProfile& profile);
 /// `stop` or `release` was not confirmed.
 std::string cure_of_order(const NodeProfile& profile, const std::string& order);
 

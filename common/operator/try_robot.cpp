@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <memory>
 
+#include "common/fleet/did_you_mean.hpp"
 #include "common/operator/abort_run.hpp"
 #include "common/operator/follow_run.hpp"
 #include "common/operator/order_robots.hpp"
@@ -89,13 +90,15 @@ class Trial : public std::enable_shared_from_this<Trial> {
     const auto at = std::ranges::find(table.routes, wish_.robot, &Route::id);
     const bool there = at != table.routes.end() && (at->state == "self" || is_reached(*at));
     const MonotonicTime now = session_.now().mono;
-    const bool held = there && is_commanded(at->profile) && now < until_ + kControlEnds;
+    const bool held = there && !at->profile.control.empty() && now < until_ + kControlEnds;
     if (there && at->profile.robot == "ONLINE" && !held) return on_connected(at->profile);
     if (held || now < until_) return session_.after(kLookAgain, [self = shared_from_this()] { self->find(); });
     if (!there) {
-      add("there", TryState::failed,
-          at == table.routes.end() ? "no node '" + wish_.robot + "' is known" : "its node is " + at->state,
-          "on its computer: trb up NODE_DIR; why it is not reached: trb doctor " + wish_.robot);
+      const bool is_known = at != table.routes.end();
+      const std::string near = is_known ? "" : nearest(wish_.robot, robots_of(table));
+      add("there", TryState::failed, is_known ? "its node is " + at->state : "no node '" + wish_.robot + "' is known",
+          near.empty() ? "on its computer: trb up NODE_DIR; why it is not reached: trb doctor " + wish_.robot
+                       : "did you mean '" + near + "'?");
     } else {
       add("there", TryState::good, "its node is reached");
       const NodeProfile& profile = at->profile;
@@ -108,12 +111,30 @@ class Trial : public std::enable_shared_from_this<Trial> {
     end();
   }
 
-  [[nodiscard]] bool is_commanded(const NodeProfile& profile) const {
-    return !profile.control.empty() && profile.control != session_.node();
+  /// Whether the robot has what was named. Errors: bad_value, with the nearest name.
+  Status check_names() const {
+    std::vector<std::string> skills;
+    std::vector<std::string> parameters;
+    for (const SkillInfo& skill : profile_.skills) {
+      skills.push_back(skill.name);
+      for (const ParameterInfo& parameter : skill.parameters) parameters.push_back(skill.name + "." + parameter.name);
+    }
+    const auto check = [&](const std::string& option, const std::vector<std::string>& named,
+                           const std::vector<std::string>& known) -> Status {
+      for (const std::string& one : named) {
+        if (std::ranges::find(known, one) != known.end()) continue;
+        return fail(Errc::bad_value, option + ": " + wish_.robot + " has no '" + one + "'",
+                    did_you_mean(one, known, known.empty() ? "it has none" : "use one of"));
+      }
+      return Done{};
+    };
+    if (Status good = check("--skill", wish_.skills, skills); !good) return good;
+    return check("--set", wish_.parameters, parameters);
   }
 
   void on_connected(const NodeProfile& profile) {
     profile_ = profile;
+    if (const Status good = check_names(); !good) return done_(good.error());
     add("there", TryState::good, "its node is reached");
     add("connected", TryState::good,
         profile.framework + ", " + profile.mode + (profile.transport.empty() ? "" : " over " + profile.transport));
@@ -121,9 +142,9 @@ class Trial : public std::enable_shared_from_this<Trial> {
       add("free", TryState::failed, "it is stopped", "look why, then trb release " + wish_.robot);
       return end();
     }
-    if (is_commanded(profile)) {
-      add("free", TryState::failed, profile.control + " commands it",
-          "wait for its end, or end it: trb scenario abort RUN");
+    // Also this node: a skill is tried as a run, which is another holder.
+    if (!profile.control.empty()) {
+      add("free", TryState::failed, profile.control + " commands it", cure_of_control(profile));
       return end();
     }
     for (const OutOfUse& one : profile.out_of_use) {
@@ -189,6 +210,11 @@ class Trial : public std::enable_shared_from_this<Trial> {
   void next_skill(std::size_t index) {
     if (index >= profile_.skills.size()) return stop();
     const SkillInfo& skill = profile_.skills[index];
+    const bool is_named = std::ranges::find(wish_.skills, skill.name) != wish_.skills.end();
+    if (!wish_.skills.empty() && !is_named) {
+      add("skill " + skill.name, TryState::skipped, "not tried");
+      return next_skill(index + 1);
+    }
     wish_.person.may_try(skill, [self = shared_from_this(), index](bool yes) {
       if (yes) return self->fill(index, 0, {});
       self->add("skill " + self->profile_.skills[index].name, TryState::skipped, "not tried");
@@ -219,7 +245,7 @@ class Trial : public std::enable_shared_from_this<Trial> {
         word ? parameter_value(skill, parameter, *word)
              : Result<Value>(fail(Errc::missing, "it needs '" + parameter.name + "' (" + parameter.type + ")"));
     if (!value) {
-      add("skill " + skill.name, word ? TryState::failed : TryState::skipped, value.error().what,
+      add("skill " + skill.name, word || wish_.must ? TryState::failed : TryState::skipped, value.error().what,
           "give it: --set " + skill.name + "." + parameter.name + "=VALUE");
       return next_skill(index + 1);
     }

@@ -36,11 +36,15 @@ struct TryPerson {
 struct TryWish {
   std::string robot;
   TryPerson person;
+  std::vector<std::string> skills{};             ///< that a person has named; only these are asked for. Empty: all
+  std::vector<std::string> parameters{};         ///< "skill.parameter", whose values a person has given
+  bool must = false;                             ///< the named skills are to be tried: one that was not has failed
   Duration connects = std::chrono::seconds(10);  ///< how long it may take until the robot is there and connected
 };
 
 /// `done` gets every step, in order. A robot that is not there, not connected or not free is not tried any further; one
-/// whose skill has failed is still stopped and released. Errors: those of the routing table.
+/// whose skill has failed is still stopped and released. Errors: those of the routing table; bad_value (a skill or
+/// parameter of the wish that the robot does not have; nothing is tried then).
 void try_robot(Session& session, TryWish wish, Callback<std::vector<TryStep>> done);
 
 /// A parameter's value from a person's word. Errors: bad_value, naming skill and parameter.

@@ -19,6 +19,7 @@ struct Trial {
   std::vector<std::string> asked;   ///< skills
   std::vector<std::string> wanted;  ///< parameters, with their choices
   bool yes = false;
+  TryWish wish{};  ///< what is named in it
   std::optional<std::string> word = "dock";
   Ending<std::vector<TryStep>> ending;
 
@@ -42,6 +43,9 @@ struct Trial {
                                 answer(word);
                               },
                           .see = {}},
+               .skills = wish.skills,
+               .parameters = wish.parameters,
+               .must = wish.must,
                .connects = std::chrono::seconds(1)},
               ending);
   }
@@ -168,6 +172,55 @@ TEST_CASE("a parameter that nobody gives: the skill is not tried; one that is no
   }
 }
 
+TEST_CASE("a skill or parameter that the robot does not have is told, and nothing is tried") {
+  Trial trial;
+  trial.yes = true;
+  const auto refused = [&](const std::string& what, const std::string& hint) {
+    trial.begin();
+    trial.table();
+    CHECK(trial.ending.error().code == Errc::bad_value);
+    CHECK(trial.ending.error().what.find(what) == 0);
+    CHECK(trial.ending.error().hint.find(hint) == 0);
+    CHECK(trial.node.is_quiet());
+  };
+  SUBCASE("skill") {
+    trial.wish.skills = {"go_to", "goto"};
+    refused("--skill: cart has no 'goto'", "did you mean 'go_to'?");
+  }
+  SUBCASE("parameter") {
+    trial.wish.parameters = {"go_to.plac"};
+    refused("--set: cart has no 'go_to.plac'", "did you mean 'go_to.place'?");
+  }
+}
+
+TEST_CASE("a skill that was to be tried, and could not be, has failed") {
+  Trial trial;
+  trial.yes = true;
+  trial.wish.skills = {"go_to"};
+  trial.wish.must = true;
+  trial.word.reset();
+  trial.begin();
+  trial.table();
+  trial.position();
+  trial.stop_and_release();
+  CHECK(trial.step("skill go_to").state == TryState::failed);
+  CHECK(trial.failures() == 1);
+}
+
+TEST_CASE("a robot that this node has commanded just now is tried once its control has ended") {
+  Trial trial;
+  trial.row.profile.control = "ant";
+  trial.begin();
+  trial.table();
+  CHECK_FALSE(trial.ending.has_come());
+  trial.row.profile.control.clear();
+  trial.node.pass(std::chrono::milliseconds(300));
+  trial.table();
+  trial.position();
+  trial.stop_and_release();
+  CHECK(trial.step("free").state == TryState::good);
+}
+
 TEST_CASE("who is not there, not connected, stopped, commanded or broken is not tried any further") {
   Trial trial;
   const auto ends_with = [&](const std::string& step, const std::string& cure) {
@@ -197,7 +250,11 @@ TEST_CASE("who is not there, not connected, stopped, commanded or broken is not 
   }
   SUBCASE("commanded") {
     trial.row.profile.control = "run 3f2a";
-    ends_with("free", "abort");
+    ends_with("free", "trb scenario abort 3f2a");
+  }
+  SUBCASE("commanded from here, still") {
+    trial.row.profile.control = "ant";
+    ends_with("free", "10 s after its last command");
   }
   SUBCASE("broken") {
     trial.row.profile.out_of_use = {{"mobile", Severity::critical, "stalled", 1, false, ""}};

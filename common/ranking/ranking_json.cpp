@@ -58,8 +58,10 @@ class Reader {
   }
 
   void wrong_kind(const Value& value, const std::string& path, const std::string& wanted) {
-    refuse(Errc::bad_value, (path.empty() ? "the document" : path) + " is a " + std::string(value.kind()),
-           "write " + wanted + " there");
+    refuse(
+        Errc::bad_value,
+        (path.empty() ? "the document" : path) + (value.is_object() ? " is an " : " is a ") + std::string(value.kind()),
+        "write " + wanted + " there");
   }
 
   /// nullptr if it is not an object, or has another key.

@@ -93,7 +93,7 @@ TEST_CASE("wrong files: each names the key and a cure") {
   check_refused("{}", Errc::missing, "goal");
   check_refused(document(R"("goals":1)"), Errc::unknown_key, "goals");
   check_refused(R"({"goal":1,"criteria":[],"alternatives":[]})", Errc::bad_value, "goal is a whole number");
-  check_refused(R"({"goal":"g","criteria":{},"alternatives":[]})", Errc::bad_value, "criteria is a object");
+  check_refused(R"({"goal":"g","criteria":{},"alternatives":[]})", Errc::bad_value, "criteria is an object");
   check_refused(R"({"goal":"g","criteria":[],"alternatives":[]})", Errc::missing, "criteria: there are none");
   check_refused(R"({"goal":"g","criteria":[{"nam":"x"}],"alternatives":[]})", Errc::unknown_key, "criteria[0].nam");
   check_refused(R"({"goal":"g","criteria":[{"name":"x","direction":"up"}],"alternatives":[]})", Errc::bad_value,

@@ -22,6 +22,12 @@ std::string fleet_path(const std::string& dir) {
   return dir + "/fleet.json";
 }
 
+/// What to do where no authority is. A node's folder never becomes one: its key would lie on a node.
+std::string cure_of_folder(const std::string& dir) {
+  const std::string named = "name the authority's folder (that of trb fleet init)";
+  return file_exists(dir + "/node.json") ? named : named + ", or make one: trb fleet init " + dir;
+}
+
 Status lock_secrets(const std::string& dir, const Authority& authority, const std::string& passphrase) {
   Bytes plain = authority.key.secret_key + authority.beacon.secret;
   auto box = lock_with_passphrase(plain, passphrase);
@@ -33,8 +39,7 @@ Status lock_secrets(const std::string& dir, const Authority& authority, const st
 Result<Bytes> unlock_secrets(const std::string& dir, const std::string& passphrase) {
   struct stat facts {};
   const std::string path = key_path(dir);
-  if (::stat(path.c_str(), &facts) != 0)
-    return fail(Errc::missing, path + ": no such file", "run trb fleet init " + dir);
+  if (::stat(path.c_str(), &facts) != 0) return fail(Errc::missing, path + ": no such file", cure_of_folder(dir));
   if ((facts.st_mode & 077U) != 0)
     return fail(Errc::not_permitted, path + ": others may read it", "run chmod 600 " + path);
   auto text = read_file(path, 4096);
@@ -51,7 +56,7 @@ Result<Bytes> unlock_secrets(const std::string& dir, const std::string& passphra
 
 Result<Value> read_fleet_json(const std::string& dir) {
   auto text = read_file(fleet_path(dir), 65536);
-  if (!text) return fail(text.error().code, text.error().what, "run trb fleet init " + dir);
+  if (!text) return fail(text.error().code, text.error().what, cure_of_folder(dir));
   auto json = parse_json(*text);
   if (!json) return fail(json.error().code, fleet_path(dir) + ": " + json.error().what);
   return json;
@@ -64,6 +69,10 @@ Result<Authority> make_authority(const std::string& dir, const std::string& name
   if (passphrase.size() < kMinPassphrase) {
     return fail(Errc::bad_value, "passphrase: under " + std::to_string(kMinPassphrase) + " characters",
                 "take a longer one");
+  }
+  if (file_exists(dir + "/node.json")) {
+    return fail(Errc::conflict, dir + ": is a node's folder, and the authority's key lies on no node",
+                "name a folder of its own");
   }
   if (file_exists(key_path(dir)) && !file_exists(fleet_path(dir))) {
     return fail(Errc::conflict, dir + ": " + key_path(dir) + " is there, " + fleet_path(dir) + " is not",

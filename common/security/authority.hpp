@@ -26,7 +26,7 @@ struct Authority {
 enum class RelayRight : unsigned char { by_role, yes, no };
 
 /// Makes fleet.json (public) and authority.key (0600, argon2id + XSalsa20-Poly1305). Errors: conflict if there is one
-/// already, bad_value (passphrase under kMinPassphrase characters), io_error.
+/// already or the folder is a node's, bad_value (passphrase under kMinPassphrase characters), io_error.
 Result<Authority> make_authority(const std::string& dir, const std::string& name, const std::string& passphrase);
 
 /// Errors: missing, malformed, not_permitted (file mode, or the passphrase is wrong).

@@ -104,3 +104,13 @@ TEST_CASE("a fleet.json in which something is missing, or is of another kind, is
   CHECK(code_of(read_fleet(hall.dir)) == Errc::missing);
   CHECK(read_fleet(hall.dir).error().hint.find("trb fleet init") != std::string::npos);
 }
+
+TEST_CASE("a node's folder is no authority's, and becomes none") {
+  const Hall hall;
+  const std::string node = hall.dir + "/node";
+  REQUIRE(make_dir(node).ok());
+  REQUIRE(write_file(node + "/node.json", "{}").ok());
+  CHECK(make_authority(node, "hall", "a long passphrase").error().code == Errc::conflict);
+  CHECK(read_fleet(node).error().hint == "name the authority's folder (that of trb fleet init)");
+  CHECK_FALSE(file_exists(node + "/authority.key"));
+}

@@ -3,6 +3,7 @@
 #include <exception>
 
 #include "common/fleet/did_you_mean.hpp"
+#include "common/service/version.hpp"
 #include "services/cli/commands/command.hpp"
 #include "services/cli/io/print.hpp"
 
@@ -46,11 +47,12 @@ int help(const std::vector<Command>& commands, const std::vector<std::string>& w
     print_overview(commands);
     return kGood;
   }
+  const std::string text = topic_text(words[0]);
   if (const Command* command = find_command(commands, words)) {
     print(help_text(command->usage));
+    if (words.size() == 1 && !text.empty()) print("\n" + text);  // a topic of the same name
     return kGood;
   }
-  const std::string text = topic_text(words[0]);
   if (!text.empty()) {
     print(text);
     return kGood;
@@ -97,6 +99,10 @@ int main_of(const std::vector<std::string>& given) {
   const std::vector<Command> commands = all_commands();
   if (given.empty() || given[0] == "--help" || given[0] == "help") {
     return help(commands, given.empty() ? given : std::vector<std::string>(given.begin() + 1, given.end()));
+  }
+  if (given[0] == "--version") {
+    print_line(std::string("trb ") + kVersion);
+    return kGood;
   }
   const Command* command = find_command(commands, given);
   if (command == nullptr && given.back() == "--help" && print_group(commands, given[0])) return kGood;

@@ -24,6 +24,8 @@ WORDS = {
     ("send", "ur3", "command", "move", "--timeout", "soon"): (1, "--timeout: 'soon' is no positive number", "--timeout 5"),
     ("tap", "--count", "-1"): (1, "--count: '-1' is no positive number", "--count 5"),
     ("stop",): (1, "which robot?", "--all"),
+    ("stop", "--all", "arm"): (1, "which node?", "--node"),
+    ("release", "--all", "arm"): (1, "--all: robots are named, too", "name robots, or give --all"),
     ("stop", "--all=false"): (2, "--all=false: --all takes no value", "leave it out"),
     ("fleet", "renew", "a", "ur3", "--relay=no"): (2, "--relay=no: --relay takes no value", "leave it out"),
     ("service", "counters", "Router", "--node", "/"): (1, "SERVICE: 'Router' is no id", "lower-case letter"),

@@ -31,7 +31,11 @@ class Orders(GatewayCase):
         self.assertEqual((checked["good"], checked["faults"]), (True, []))
         wrong = {"name": "wrong", "tasks": [{"id": "go", "robot": ROBOT, "skill": "dance"}]}
         self.assertFalse(self.viewer.ask("POST", "/api/v1/scenarios/check", wrong).json["good"])
-        self.assert_problem(self.operator.ask("POST", "/api/v1/runs", {"scenario": wrong}), 422)
+        refused = self.operator.ask("POST", "/api/v1/runs", {"scenario": wrong})
+        self.assert_problem(refused, 422)
+        self.assertTrue(all(one["pointer"].startswith("/scenario/tasks/0/") for one in refused.json["errors"]), refused.json)
+        refused = self.operator.ask("POST", "/api/v1/runs", {"scenario": 5})
+        self.assertEqual({one["pointer"] for one in refused.json["errors"]}, {"/scenario"})
         start = {"scenario": SCENARIO, "priority": 3}
         first = self.operator.ask("POST", "/api/v1/runs", start, Idempotency_Key="one")
         self.assertEqual(first.status, 201, first.bytes)

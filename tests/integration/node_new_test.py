@@ -205,7 +205,7 @@ class Folder(unittest.TestCase):
         if os.geteuid() != 0:
             self.skipTest("only root can give files away")
         cloud, outside = self.folder / "cloud", self.folder / "outside"
-        self.assertEqual(self.new(cloud, "--cloud", "cloud", "--network", "127.0.210.9").returncode, 0)
+        self.assertEqual(self.new(cloud, "--cloud", "cloud", "--network", "127.0.210.9", "--page", "127.0.0.1:8443").returncode, 0)
         outside.write_text("not of the node")
         for path in (cloud, *cloud.rglob("*")):
             os.chown(path, NOBODY, NOBODY)
@@ -224,7 +224,7 @@ class Folder(unittest.TestCase):
         if os.geteuid() != 0:
             self.skipTest("only root can give files away")
         cloud, outside = self.folder / "cloud", self.folder / "outside"
-        self.assertEqual(self.new(cloud, "--cloud", "cloud", "--network", "127.0.210.9").returncode, 0)
+        self.assertEqual(self.new(cloud, "--cloud", "cloud", "--network", "127.0.210.9", "--page", "127.0.0.1:8443").returncode, 0)
         (cloud / "keys").rename(outside)
         (outside / "of_root").write_text("not of the node")
         (cloud / "keys").symlink_to(outside)

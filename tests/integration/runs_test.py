@@ -38,7 +38,7 @@ class Runs(unittest.TestCase):
         shown = self.fleet.json("run", "show", self.runs[0], node=CLOUD)
         self.assertEqual((shown["state"], shown["tasks"][0]["state"]), ("FINISHED", "FINISHED"))
         text = self.fleet.trb("run", "show", self.runs[0], node=CLOUD).stdout
-        self.assertRegex(text, r"(?m)^run [0-9a-f]{32} 'short': FINISHED, over since ")
+        self.assertRegex(text, r"(?m)^run [0-9a-f]{32} 'short': FINISHED, last task ended [0-9T:.Z-]+, archived 2")
         self.assertRegex(text, rf"(?m)^go +{ROBOT} +go_to +FINISHED +1 ")
 
     def test_one_that_never_was(self):

@@ -57,8 +57,9 @@ struct RobotProbe {
 struct Observed {
   std::string node;  ///< id, from node.json
   ConfigFaults faults;
-  bool beacon = true;     ///< node.json
-  std::size_t seeds = 0;  ///< node.json
+  bool beacon = true;                ///< node.json
+  std::size_t seeds = 0;             ///< node.json
+  std::vector<std::string> named{};  ///< node.json's services; empty if it could not be read
   std::optional<Certificate> own;
   UtcTime now;
   std::optional<DiskState> disk;             ///< that the node's folder is on

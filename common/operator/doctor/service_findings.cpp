@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "common/fleet/did_you_mean.hpp"
 #include "common/operator/doctor/machine_findings.hpp"
 
 namespace trb::op {
@@ -37,6 +38,12 @@ void add_answer(const Observed& seen, const std::string& service, std::vector<Fi
                  "start the router; look for a firewall between here and its machine"});
 }
 
+/// A service that is none has no key either, and would seem to have no router.
+void add_unnamed(const Observed& seen, const std::string& service, std::vector<Finding>& out) {
+  out.push_back({Weight::problem, "service_down", service, "node.json names no such service",
+                 did_you_mean(service, seen.named, "add it to \"services\" there, or name one of")});
+}
+
 }  // namespace
 
 Finding finding_of(const ConfigFault& fault) {
@@ -49,7 +56,8 @@ std::vector<Finding> diagnose_service(const Observed& seen, const std::string& s
   std::vector<Finding> out;
   for (const ConfigFault& fault : seen.faults) out.push_back(finding_of(fault));
   add_machine_findings(seen, out);
-  add_answer(seen, service, out);
+  const bool is_named = seen.named.empty() || std::ranges::find(seen.named, service) != seen.named.end();
+  is_named ? add_answer(seen, service, out) : add_unnamed(seen, service, out);
   std::ranges::stable_sort(out, std::ranges::greater(), &Finding::weight);
   return out;
 }

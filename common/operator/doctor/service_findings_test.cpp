@@ -48,6 +48,14 @@ TEST_CASE("a service that hangs, one that is down, one that the router's node.js
   check_one(unnamed, Weight::problem, "service_down", "scheduler");
 }
 
+TEST_CASE("a service that the node's own node.json does not name is told as such, with the nearest, and is not asked") {
+  Observed seen = well();
+  seen.named = {"router", "schedulr"};
+  seen.answers = false;
+  check_one(seen, Weight::problem, "service_down", "scheduler");
+  CHECK(diagnose_service(seen, "scheduler")[0].hint == "did you mean 'schedulr'?");
+}
+
 TEST_CASE("a service notes what troubles it") {
   Observed seen = well();
   seen.services.services[1].note = "the disk is full";

@@ -1,7 +1,12 @@
 // cloud password: the first sign-in at a gateway, and the way back in.
+#include <algorithm>
+
 #include "common/base/files.hpp"
+#include "common/config/node_config.hpp"
+#include "common/fleet/did_you_mean.hpp"
 #include "common/security/keys.hpp"
 #include "common/security/password_hash.hpp"
+#include "common/security/user_name.hpp"
 #include "services/cli/commands/command.hpp"
 #include "services/cli/io/folder_owner.hpp"
 #include "services/cli/io/print.hpp"
@@ -20,13 +25,33 @@ std::string new_password() {
   return out;
 }
 
+/// Errors: missing (no node's folder), bad_value (a node without a gateway, no name of a user).
+Status check_words(const std::string& dir, const std::string& user) {
+  constexpr const char* kFolder = "give the folder of the cloud node";
+  if (!file_exists(dir + "/node.json")) return fail(Errc::missing, dir + ": no node.json", kFolder);
+  const std::vector<std::string> services = check_node_dir(dir, true).config.services;
+  if (std::ranges::find(services, "cloud-gateway") == services.end()) {
+    return fail(Errc::bad_value, dir + R"(/node.json: "services" has no cloud-gateway: nobody signs in there)",
+                std::string(kFolder) + ", or add cloud-gateway (trb node new --cloud NAME --page HOST:PORT makes one)");
+  }
+  if (is_valid_user_name(user)) return Done{};
+  return fail(Errc::bad_value, "--user: " + in_quotes(user) + " is no name of a user", kUserNameHint);
+}
+
+/// Whose password was made before, and has not been taken by the gateway: the new one stands in its place. Empty:
+/// nobody's.
+std::string waiting_user(const std::string& path) {
+  const auto text = read_file(path, 4096);
+  const auto json = text ? parse_json(*text) : Result<Value>(text.error());
+  const Value* user = json ? json->find("user") : nullptr;
+  return user != nullptr && user->is_text() ? user->text() : "";
+}
+
 int run_password(const Arguments& arguments) {
   init_crypto();
   const std::string& dir = arguments.words[0];
   const std::string user = arguments.get("--user", "admin");
-  if (!file_exists(dir + "/node.json")) {
-    return print_error(arguments, fail(Errc::missing, dir + ": no node.json", "give the folder of the cloud node"));
-  }
+  if (Status good = check_words(dir, user); !good) return print_error(arguments, good.error());
   const std::string password = new_password();
   const std::string hash = hash_password(password);
   if (hash.empty()) {
@@ -34,16 +59,22 @@ int run_password(const Arguments& arguments) {
   }
   const Value json{Value::Object{{"user", Value{user}}, {"hash", Value{hash}}}};
   const std::string path = dir + "/keys/gateway.password";
+  const std::string before = waiting_user(path);
   if (Status written = write_file(path, dump_json(json) + "\n"); !written)
     return print_error(arguments, written.error());
   give_keys_to_owner(dir);
   if (arguments.has("--json")) {
-    print_json(Value{Value::Object{{"user", Value{user}}, {"password", Value{password}}}});
+    Value::Object out{{"user", Value{user}}, {"password", Value{password}}};
+    if (!before.empty() && before != user) out.emplace_back("replaces", Value{before});
+    print_json(Value{std::move(out)});
     return kGood;
   }
   print_line("user:     " + user);
   print_line("password: " + password);
-  print_line("It is shown this once, and counts from the next sign-in on. Change it in the page: Account.");
+  print_line(
+      "It is shown this once, and counts from the next sign-in on; the page asks for a new one at the first sign-in.");
+  if (!before.empty() && before != user)
+    print_line("note: the password that was made for '" + before + "' before, and not used yet, counts no more");
   return kGood;
 }
 

@@ -10,6 +10,7 @@
 
 #include "common/base/files.hpp"
 #include "common/base/hex.hpp"
+#include "common/config/ports.hpp"
 #include "common/security/authority.hpp"
 #include "common/security/node_keys.hpp"
 #include "common/supervisor/node_lock.hpp"
@@ -223,6 +224,26 @@ Result<DemoFleet> wanted_fleet(const Arguments& arguments, const std::string& di
   return demo_fleet(arguments.get("--network", "127.0.42"), *page, *speed);
 }
 
+/// Tried before anything is made: its nodes would wait for their ports in silence. Errors: conflict.
+Status check_ports(const DemoFleet& fleet, const std::string& dir) {
+  const auto is_taken = [](const std::string& address, std::uint16_t port) {
+    const Status free = check_tcp_port(address, port);
+    return !free && free.error().code == Errc::conflict;
+  };
+  const auto what = [](const std::string& address, unsigned port) {
+    return address + ":" + std::to_string(port) + " is in use";
+  };
+  const std::string again = is_made(dir) ? "end the other one with trb down, or make a new folder with " : "";
+  for (const DemoPort& one : demo_ports(fleet)) {
+    if (is_taken(one.address, one.port))
+      return fail(Errc::conflict, what(one.address, one.port) + ", as by another demonstration",
+                  again + "--network " + next_network(fleet) + (again.empty() ? " has other addresses" : ""));
+  }
+  if (fleet.page_port == 0 || !is_taken("127.0.0.1", static_cast<std::uint16_t>(fleet.page_port))) return Done{};
+  return fail(Errc::conflict, "--page: " + what("127.0.0.1", fleet.page_port),
+              again + "--page " + std::to_string(fleet.page_port + 1) + (again.empty() ? " is another port" : ""));
+}
+
 int run_demo(const Arguments& arguments) {
   const std::string dir = fs::weakly_canonical(fs::absolute(arguments.words[0])).string();
   if (const auto pid = NodeLock::holder(dir)) {
@@ -235,6 +256,7 @@ int run_demo(const Arguments& arguments) {
   if (!fleet) return print_error(arguments, fleet.error());
   if (Status good = check_programs(programs_of(*fleet, dir), *fleet); !good)
     return print_error(arguments, good.error());
+  if (Status free = check_ports(*fleet, dir); !free) return print_error(arguments, free.error());
   if (Status made = is_made(dir) ? Status(Done{}) : make_folder(*fleet, dir); !made)
     return print_error(arguments, made.error());
   const pid_t child = ::fork();

@@ -82,6 +82,7 @@ op::Examination examine_service(const std::string& service) {
   NodeCheck check = check_node_dir(".", true, drivers::robot_transports());
   out.seen.node = check.config.id;
   out.seen.faults = std::move(check.faults);
+  out.seen.named = check.config.services;
   out.seen.disk = disk_state(".");
   out.seen.clock_set = op::is_clock_set();
   Result<std::unique_ptr<Probe>> visit = Probe::visit(service);

@@ -117,7 +117,7 @@ int run_drive(const Arguments& arguments) {
   if (!arguments.has("--part")) wish->part = first_part(*probe, wish->robot);
   const auto report = probe->wait<op::DriveReport>(
       [&](op::Session& session, const auto& done) { op::drive_robot(session, *wish, done); });
-  if (!report) return print_error(arguments, report.error());
+  if (!report) return print_error(arguments, probe->with_nearest(report.error(), wish->robot));
   print_report(arguments, *wish, *report);
   return kGood;
 }

@@ -4,6 +4,7 @@
 #include "common/base/ids.hpp"
 #include "common/base/printable.hpp"
 #include "common/operator/phases.hpp"
+#include "common/operator/routes.hpp"
 #include "services/cli/commands/command.hpp"
 #include "services/cli/core/table.hpp"
 #include "services/cli/io/print.hpp"
@@ -83,10 +84,13 @@ int run_robots(const Arguments& arguments) {
         for (const Route& route : table.routes) {
           if (route.role != Role::robot) continue;
           const NodeProfile& p = route.profile;
+          // What a node has told last says nothing of its robot once the node is not reached.
+          const bool reached = op::is_reached(route);
           const std::string robot = p.robot + (p.detail.empty() ? "" : " (" + p.detail + ")");
-          rows.push_back({route.id, route.state == "self" ? "ONLINE" : route.state, or_dash(robot),
-                          p.fenced ? "yes" : "no", out_of_use_text(p), or_dash(p.control), or_dash(p.mode),
-                          or_dash(p.transport), or_dash(p.maker + " " + p.model), join(p.capabilities)});
+          rows.push_back({route.id, route.state == "self" ? "ONLINE" : route.state, reached ? or_dash(robot) : "-",
+                          p.fenced ? "yes" : "no", out_of_use_text(p), reached ? or_dash(p.control) : "-",
+                          or_dash(p.mode), or_dash(p.transport), or_dash(p.maker + " " + p.model),
+                          join(p.capabilities)});
         }
         return rows;
       },

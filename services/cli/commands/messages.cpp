@@ -38,13 +38,13 @@ int request_and_print(const Arguments& arguments, const std::string& target, Mes
   if (type != MessageType::information) {
     const auto answer = probe->wait<Message>(
         [&](op::Session& session, const auto& done) { session.request(send, done, seconds(*wait)); });
-    if (!answer) return print_error(arguments, answer.error());
+    if (!answer) return print_error(arguments, probe->with_nearest(answer.error(), target, true));
     print_answer(arguments, *answer);
     return kGood;
   }
   const auto sent =
       probe->wait<Done>([&](op::Session& session, const auto& done) { op::send_information(session, send, done); });
-  if (!sent) return print_error(arguments, sent.error());
+  if (!sent) return print_error(arguments, probe->with_nearest(sent.error(), target, true));
   if (!arguments.has("--json")) print_line(target + ": sent (information has no answer)");
   return kGood;
 }
@@ -135,8 +135,18 @@ int print_orders(const Arguments& arguments, const std::vector<op::RobotOrder>& 
   return all ? kGood : kFailed;
 }
 
+/// A misspelt robot is told with the one that was probably meant.
+void add_nearest(Probe& probe, std::vector<op::RobotOrder>& orders) {
+  const std::string code(errc_name(Errc::unknown_target));
+  for (op::RobotOrder& one : orders) {
+    if (!one.text.starts_with(code + ":")) continue;
+    const Error error = probe.with_nearest(fail(Errc::unknown_target, one.text), one.robot);
+    if (!error.hint.empty()) one.text += "; " + error.hint;
+  }
+}
+
 int order(const Arguments& arguments, const Body& body, const std::string& done) {
-  if (arguments.words.empty() == !arguments.has("--all")) {
+  if (arguments.words.empty() && !arguments.has("--all")) {
     return print_error(arguments, fail(Errc::missing, "which robot?", "name robots, or give --all"));
   }
   auto probe = open_probe(arguments);
@@ -150,9 +160,10 @@ int order(const Arguments& arguments, const Body& body, const std::string& done)
   }
   const auto wait = arguments.number("--timeout", 3);
   if (!wait) return print_error(arguments, wait.error());
-  const auto orders = probe->wait<std::vector<op::RobotOrder>>([&](op::Session& session, const auto& gathered) {
+  auto orders = probe->wait<std::vector<op::RobotOrder>>([&](op::Session& session, const auto& gathered) {
     op::order_robots(session, *robots, body, seconds(*wait), gathered);
   });
+  add_nearest(*probe, *orders);
   return print_orders(arguments, *orders, done);
 }
 
@@ -160,6 +171,10 @@ int run_stop(const Arguments& arguments) {
   return order(arguments, Stop{arguments.get("--reason", "trb stop")}, "STOP");
 }
 int run_release(const Arguments& arguments) {
+  // A stop with both stops them all; what is let go must be meant.
+  if (arguments.has("--all") && !arguments.words.empty()) {
+    return print_error(arguments, fail(Errc::conflict, "--all: robots are named, too", "name robots, or give --all"));
+  }
   return order(arguments, Release{arguments.get("--reason", "trb release")}, "RELEASE");
 }
 
@@ -210,7 +225,7 @@ const std::vector<Command> kMessageCommands = {
     {{"stop"},
      {"stop [ROBOT ...]",
       "Stops robots and fences them until `trb release`. A software stop is no safety function (ISO 13850).",
-      {kSendingNode, "--all|every robot of the fleet", "--reason TEXT|for the record",
+      {kSendingNode, "--all|every robot of the fleet, whoever is named beside it", "--reason TEXT|for the record",
        "--timeout S|how long to wait for confirmations (3)", kJson},
       {"trb stop --all", "trb stop ur3 --reason 'hand in the cell'"},
       0,

@@ -75,7 +75,9 @@ Result<supervisor::NodeLock> lock_stopped(const std::string& dir) {
 
 Status write_new(const std::string& file, BytesView bytes) {
   if (file_exists(file)) return fail(Errc::conflict, file + " is there already", "name a new file");
-  return write_file(file, bytes, 0600);
+  const Status written = write_file(file, bytes, 0600);
+  if (written || !written.error().hint.empty()) return written;
+  return fail(written.error().code, written.error().what, "name a file in a folder that is there, with room (df -h)");
 }
 
 /// Read without the rest of the folder: one with faults can be kept, too.
@@ -127,7 +129,7 @@ int run_backup(const Arguments& arguments) {
 
 Result<NodeBackup> read_backup(const Arguments& arguments, const std::string& path) {
   const auto bytes = read_file(path, kBackupBytes + (std::size_t{4} << 20U));
-  if (!bytes) return bytes.error();
+  if (!bytes) return fail(bytes.error().code, bytes.error().what, "name a file that trb node backup has made");
   constexpr std::string_view kAnyHead = "talkrobots node backup ";
   if (!bytes->starts_with(kAnyHead))
     return fail(Errc::malformed, path + ": no backup of a node", "name a file that trb node backup has made");

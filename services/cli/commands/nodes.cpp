@@ -191,7 +191,14 @@ int run_reload(const Arguments& arguments) {
 
 int run_down(const Arguments& arguments) {
   const std::string dir = absolute(arguments.words[0]);
+  // A node's folder, or that of a demonstration.
+  if (!file_exists(dir + "/node.json") && !file_exists(dir + "/demo.json") && !file_exists(dir + "/state/up.lock")) {
+    return print_error(arguments,
+                       fail(Errc::missing, dir + ": no node.json there", "name a node's folder, or that of trb demo"));
+  }
   const auto pid = NodeLock::holder(dir);
+  if (!pid && pid.error().code == Errc::missing && file_exists(dir + "/demo.json"))
+    return print_error(arguments, fail(Errc::missing, pid.error().what, "start it: trb demo " + dir));
   if (!pid) return print_error(arguments, pid.error());
   const auto wait = arguments.number("--timeout", 10);
   if (!wait) return print_error(arguments, wait.error());

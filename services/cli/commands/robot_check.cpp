@@ -127,7 +127,7 @@ const std::vector<Command> kRobotCheckCommands = {
      {"robot check FILE",
       "Reads a robot's description and tells every fault at once: file, key, cure; or else what the robot can do.\n"
       "profile.json, commands.json and places.json are taken from beside it or from the folder above.",
-      {"--framework NAME|whose words of commands.json are meant (any that fit)",
+      {"--framework NAME|whose words of commands.json are meant (its node.json's, else any that fit)",
        "--commands FILE|another commands.json", "--places FILE|another places.json",
        "--profile FILE|another profile.json", kJson},
       {"trb robot check config/robots/ur3.json", "trb robot check my-robot.json --framework lines"},

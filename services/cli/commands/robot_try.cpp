@@ -7,6 +7,7 @@
 #include <sstream>
 #include <utility>
 
+#include "common/fleet/did_you_mean.hpp"
 #include "common/operator/try_robot.hpp"
 #include "services/cli/commands/command.hpp"
 #include "services/cli/io/print.hpp"
@@ -76,16 +77,13 @@ class Terminal {
 class Person {
  public:
   Person(const Arguments& arguments, std::map<std::string, std::string> settings, Loop& loop)
-      : skills_(list_of(arguments.get("--skill"))),
-        yes_(arguments.has("--yes")),
+      : yes_(arguments.has("--yes")),
         asks_(can_ask() && !arguments.has("--json")),
         settings_(std::move(settings)),
         terminal_(loop) {}
 
   void may_try(const SkillInfo& skill, const std::function<void(bool)>& answer) {
-    const bool named = std::ranges::find(skills_, skill.name) != skills_.end();
-    if (!skills_.empty() && !named) return answer(false);
-    if (named && yes_) return answer(true);
+    if (yes_) return answer(true);  // only skills that --skill names come here
     if (!asks_) return answer(false);
     terminal_.ask("try '" + skill.name + "' (" + skill.capability + ")? The robot may move: is its way free? y/N: ",
                   [answer](const std::string& line) { answer(line == "y" || line == "Y" || line == "yes"); });
@@ -104,7 +102,6 @@ class Person {
   }
 
  private:
-  Words skills_;
   bool yes_;
   bool asks_;
   std::map<std::string, std::string> settings_;
@@ -133,7 +130,7 @@ Value to_value(const op::TryStep& step) {
 }
 
 Status check_words(const Arguments& arguments) {
-  if (!arguments.has("--yes") || arguments.has("--skill")) return Done{};
+  if (!arguments.has("--yes") || !list_of(arguments.get("--skill")).empty()) return Done{};
   return fail(Errc::missing, "--yes: to which skills?",
               "name those that may move the robot now: --yes --skill NAME[,NAME]");
 }
@@ -146,8 +143,11 @@ int run_try(const Arguments& arguments) {
   if (!connects) return print_error(arguments, connects.error());
   auto probe = open_probe(arguments);
   if (!probe) return kFailed;
-  Person person(arguments, std::move(*settings), probe->bus().loop());
   op::TryWish wish;
+  wish.skills = list_of(arguments.get("--skill"));
+  wish.parameters = names_in(*settings);
+  wish.must = arguments.has("--yes");
+  Person person(arguments, std::move(*settings), probe->bus().loop());
   wish.robot = arguments.words[0];
   wish.connects = seconds(*connects);
   wish.person.may_try = [&](const SkillInfo& skill, std::function<void(bool)> answer) {

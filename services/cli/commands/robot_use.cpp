@@ -14,7 +14,7 @@ int order(const Arguments& arguments, Body order, const std::string& done) {
   if (!probe) return kFailed;
   const std::string& robot = arguments.words[0];
   auto answer = probe->command(robot, std::move(order));
-  if (!answer) return print_error(arguments, answer.error());
+  if (!answer) return print_error(arguments, probe->with_nearest(answer.error(), robot));
   print_line(arguments.has("--json") ? message_to_json(*answer) : robot + ": " + done);
   return kGood;
 }

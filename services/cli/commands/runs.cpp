@@ -1,6 +1,7 @@
 // run list, run show.
 #include "services/cli/commands/runs.hpp"
 
+#include <algorithm>
 #include <cstdio>
 
 #include "common/base/files.hpp"
@@ -32,7 +33,7 @@ std::string time_or_dash(std::int64_t ns) {
 
 std::vector<std::vector<std::string>> run_rows(const RunTable& table) {
   std::vector<std::vector<std::string>> rows{
-      {"RUN", "NAME", "STATE", "TASKS", "PRIORITY", "SINCE", "OVER", "WAITS FOR"}};
+      {"RUN", "NAME", "STATE", "TASKS", "PRIORITY", "SINCE", "ARCHIVED", "WAITS FOR"}};
   for (const RunSummary& run : table.runs) {
     rows.push_back({run.run.substr(0, 8), run.name, std::string(name_of(run.state)),
                     std::to_string(run.tasks_final) + "/" + std::to_string(run.tasks), std::to_string(run.priority),
@@ -78,12 +79,25 @@ void print_decisions(const RunView& view) {
   }
 }
 
+bool has_ended(const RunView& view) {
+  return view.over != 0 || view.state == RunState::finished || view.state == RunState::aborted ||
+         view.state == RunState::expired;
+}
+
+/// When the last of its tasks has ended, by that robot's clock. A run that is over is archived only a minute later.
+std::string end_of(const RunView& view) {
+  std::int64_t ended = 0;
+  for (const TaskView& task : view.tasks) ended = std::max(ended, task.ended);
+  return (ended == 0 ? "" : ", last task ended " + to_iso8601({ended})) +
+         (view.over == 0 ? "" : ", archived " + to_iso8601({view.over}));
+}
+
 void print_view(const RunView& view) {
   print_line("run " + view.run + " '" + view.name + "': " + std::string(name_of(view.state)) +
-             (view.over == 0 ? "" : ", over since " + to_iso8601({view.over})));
+             (has_ended(view) ? end_of(view) : ""));
   print_line("submitted by " + view.submitter + " " + to_iso8601({view.created}) + ", priority " +
              std::to_string(view.priority) + ", epoch " + std::to_string(view.epoch));
-  if (view.over == 0 && view.left_s > 0) print_line("nothing of it begins later than in " + took_text(view.left_s));
+  if (!has_ended(view) && view.left_s > 0) print_line("nothing of it begins later than in " + took_text(view.left_s));
   if (!view.paused_by.empty()) print_line("held by " + view.paused_by);
   if (!view.waits_for.empty()) print_line("waits for: " + view.waits_for);
   print_tasks(view);
@@ -182,7 +196,9 @@ std::vector<Command> run_commands() {
   return {
       {{"run", "list"},
        {"run list",
-        "The runs that are not over on this node; with --all also its archive, newest first.",
+        "The runs that are not over on this node; with --all also its archive, newest first. What is over is archived "
+        "a "
+        "minute later.",
         {"--all|those that are over as well", kAskedNode, kJson},
         {"trb run list", "trb run list --all --json"},
         0,

@@ -52,7 +52,7 @@ int run_scenario_check(const Arguments& arguments) {
   if (!faults.empty()) return print_faults(arguments, faults);
   warn_of_skips(scenario, path, faults);
   const std::size_t tasks = scenario.tasks.size();
-  if (!find_node(arguments).ok()) return print_good(arguments, tasks, faults, nullptr);
+  if (!is_node_named(arguments) && !find_node(arguments)) return print_good(arguments, tasks, faults, nullptr);
   auto probe = open_probe(arguments);
   if (!probe) return kFailed;
   const auto check = probe->wait<op::ScenarioCheck>(

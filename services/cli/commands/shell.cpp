@@ -21,6 +21,12 @@ int completion(const Arguments& arguments) {
   return kWrongUse;
 }
 
+int version(const Arguments& arguments) {
+  if (arguments.has("--json"))
+    return print_json(Value{Value::Object{{"version", Value{std::string(kVersion)}}}}), kGood;
+  return print_line(std::string("trb ") + kVersion), kGood;
+}
+
 int manual(const Arguments&) {
   std::vector<std::pair<std::string, std::string>> topics;
   for (const std::string& name : topic_names()) topics.emplace_back(name, topic_text(name));
@@ -42,6 +48,9 @@ std::vector<Command> shell_commands() {
         1,
         1},
        completion},
+      {{"version"},
+       {"version", "Prints the version of this build, as trb --version does.", {kJson}, {"trb version"}, 0, 0},
+       version},
       {{"manual"},
        {"manual", "Prints the manual page trb(1), for man. Packages install it.", {}, {"trb manual | man -l -"}, 0, 0},
        manual}};

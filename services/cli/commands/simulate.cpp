@@ -109,7 +109,7 @@ Result<Value> world_job(const Arguments& arguments) {
     out.emplace_back(one.key, one.whole ? Value{static_cast<std::int64_t>(integer)} : Value{number});
   }
   if (!reader.status()) return reader.status().error();
-  if (const Status added = add_name_or_file(out, arguments, "--link", "link"); !added) return added.error();
+  if (const Status added = add_link(out, arguments); !added) return added.error();
   if (arguments.has("--trace")) out.emplace_back("trace", Value{arguments.get("--trace")});
   add_list(out, arguments, "--relays", "relays");
   for (const auto& [option, key] : {std::pair{"--faults", "faults"}, std::pair{"--sensor-values", "sensor_values"}}) {

@@ -48,7 +48,7 @@ Status add_numbers(Hall& hall, const Arguments& arguments) {
   hall.rest.emplace_back("seed", Value{static_cast<std::int64_t>(seed)});
   hall.rest.emplace_back("task_seconds", Value{task_s});
   if (until_s > 0) hall.rest.emplace_back("seconds", Value{until_s});
-  if (Status added = add_name_or_file(hall.rest, arguments, "--link", "link"); !added) return added;
+  if (Status added = add_link(hall.rest, arguments); !added) return added;
   if (arguments.has("--trace")) hall.rest.emplace_back("trace", Value{arguments.get("--trace")});
   return Done{};
 }

@@ -66,8 +66,9 @@ Error nothing_found(const Authority& authority, const std::string& dir, const st
     }
     if (std::find(ids.begin(), ids.end(), row.id) == ids.end()) ids.push_back(row.id);
   }
+  const std::string otherwise = "name the node's certificate.json, if an earlier version signed it";
   return fail(Errc::unknown_target, "no certificate of '" + word + "' is known in this folder",
-              did_you_mean(word, ids, "name the node's certificate.json, if an earlier version signed it; known"));
+              ids.empty() ? otherwise : did_you_mean(word, ids, otherwise + "; known"));
 }
 
 /// The newest of that id that is not revoked, also if it has ended: what can be renewed.

@@ -46,10 +46,10 @@ ValueKind kind_of_words(const CommandText& command) {
 }
 
 std::string first_sentence(const std::string& summary) {
-  std::size_t end = summary.find('\n');
-  if (end == std::string::npos) end = summary.size();
-  end = std::min(end, summary.find(". "));  // a full stop within a file's name ends nothing
-  return summary.substr(0, end > 0 && summary[end - 1] == '.' ? end - 1 : end);
+  std::string line = summary;
+  std::ranges::replace(line, '\n', ' ');
+  const std::size_t end = std::min(line.size(), line.find(". "));  // a full stop within a file's name ends nothing
+  return line.substr(0, end > 0 && line[end - 1] == '.' ? end - 1 : end);
 }
 
 std::string joined_name(const CommandText& command) {

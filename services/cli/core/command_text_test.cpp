@@ -41,10 +41,10 @@ TEST_CASE("a command's first word may be a folder, a file, a name, or nothing") 
   CHECK(kind_of_words(kTable[3]) == ValueKind::file);
 }
 
-TEST_CASE("a summary's first sentence ends at its full stop or line, not within a file's name") {
+TEST_CASE("a summary's first sentence ends at its full stop, not within a file's name") {
   CHECK(first_sentence("Writes certificate.json beside it. Then it ends.") == "Writes certificate.json beside it");
   CHECK(first_sentence("Lists robots.\nAlso sensors.") == "Lists robots");
-  CHECK(first_sentence("Lists robots\nand sensors.") == "Lists robots");
+  CHECK(first_sentence("Lists robots\nand sensors.") == "Lists robots and sensors");
   CHECK(first_sentence("Lists robots.") == "Lists robots");
   CHECK(first_sentence("").empty());
 }

@@ -12,6 +12,8 @@ namespace {
 
 constexpr DemoRobot kRobots[] = {{"rover", "pioneer", "trb-virtual-pioneer"}, {"arm", "ur", "trb-virtual-ur"}};
 constexpr std::size_t kFirstRobot = 101;
+constexpr std::uint16_t kRouterPort = 45000;  ///< TCP_PORT_EXT of new nodes
+constexpr std::uint16_t kFaultPort = 46000;
 
 constexpr std::string_view kScenario = R"({
   "_comment": "The rover drives to table1; then the arm picks up a box. README.md of deploy/handbook begins with it.",
@@ -44,7 +46,7 @@ std::string robot_address(const DemoFleet& fleet, std::size_t robot) {
 }
 
 std::string fault_address(const DemoFleet& fleet, std::size_t robot) {
-  return robot_address(fleet, robot) + ":46000";
+  return robot_address(fleet, robot) + ":" + std::to_string(kFaultPort);
 }
 
 }  // namespace
@@ -97,6 +99,21 @@ std::vector<std::string> robot_arguments(const DemoFleet& fleet, std::size_t rob
 NewCloud cloud_of(const DemoFleet& fleet) {
   const std::string page = fleet.page_port == 0 ? "" : "127.0.0.1:" + std::to_string(fleet.page_port);
   return {std::string(kDemoCloud), node_address(fleet, 1), page};
+}
+
+std::vector<DemoPort> demo_ports(const DemoFleet& fleet) {
+  std::vector<DemoPort> out{{cloud_of(fleet).fleet_side, kRouterPort}};
+  for (std::size_t i = 0; i < demo_robots().size(); ++i) {
+    out.push_back({node_of(fleet, i).fleet_side, kRouterPort});
+    out.push_back({robot_address(fleet, i), kFaultPort});
+  }
+  return out;
+}
+
+std::string next_network(const DemoFleet& fleet) {
+  const std::size_t dot = fleet.network.rfind('.');
+  const unsigned last = part(fleet.network.substr(dot + 1)).value_or(0);
+  return fleet.network.substr(0, dot + 1) + std::to_string(last % 255 + 1);
 }
 
 std::string_view demo_scenario() {

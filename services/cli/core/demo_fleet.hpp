@@ -1,6 +1,7 @@
 // The small fleet of `trb demo`: who is in it, its files, its programs. No robot is needed, and no network.
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <string>
 #include <string_view>
@@ -30,6 +31,16 @@ std::span<const DemoRobot> demo_robots();
 /// Errors: bad_value: not the first three numbers of a loopback address, a port out of 1024 to 65535, a speed out of
 /// 0.1 to 100.
 Result<DemoFleet> demo_fleet(const std::string& network, double page_port, double speed = 1);
+
+/// An address and a TCP port.
+struct DemoPort {
+  std::string address;
+  std::uint16_t port = 0;
+};
+/// Where its routers and virtual robots listen: what another demonstration in the same network holds.
+std::vector<DemoPort> demo_ports(const DemoFleet& fleet);
+/// Another one: "127.0.43" for "127.0.42".
+std::string next_network(const DemoFleet& fleet);
 
 /// Kept in its folder as demo.json, so that it can be started again.
 std::string demo_json(const DemoFleet& fleet);

@@ -20,6 +20,16 @@ TEST_CASE("demo: nodes and robots have addresses of their own, in one network of
   CHECK(addresses.size() == 2 * demo_robots().size() + 1);
 }
 
+TEST_CASE("demo: the ports that it holds are in its network, and another network is named") {
+  const DemoFleet fleet = *demo_fleet("127.0.42", 0);
+  const std::vector<DemoPort> ports = demo_ports(fleet);
+  CHECK(ports.size() == 2 * demo_robots().size() + 1);
+  for (const DemoPort& one : ports) CHECK(one.address.starts_with("127.0.42."));
+  CHECK(network_json_of("x").find("\"TCP_PORT_EXT\": " + std::to_string(ports[0].port)) != std::string::npos);
+  CHECK(next_network(fleet) == "127.0.43");
+  CHECK(next_network(*demo_fleet("127.0.255", 0)) == "127.0.1");
+}
+
 TEST_CASE("demo: the cloud has a gateway only if a page is wanted") {
   CHECK(cloud_of(*demo_fleet("127.0.42", 0)).page.empty());
   CHECK(cloud_of(*demo_fleet("127.0.42", 8443)).page == "127.0.0.1:8443");

@@ -5,6 +5,7 @@
 #include <cstdlib>
 
 #include "common/base/files.hpp"
+#include "common/fleet/did_you_mean.hpp"
 #include "services/cli/io/print.hpp"
 
 namespace trb::cli {
@@ -25,12 +26,23 @@ Error not_welcome(const op::BusSession& bus, const std::string& key, const std::
 
 }  // namespace
 
-Result<std::string> find_node(const Arguments& arguments) {
+namespace {
+
+std::string named_node(const Arguments& arguments) {
   std::string dir = arguments.get("--node");
-  if (dir.empty()) {
-    const char* set = std::getenv("TRB_NODE");  // NOLINT(concurrency-mt-unsafe): one thread
-    if (set != nullptr) dir = set;
-  }
+  if (!dir.empty()) return dir;
+  const char* set = std::getenv("TRB_NODE");  // NOLINT(concurrency-mt-unsafe): one thread
+  return set == nullptr ? "" : set;
+}
+
+}  // namespace
+
+bool is_node_named(const Arguments& arguments) {
+  return !named_node(arguments).empty();
+}
+
+Result<std::string> find_node(const Arguments& arguments) {
+  std::string dir = named_node(arguments);
   if (dir.empty() && file_exists("node.json")) dir = ".";
   if (dir.empty())
     return fail(Errc::missing, "which node?", "give --node NODE_DIR, set TRB_NODE, or go into a node's folder");
@@ -75,6 +87,20 @@ Result<Message> Probe::command(const std::string& target, Body body) {
 Result<RouteTable> Probe::routes() {
   return wait<RouteTable>(
       [](op::Session& session, const op::Callback<RouteTable>& done) { op::request_routes(session, done); });
+}
+
+Error Probe::with_nearest(Error error, const std::string& target, bool any_node) {
+  if (error.code != Errc::unknown_target) return error;
+  const auto table = routes();
+  if (!table) return error;
+  std::vector<std::string> known = op::robots_of(*table);
+  if (any_node) {
+    known.clear();
+    for (const Route& route : table->routes) known.push_back(route.id);
+  }
+  const std::string near = nearest(target, known);
+  if (!near.empty()) error.hint = "did you mean '" + near + "'?";
+  return error;
 }
 
 std::unique_ptr<Probe> open_probe(const Arguments& arguments) {

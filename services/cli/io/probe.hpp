@@ -13,6 +13,8 @@ namespace trb::cli {
 
 /// The node's folder: --node, else TRB_NODE, else the current folder if it holds a node.json. Errors: missing.
 Result<std::string> find_node(const Arguments& arguments);
+/// By --node or TRB_NODE, whatever is there.
+bool is_node_named(const Arguments& arguments);
 
 class Probe {
  public:
@@ -50,6 +52,9 @@ class Probe {
   }
   /// The whole routing table.
   Result<RouteTable> routes();
+  /// Why a message to that target was not answered: if the node knows no such one, with the nearest that it knows (a
+  /// robot, unless `any_node`) as the hint.
+  Error with_nearest(Error error, const std::string& target, bool any_node = false);
 
  private:
   explicit Probe(std::unique_ptr<op::BusSession> bus) : bus_(std::move(bus)) {}

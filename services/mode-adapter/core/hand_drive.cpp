@@ -162,7 +162,7 @@ Status HandDrive::check_control(const Inbound& message, const Velocity& velocity
   const std::string& id = robot_.settings.id;
   if (auto barred = control_.barred({Holder::Kind::person, message.source}, velocity.take, now)) {
     if (barred->code == Errc::control_held) {
-      barred->hint = "wait until it is free, or take it over: \"take\", trb drive " + id + " --take";
+      barred->hint = "wait until it is free, or take it over: trb drive " + id + " --take (\"take\" in the API)";
     }
     return *barred;
   }
@@ -170,7 +170,7 @@ Status HandDrive::check_control(const Inbound& message, const Velocity& velocity
   if (!is_current(message, velocity)) {
     if (velocity.take) return Done{};
     return fail(Errc::control_held, "'" + current_->by + "' at '" + current_->source + "' drives " + id + " by hand",
-                "wait for its end, or take it over: \"take\", trb drive " + id + " --take");
+                "wait for its end, or take it over: trb drive " + id + " --take (\"take\" in the API)");
   }
   if (velocity.sequence <= current_->sequence) {
     return fail(

@@ -12,7 +12,7 @@ TEST_CASE("another person of the same cloud, and another node: who has it keeps 
   CHECK(fixture.why().what == "'ada' at 'cloud' drives cart by hand");
   CHECK(fixture.drive({0.1}, fixture.another(1), "office") == "nack control_held");
   CHECK(fixture.why().what.find("'cloud' has controlled cart") == 0);
-  CHECK(fixture.why().hint == "wait until it is free, or take it over: \"take\", trb drive cart --take");
+  CHECK(fixture.why().hint == "wait until it is free, or take it over: trb drive cart --take (\"take\" in the API)");
   CHECK(fixture.sent().empty());
   CHECK(fixture.drive({0.1}, fixture.another(1, true), "office") == "ack driving");
   CHECK(fixture.sent() == "SPEED 0 0\nSPEED 100 0\n");  // it stood in between

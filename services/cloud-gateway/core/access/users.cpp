@@ -7,21 +7,12 @@ namespace {
 
 constexpr std::size_t kStampBytes = 16;
 
-bool is_lower(char c) {
-  return c >= 'a' && c <= 'z';
-}
-
 Error last_admin(const std::string& name) {
   return fail(Errc::conflict, "user '" + name + "' is the last admin that is not disabled",
               "make another user an admin first");
 }
 
 }  // namespace
-
-bool is_valid_user_name(std::string_view name) {
-  const auto fits = [](char c) { return is_lower(c) || (c >= '0' && c <= '9') || c == '.' || c == '_' || c == '-'; };
-  return !name.empty() && name.size() <= kMaxUserName && is_lower(name.front()) && std::ranges::all_of(name, fits);
-}
 
 Status check_new_password(std::string_view user, std::string_view password) {
   if (password.size() < kMinPassword)
@@ -39,8 +30,7 @@ void Users::restore(User user) {
 
 Status Users::add(const std::string& name, UserRole role, std::string password_hash, UtcTime now) {
   if (!is_valid_user_name(name)) {
-    return fail(Errc::bad_value, "name: no name of a user",
-                "begin with a lower-case letter, then lower-case letters, digits, '.', '_' or '-'; 32 at most");
+    return fail(Errc::bad_value, "name: no name of a user", kUserNameHint);
   }
   if (password_hash.empty()) return fail(Errc::missing, "password of '" + name + "'");
   if (users_.contains(name)) return fail(Errc::duplicate, "user '" + name + "' exists", "take another name");

@@ -10,6 +10,7 @@
 
 #include "common/base/result.hpp"
 #include "common/base/time.hpp"
+#include "common/security/user_name.hpp"
 #include "services/cloud-gateway/core/access/change_list.hpp"
 #include "services/cloud-gateway/core/access/hash.hpp"
 
@@ -32,7 +33,6 @@ struct User {
   bool operator==(const User&) const = default;
 };
 
-constexpr std::size_t kMaxUserName = 32;
 /// A fleet has dozens of users; the bound keeps the load at the start small.
 constexpr std::size_t kMaxUsers = 1000;
 /// Longer ones are refused before they cost a hash.
@@ -40,9 +40,6 @@ constexpr std::size_t kMaxPassword = 256;
 /// Without a second factor a short one can be guessed.
 constexpr std::size_t kMinPassword = 12;
 
-/// A lower-case letter, then lower-case letters, digits, '.', '_' or '-'; 32 at most. One case, so that no two names
-/// look alike; no ':', so that no user looks like "token:NAME" in the audit log.
-bool is_valid_user_name(std::string_view name);
 /// Errors: bad_value.
 Status check_new_password(std::string_view user, std::string_view password);
 

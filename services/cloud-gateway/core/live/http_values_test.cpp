@@ -103,6 +103,8 @@ TEST_CASE("an error becomes a problem that points to the field, with its hint") 
   CHECK(problem.title == "bad value");
   CHECK(problem.errors == std::vector<ProblemFault>{{"/tasks/3/id", "'X' is no id", "use a lower-case letter"}});
   CHECK(problem_of(fail(Errc::unknown_run, "no run is known here")).status == 404);
+  const Error unknown = fail(Errc::unknown_run, "no run begins with 'x' here", "trb run list");
+  CHECK(problem_of(unknown).errors[0].hint.find("GET /api/v1/runs") == 0);
   for (const char* what : {"network.json: TCP_PORT: 70000", "Idempotency-Key: none", "no words: here"}) {
     CHECK(problem_of(fail(Errc::bad_value, what)).errors[0].pointer.empty());
   }

@@ -70,6 +70,13 @@ Problem problem_of_code(Errc code) {
   return {"/api/v1/problems/" + std::string(errc_name(code)), title_of(code), status_of(code), {}, {}};
 }
 
+/// A scheduler's hint names a command of trb, which who speaks HTTP does not have.
+std::string hint_over_http(const Error& error) {
+  const bool names_trb = error.hint.find("trb ") != std::string::npos;
+  if (error.code != Errc::unknown_run || !names_trb) return error.hint;
+  return "GET /api/v1/runs has those that are open, GET /api/v1/archive those that are over";
+}
+
 /// True for "tasks[3].id"; false for plain words, header names and file names.
 bool is_path(std::string_view text) {
   const auto is_part = [](char c) {
@@ -91,11 +98,12 @@ std::uint16_t status_of(Errc code) {
 Problem problem_of(const Error& error) {
   Problem out = problem_of_code(error.code);
   out.detail = error.what;
+  const std::string hint = hint_over_http(error);
   const std::size_t end = error.what.find(": ");
   if (end != std::string::npos && is_path(std::string_view(error.what).substr(0, end))) {
-    out.errors.push_back({pointer_of(error.what.substr(0, end)), error.what.substr(end + 2), error.hint});
+    out.errors.push_back({pointer_of(error.what.substr(0, end)), error.what.substr(end + 2), hint});
   } else {
-    out.errors.push_back({{}, error.what, error.hint});
+    out.errors.push_back({{}, error.what, hint});
   }
   return out;
 }

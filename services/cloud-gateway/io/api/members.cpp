@@ -7,7 +7,8 @@ namespace trb::gateway {
 namespace {
 
 Error wrong_member(std::string_view name, const Value& found, std::string_view wanted) {
-  return fail(Errc::bad_value, std::string(name) + ": is a " + std::string(found.kind()),
+  return fail(Errc::bad_value,
+              std::string(name) + (found.is_object() ? ": is an " : ": is a ") + std::string(found.kind()),
               "write a " + std::string(wanted));
 }
 

@@ -94,10 +94,20 @@ Result<op::RunTerms> terms_of(const Members& body) {
   return op::RunTerms{static_cast<double>(*hours), static_cast<std::uint32_t>(*priority)};
 }
 
+constexpr const char* kMember = "scenario";
+
+/// Those that keep the run from beginning, with keys that lead into the request's body.
+ConfigFaults in_body(const ConfigFaults& faults) {
+  ConfigFaults out = faults_that_stop(faults);
+  for (ConfigFault& one : out) one.key = kMember + (one.key.empty() ? "" : "." + one.key);
+  return out;
+}
+
 void plan_and_submit(Gateway& gateway, const CallPtr& call, Scenario scenario, const op::RunTerms& terms) {
   op::plan_run(gateway.session, std::move(scenario), kScenarioFile, [&gateway, call, terms](Result<op::RunPlan> plan) {
     if (!plan) return call->fail(plan.error());
-    if (!faults_that_stop(plan->faults).empty()) return call->reply(faults_reply(faults_that_stop(plan->faults)));
+    const ConfigFaults faults = in_body(plan->faults);
+    if (!faults.empty()) return call->reply(faults_reply(faults));
     submit(gateway, call, std::move(*plan), terms);
   });
 }
@@ -106,13 +116,13 @@ void plan_and_submit(Gateway& gateway, const CallPtr& call, Scenario scenario, c
 void start_run(Gateway& gateway, const CallPtr& call) {
   const auto body = Members::of(*call, {"scenario", "priority", "expires_h"});
   if (!body) return call->fail(body.error());
-  const Value* given = body->value("scenario");
+  const Value* given = body->value(kMember);
   if (given == nullptr) return call->fail(fail(Errc::missing, "scenario: is missing", "add the scenario's object"));
   const auto terms = terms_of(*body);
   if (!terms) return call->fail(terms.error());
   ConfigFaults faults;
   Scenario scenario = scenario_of(*given, faults);
-  if (!faults_that_stop(faults).empty()) return call->reply(faults_reply(faults_that_stop(faults)));
+  if (!in_body(faults).empty()) return call->reply(faults_reply(in_body(faults)));
   const std::string effect = "start of a run of scenario '" + scenario.name + "'";
   do_once(gateway, call, effect, [&gateway, call, scenario = std::move(scenario), terms = *terms] {
     plan_and_submit(gateway, call, scenario, terms);

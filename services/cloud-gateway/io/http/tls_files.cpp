@@ -62,7 +62,12 @@ Status renew(const Paths& paths, const std::vector<std::string>& names, UtcTime 
   if (!is_pair(paths, paths.files.key) && is_pair(paths, paths.staged_key)) return put_key_in_place(paths);
   const auto facts = facts_of_file(paths.files.certificate);
   if (!facts) return facts.error();
-  return facts->is_own && facts->ends - kRenewBefore < now ? make_files(paths, names, now) : Status(Done{});
+  if (facts->is_own && facts->ends - kRenewBefore < now) return make_files(paths, names, now);
+  if (is_pair(paths, paths.files.key)) return Done{};
+  return fail(
+      Errc::wrong_key,
+      paths.files.key + ": is not the key of " + paths.files.certificate + "; it belongs to another certificate",
+      "put that certificate's own key there, or remove both files: then both are made anew");
 }
 
 }  // namespace

@@ -195,3 +195,16 @@ TEST_CASE("the fingerprint is 32 bytes in pairs of digits; without a certificate
   CHECK(*fingerprint(folder.certificate) == *text);
   CHECK(fingerprint(folder.key).error().code == Errc::malformed);
 }
+
+TEST_CASE("a key of another certificate is told as such") {
+  const GatewayFolder folder;
+  const GatewayFolder other;
+  REQUIRE(folder.start());
+  REQUIRE(other.start());
+  REQUIRE(write_file(folder.key, *read_file(other.key), 0600));
+  const auto files = folder.start();
+  REQUIRE_FALSE(files);
+  CHECK(files.error().code == Errc::wrong_key);
+  CHECK(files.error().what.find("another certificate") != std::string::npos);
+  CHECK_FALSE(files.error().hint.empty());
+}
