@@ -36,10 +36,10 @@ BAD = GOOD.replace("pass", "self.fail()")
 
 class Skips(unittest.TestCase):
     def run_program(self, text):
-        with tempfile.NamedTemporaryFile("w", suffix=".py") as file:
-            file.write(HEAD + text)
-            file.flush()
-            done = subprocess.run([sys.executable, file.name], text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+        with tempfile.TemporaryDirectory() as folder:  # its own: Python takes modules from beside a program first
+            program = pathlib.Path(folder) / "program.py"
+            program.write_text(HEAD + text)
+            done = subprocess.run([sys.executable, program], text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
         return done.returncode, [line for line in done.stdout.splitlines() if line.startswith("skipped: ")]
 
     def test_a_program_of_which_nothing_can_be_tried_is_skipped_with_its_reasons(self):
