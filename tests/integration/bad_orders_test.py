@@ -69,7 +69,7 @@ class Living(Case):
         self.error_of("scenario", "run", self.scenario([task()]), "--expires-h", "9000", *node, code="bad_value",
                       what="--expires-h: '9000' is over 8784", cure="at most 8784")
         self.error_of("send", "ridgebak", "command", "greeting", *node, code="unknown_target", what="'ridgebak'",
-                      cure="trb route list")
+                      cure="did you mean 'ridgeback'?")
         self.error_of("send", "cloud", "command", "greeting", *node, code="no_service", what="greeting", cure="trb service list")
         self.error_of("send", "ridgeback", "command", "execute", *node, code="not_permitted", what="execute", cure="")
         self.error_of("scenario", "watch", "ffff", *node, code="unknown_run", what="ffff", cure="trb run list")
