@@ -26,10 +26,9 @@ std::string new_password() {
 }
 
 /// Errors: missing (no node's folder), bad_value (a node without a gateway, no name of a user).
-Status check_words(const std::string& dir, const std::string& user) {
+Status check_words(const std::string& dir, const std::vector<std::string>& services, const std::string& user) {
   constexpr const char* kFolder = "give the folder of the cloud node";
   if (!file_exists(dir + "/node.json")) return fail(Errc::missing, dir + ": no node.json", kFolder);
-  const std::vector<std::string> services = check_node_dir(dir, true).config.services;
   if (std::ranges::find(services, "cloud-gateway") == services.end()) {
     return fail(Errc::bad_value, dir + R"(/node.json: "services" has no cloud-gateway: nobody signs in there)",
                 std::string(kFolder) + ", or add cloud-gateway (trb node new --cloud NAME --page HOST:PORT makes one)");
@@ -51,7 +50,10 @@ int run_password(const Arguments& arguments) {
   init_crypto();
   const std::string& dir = arguments.words[0];
   const std::string user = arguments.get("--user", "admin");
-  if (Status good = check_words(dir, user); !good) return print_error(arguments, good.error());
+  const NodeCheck node = check_node_dir(dir, true);
+  const bool unread = node.config.services.empty() && !node.faults.empty();
+  if (unread && file_exists(dir + "/node.json")) return print_faults(arguments, node.faults);
+  if (Status good = check_words(dir, node.config.services, user); !good) return print_error(arguments, good.error());
   const std::string password = new_password();
   const std::string hash = hash_password(password);
   if (hash.empty()) {

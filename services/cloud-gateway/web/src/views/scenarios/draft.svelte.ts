@@ -107,6 +107,14 @@ export class Drafts {
     return undefined;
   }
 
+  /** One that has something to save. Another one is dropped: somebody may have stored a newer version since. */
+  changed(id: string): Draft | undefined {
+    const draft = this.get(id);
+    if (draft === undefined || draft.isChanged) return draft;
+    this.drop(draft);
+    return undefined;
+  }
+
   /** Of who is signed in; instead of another one of his. */
   keep(id: string, draft: Draft): void {
     const before = this.get(id);

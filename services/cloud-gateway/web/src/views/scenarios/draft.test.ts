@@ -80,6 +80,17 @@ describe('drafts of several people at one page', () => {
     expect(drafts.get('s')).toBe(hers);
   });
 
+  it('are read anew if there is nothing to save', () => {
+    const drafts = new Drafts(() => 'ann');
+    const draft = new Draft(begin, '"1"');
+    drafts.keep('s', draft);
+    expect(drafts.changed('s')).toBeUndefined();
+    expect(drafts.get('s')).toBeUndefined();
+    drafts.keep('s', draft);
+    draft.type('{');
+    expect(drafts.changed('s')).toBe(draft);
+  });
+
   it('stay whose they were when a new one gets its id after somebody else has signed in', () => {
     let user = 'ann';
     const drafts = new Drafts(() => user);

@@ -66,7 +66,7 @@ export const shell = {
     done: 'Stopped: {count} of {all} have confirmed.',
     some: 'NOT all have confirmed the stop: {robots}',
     failed: 'The stop did not reach the gateway. Use the emergency stops. {detail}',
-    over: 'The stop was NOT ordered: your session had ended. Use the emergency stops, or sign in and stop again.',
+    over: 'The stop was NOT ordered: the session had ended. Use the emergency stops, or sign in and stop again.',
     overOf: '{robot}: the stop was NOT ordered, as your session had ended. Use the emergency stop, or sign in and stop again.',
     none: 'The gateway knows no robot. Nothing was stopped.',
     confirmed: 'confirmed',

@@ -68,7 +68,7 @@ export const shell: Pick<Words, 'common' | 'shell' | 'stop' | 'signIn' | 'notice
     done: 'Arrêtés : {count} sur {all} ont confirmé.',
     some: 'Tous n’ont PAS confirmé l’arrêt : {robots}',
     failed: 'L’arrêt n’a pas atteint la passerelle. Utilisez les arrêts d’urgence. {detail}',
-    over: 'L’arrêt n’a PAS été ordonné : votre session était terminée. Utilisez les arrêts d’urgence, ou connectez-vous et arrêtez de nouveau.',
+    over: 'L’arrêt n’a PAS été ordonné : la session était terminée. Utilisez les arrêts d’urgence, ou connectez-vous et arrêtez de nouveau.',
     overOf: '{robot} : l’arrêt n’a PAS été ordonné, car votre session était terminée. Utilisez l’arrêt d’urgence, ou connectez-vous et arrêtez de nouveau.',
     none: 'La passerelle ne connaît aucun robot. Rien n’a été arrêté.',
     confirmed: 'confirmé',
