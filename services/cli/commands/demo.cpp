@@ -241,7 +241,8 @@ Status check_ports(const DemoFleet& fleet, const std::string& dir) {
   }
   if (fleet.page_port == 0 || !is_taken("127.0.0.1", static_cast<std::uint16_t>(fleet.page_port))) return Done{};
   return fail(Errc::conflict, "--page: " + what("127.0.0.1", fleet.page_port),
-              again + "--page " + std::to_string(fleet.page_port == 65535 ? 65534 : fleet.page_port + 1) + (again.empty() ? " is another port" : ""));
+              again + "--page " + std::to_string(fleet.page_port == 65535 ? 65534 : fleet.page_port + 1) +
+                  (again.empty() ? " is another port" : ""));
 }
 
 int run_demo(const Arguments& arguments) {

@@ -16,6 +16,7 @@ namespace trb::scheduler {
 namespace {
 
 constexpr const char* kKnown = ".known";
+constexpr std::size_t kNamedAtOnce = 100;  ///< rows of an earlier version in a transaction
 constexpr const char* kInsert = "INSERT INTO records(run, kind, body) VALUES(?, ?, ?)";
 constexpr const char* kTables =
     "CREATE TABLE IF NOT EXISTS records("
@@ -115,11 +116,11 @@ Status JournalFile::bring_up_to_date() {
   lost_ = *version == 0 && file_exists(path_ + kKnown);
   if (made && lost_) made = note_lost();
   if (made && *version == 1) made = move_tombstones();
-  if (made) made = name_submitters();
+  if (made) made = add_submitters();
   if (made) made = run(("PRAGMA user_version=" + std::to_string(kSchemaVersion)).c_str());
   if (made) made = run("COMMIT");
   if (!made) sqlite3_exec(db_, "ROLLBACK", nullptr, nullptr, nullptr);
-  return made;
+  return made ? name_submitters() : made;
 }
 
 Status JournalFile::note_lost() {
@@ -150,26 +151,45 @@ Status JournalFile::move_tombstones() {
 }
 
 /// An earlier version does not know the column, reads the file all the same, and writes rows without it.
-Status JournalFile::name_submitters() {
+Status JournalFile::add_submitters() {
   const auto known = number("SELECT COUNT(*) FROM pragma_table_info('archive') WHERE name = 'submitter'");
   if (!known) return known.error();
   if (*known == 0) {
     if (auto added = run("ALTER TABLE archive ADD COLUMN submitter TEXT"); !added) return added;
   }
-  if (auto made = run(kSubmitterIndexes); !made) return made;
+  return run(kSubmitterIndexes);
+}
+
+/// To name a row's submitter moves its record: few rows a transaction, so that no disk needs room for all at once.
+Status JournalFile::name_submitters() {
+  for (std::size_t named = kNamedAtOnce; named == kNamedAtOnce;) {
+    if (auto begun = run("BEGIN IMMEDIATE"); !begun) return begun;
+    const auto some = name_some();
+    const Status done = some ? run("COMMIT") : Status(some.error());
+    if (!done) {
+      sqlite3_exec(db_, "ROLLBACK", nullptr, nullptr, nullptr);
+      return done;
+    }
+    named = *some;
+  }
+  return Done{};
+}
+
+Result<std::size_t> JournalFile::name_some() {
   auto read = compile("SELECT seq, record FROM archive WHERE record IS NOT NULL AND submitter IS NULL LIMIT 1");
   if (!read) return read.error();
   auto write = compile("UPDATE archive SET submitter = ? WHERE seq = ?");
   if (!write) return write.error();
-  while (sqlite3_step(read->get()) == SQLITE_ROW) {
+  std::size_t named = 0;
+  for (; named < kNamedAtOnce && sqlite3_step(read->get()) == SQLITE_ROW; ++named) {
     const auto record = decode_record(JournalArchive::kKind, column(read->get(), 1));
     const auto* is = record ? std::get_if<JournalArchive>(&*record) : nullptr;  // a damaged one is nobody's
     bind_text(write->get(), 1, is == nullptr ? std::string() : is->view.submitter);
     sqlite3_bind_int64(write->get(), 2, sqlite3_column_int64(read->get(), 0));
     sqlite3_reset(read->get());
-    if (auto written = finish(write->get()); !written) return written;
+    if (auto written = finish(write->get()); !written) return written.error();
   }
-  return Done{};
+  return named;
 }
 
 Result<std::int64_t> JournalFile::number(const char* sql) {

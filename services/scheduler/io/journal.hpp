@@ -66,7 +66,9 @@ class JournalFile final : public Archive {
   Status prepare();
   Status bring_up_to_date();
   Status move_tombstones();
+  Status add_submitters();
   Status name_submitters();
+  Result<std::size_t> name_some();
   Status read_sizes();
   Status note_lost();
   Result<std::int64_t> number(const char* sql);

@@ -176,6 +176,10 @@ bool is_key_of(BytesView certificate, BytesView key) {
   return theirs != nullptr && own != nullptr && X509_check_private_key(theirs.get(), own.get()) == 1;
 }
 
+bool is_private_key(BytesView key) {
+  return read_key(key) != nullptr;
+}
+
 Result<std::string> fingerprint_of(BytesView certificate) {
   const Certificate read = read_certificate(certificate);
   std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};

@@ -32,6 +32,8 @@ Result<CertificateFacts> facts_of(BytesView certificate);
 
 /// False too for what is no PEM.
 bool is_key_of(BytesView certificate, BytesView key);
+/// Is it one in PEM, without a passphrase?
+bool is_private_key(BytesView key);
 
 /// SHA-256 of the first certificate (DER), "AB:CD:...". Errors: malformed.
 Result<std::string> fingerprint_of(BytesView certificate);

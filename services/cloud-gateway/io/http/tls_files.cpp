@@ -63,6 +63,11 @@ Status renew(const Paths& paths, const std::vector<std::string>& names, UtcTime 
   const auto facts = facts_of_file(paths.files.certificate);
   if (!facts) return facts.error();
   if (facts->is_own && facts->ends - kRenewBefore < now) return make_files(paths, names, now);
+  const auto key = read_file(paths.files.key, kMaxPem);
+  if (!key) return fail(key.error().code, key.error().what, "put a PEM file there that this process may read");
+  if (!is_private_key(*key))
+    return fail(Errc::malformed, paths.files.key + ": is no private key in PEM without a passphrase",
+                "put the certificate's key there, without a passphrase (openssl pkey -in KEY -out gateway.key)");
   if (is_pair(paths, paths.files.key)) return Done{};
   return fail(
       Errc::wrong_key,

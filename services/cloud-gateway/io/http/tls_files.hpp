@@ -20,7 +20,7 @@ constexpr Duration kRenewBefore = std::chrono::hours(24 * 30);
 
 /// NODE_DIR/keys/gateway.crt and gateway.key. If both are missing they are made: EC P-256, self-signed, for these names
 /// and addresses, 825 days; one that this has made and that ends within 30 days is made anew. Errors: io_error;
-/// missing (one of the two); malformed.
+/// missing (one of the two); malformed; wrong_key (of another certificate).
 Result<TlsFiles> provide_tls_files(const std::string& node_dir, const std::vector<std::string>& names, UtcTime now);
 
 /// SHA-256 of the certificate (DER), "AB:CD:...": what a browser shows, for people to compare. Errors: io_error,

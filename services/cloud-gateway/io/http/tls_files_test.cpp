@@ -208,3 +208,15 @@ TEST_CASE("a key of another certificate is told as such") {
   CHECK(files.error().what.find("another certificate") != std::string::npos);
   CHECK_FALSE(files.error().hint.empty());
 }
+
+TEST_CASE("a key that cannot be read, or is none, is not told as another certificate's: nobody removes good files") {
+  const GatewayFolder folder;
+  REQUIRE(folder.start());
+  REQUIRE(write_file(folder.key, Bytes(100'000, 'x'), 0600));
+  CHECK(folder.start().error().code == Errc::too_large);
+  REQUIRE(write_file(folder.key, "no key", 0600));
+  const auto files = folder.start();
+  REQUIRE_FALSE(files);
+  CHECK(files.error().code == Errc::malformed);
+  CHECK(files.error().hint.find("passphrase") != std::string::npos);
+}
