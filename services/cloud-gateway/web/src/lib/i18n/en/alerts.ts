@@ -4,6 +4,7 @@ export const alerts = {
     all: 'All alerts',
     missing: 'There is no such alert.',
     empty: 'There was no alert.',
+    allShelved: 'All alerts are shelved; they are below.',
     silent: 'No word from the resilience service: it is not known which alerts there are.',
     openCount: 'Open: {count}, in all: {all}',
     priority: 'Priority',

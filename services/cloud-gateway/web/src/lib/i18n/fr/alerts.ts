@@ -6,6 +6,7 @@ export const alerts: Pick<Words, 'alerts' | 'alertState' | 'alertCause' | 'verdi
     all: 'Toutes les alertes',
     missing: 'Cette alerte n’existe pas.',
     empty: 'Il n’y a eu aucune alerte.',
+    allShelved: 'Toutes les alertes sont mises de côté ; elles sont ci-dessous.',
     silent: 'Sans nouvelles du service de résilience : on ne sait pas quelles alertes il y a.',
     openCount: 'Ouvertes : {count}, en tout : {all}',
     priority: 'Priorité',
