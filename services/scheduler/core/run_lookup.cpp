@@ -1,8 +1,19 @@
 #include "services/scheduler/core/run_lookup.hpp"
 
+#include <algorithm>
+
 #include "services/scheduler/core/refusal.hpp"
 
 namespace trb::scheduler {
+namespace {
+
+/// The order would bring such a message about anew: the two would send them to each other for ever.
+bool follows_from_abort(const Body& body) {
+  return holds_alternative<RunAbort>(body) || holds_alternative<AbortConfirmed>(body) ||
+         holds_alternative<NeedDefinition>(body);
+}
+
+}  // namespace
 
 Run* RunLookup::find(const std::string& run, const Inbound& from, Step step) const {
   Run* known = runs_.find(run);
@@ -69,9 +80,26 @@ std::optional<Over> RunLookup::over(const std::string& run) const {
 
 void RunLookup::refuse_over(const std::string& run, const Over& over, const Inbound& from, Step step) const {
   if (!over.end.kind.empty() && from.source != node_) step.out.information(from.source, RunOver{over.end});
+  if (over.state == RunState::aborted) send_archived_abort(run, from, step);
   refuse(from,
          fail(Errc::expired, "run " + run + " is over: " + std::string(name_of(over.state)), "trb run show has it"),
          step);
+}
+
+/// A node that was revoked is owed no order. If it is a member again, its journal may hold the run open, and its robot
+/// would go on.
+void RunLookup::send_archived_abort(const std::string& run, const Inbound& from, Step step) const {
+  if (from.source == node_ || follows_from_abort(from.body)) return;
+  const auto record = archive_.record(run);
+  if (!record) return step.out.count("abort_not_kept");
+  const auto abort = std::ranges::find(record->orders, kSignedRunAbort, &SignedRecord::kind);
+  if (abort != record->orders.end()) step.out.command(from.source, RunAbort{*abort});
+}
+
+void RunLookup::tell_aborted(const Run& run, const Inbound& from, Step step) const {
+  if (from.source == node_ || !run.orders().is_aborted()) return;
+  if (run.deliveries().pending().owes(DeliveryKind::abort, from.source)) return;
+  step.out.command(from.source, RunAbort{run.orders().abort_record()});
 }
 
 bool RunLookup::awaits_definition(const std::string& run, const std::string& from) const {

@@ -36,8 +36,11 @@ class RunLookup {
   void request_decisions(Run& run, const std::string& node, Step step) const;
   /// The run's fate if it is in the archive, and not open.
   [[nodiscard]] std::optional<Over> over(const std::string& run) const;
-  /// Refuses what is about a run that is over; a peer that may not know yet gets the record that it has FINISHED.
+  /// Refuses what is about a run that is over; a peer that may not know yet gets the record that it has FINISHED, or
+  /// the order that has ABORTED it.
   void refuse_over(const std::string& run, const Over& over, const Inbound& from, Step step) const;
+  /// A member has said of an aborted run what nobody says who knows that: it gets the order, if it is not owed anyway.
+  void tell_aborted(const Run& run, const Inbound& from, Step step) const;
 
   /// The run's definition was requested from that node.
   [[nodiscard]] bool awaits_definition(const std::string& run, const std::string& from) const;
@@ -52,6 +55,7 @@ class RunLookup {
  private:
   /// False: it finds no place. Another's message may have to give it up.
   [[nodiscard]] bool defer(const std::string& run, const Inbound& from, Step step);
+  void send_archived_abort(const std::string& run, const Inbound& from, Step step) const;
 
   std::string node_;
   const RunStore& runs_;

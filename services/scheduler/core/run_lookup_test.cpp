@@ -98,3 +98,25 @@ TEST_CASE("of a run in the archive a peer is told how it ended") {
   CHECK(targets<RunOver>(out) == Names{"drone"});
   CHECK(nacks(out) == Names{"expired"});
 }
+
+TEST_CASE("of an aborted run in the archive a peer is told the order, once for what it says and never for the answer") {
+  KnownRun known(chain({"ur3"}));
+  JournalArchive record;
+  record.view.run = kUnknown;
+  record.view.state = RunState::aborted;
+  record.orders = {known.pause(1, true), known.abort()};
+  record.until = known.now.utc.ns + 1'000'000'000;
+  known.archive.put(record);
+  const auto said = [&](const std::string& from, Body body) {
+    Outbox out;
+    known.lookup.find(kUnknown, known.from(from, MessageType::information, std::move(body)), known.step(out));
+    return out;
+  };
+  const Outbox out = said("drone", TaskProgress{{kUnknown, "task-0", 1, 1}, "drone", TaskState::running, ""});
+  REQUIRE(targets<RunAbort>(out) == Names{"drone"});
+  CHECK(sent<RunAbort>(out).at(0).order == known.abort());
+  CHECK(targets<RunAbort>(said("drone", NeedEnd{kUnknown})) == Names{"drone"});
+  CHECK(targets<RunAbort>(said("drone", AbortConfirmed{kUnknown})).empty());
+  CHECK(targets<RunAbort>(said("drone", NeedDefinition{kUnknown, {}})).empty());
+  CHECK(targets<RunAbort>(said("ur3", NeedEnd{kUnknown})).empty());
+}

@@ -36,7 +36,7 @@ SchedulerCore::SchedulerCore(SchedulerSettings settings, const Archive& archive)
       batons_(settings_.node, runs_, executor_, lookup_, journal_),
       results_(runs_, lookup_, journal_),
       decisions_(settings_.node, lookup_, journal_),
-      aborts_(settings_.node, executor_, lookup_, journal_),
+      aborts_(settings_.node, runs_, executor_, lookup_, journal_),
       pauses_(settings_.node, executor_, lookup_, journal_),
       ends_(settings_.node, runs_, executor_, lookup_, journal_),
       queries_(runs_, archive, executor_, watchers_),

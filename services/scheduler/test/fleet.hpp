@@ -58,6 +58,8 @@ class Fleet {
   Fleet& operator=(const Fleet&) = delete;
 
   Node& add(const std::string& id, Role role);
+  /// Its certificate is of other keys from now on.
+  void give_new_keys(const std::string& id) { identities_.add(id, nodes_.at(id).role); }
   Node& operator[](const std::string& id) { return nodes_.at(id); }
   [[nodiscard]] Member member(const std::string& id) const { return identities_.member(id); }
   [[nodiscard]] std::vector<Member> members() const { return identities_.members(); }

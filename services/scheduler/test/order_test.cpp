@@ -136,6 +136,51 @@ TEST_CASE("a run that is aborted goes to the archive without a stolen node, once
   for (const std::string& node : others) CHECK(story.state(node) == RunState::aborted);
 }
 
+TEST_CASE("a stolen node that is back with new keys and its old journal is told of the abort, and begins no more") {
+  HeldStory story(chain({"ur3", "ur3", "ur3"}));
+  Node& ur3 = story.fleet["ur3"];
+  const std::vector<std::string> others = {"cloud", "conveyor", "drone", "pioneer", "ridgeback"};
+  const auto tell_others = [&](const auto& body) {
+    for (const std::string& node : others) story.fleet.tell(node, node, MessageType::information, body);
+  };
+  std::size_t most_begun = 1;
+  REQUIRE(story.until([&] { return story.begun("ur3") == 1; }));
+  ur3.adapter.set_control("ann");
+  SUBCASE("it owes a result, and says so before its robot is free") {
+    ur3.cut = true;
+    story.fleet.pass(seconds(5));
+  }
+  SUBCASE("it owes nothing: that it begins its next task is the first that it says") {
+    REQUIRE(story.until([&] { return story.task(0).state == TaskState::finished; }));
+    story.fleet.pass(seconds(2));
+    ur3.cut = true;
+    ur3.adapter.skill_time = seconds(10);
+    most_begun = 2;
+  }
+  story.fleet.stop("ur3");
+  tell_others(PeerExpired{"ur3", "cert_revoked: stolen"});
+  story.abort("cloud");
+  const auto is_archived = [&](const std::string& node) {
+    return story.fleet[node].archive->over(kStoryRun) && story.state(node) == RunState::aborted;
+  };
+  const auto knows = [&](const std::string& node) { return !story.fleet.view(node, kStoryRun).run.empty(); };
+  REQUIRE(story.until([&] {
+    return std::ranges::all_of(others, [&](const auto& node) { return !knows(node) || is_archived(node); });
+  }));
+  REQUIRE(is_archived("cloud"));
+  story.fleet.give_new_keys("ur3");
+  ur3.cut = false;
+  story.fleet.start("ur3");
+  tell_others(PeerJoined{"ur3", 2});
+  story.fleet.pass(seconds(2));
+  ur3.adapter.set_control("");
+  story.fleet.pass(seconds(120));
+  CHECK(story.begun("ur3") <= most_begun);
+  const RunState state = story.state("ur3");
+  CHECK((state == RunState::aborting || state == RunState::aborted));
+  CHECK(story.fleet.carried["run_abort"] < 1000);
+}
+
 TEST_CASE("a task done twice holds the run on every node, until a person has looked and lets it go on") {
   HeldStory story(chain({"ridgeback", "ur3", "drone", "drone"}));
   story.fleet["ur3"].adapter.skill_time = seconds(30);

@@ -57,7 +57,12 @@ void AbortHandler::handle(const PeerExpired& body, const Inbound& from, Step ste
 
 void AbortHandler::handle(const PeerJoined& body, const Inbound& from, Step step) {
   if (from.source != node_) return refuse(from, not_own(from), step);
-  revoked_.erase(body.id);
+  if (revoked_.erase(body.id) == 0) return;
+  // Its journal may still hold open what it was not told of.
+  for (Run* run : runs_.runs()) {
+    const bool owed = run->orders().is_aborted() && run->members().contains(body.id);
+    if (owed) run->deliveries().pending().owe(DeliveryKind::abort, body.id, {});
+  }
 }
 
 void AbortHandler::give_up_revoked(Run& run, Step step) {

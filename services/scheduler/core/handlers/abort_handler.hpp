@@ -18,12 +18,13 @@ class AbortHandler {
   using Answers = Takes<PeerExpired, PeerJoined>;
 
   /// All must outlive it.
-  AbortHandler(std::string node, const Executor& executor, RunLookup& lookup, RunJournal& journal)
-      : node_(std::move(node)), executor_(executor), lookup_(lookup), journal_(journal) {}
+  AbortHandler(std::string node, const RunStore& runs, const Executor& executor, RunLookup& lookup, RunJournal& journal)
+      : node_(std::move(node)), runs_(runs), executor_(executor), lookup_(lookup), journal_(journal) {}
 
   void handle(const RunAbort& body, const Inbound& from, Step step);
   void handle(const AbortConfirmed& body, const Inbound& from, Step step);
-  /// A node whose certificate is revoked confirms no abort any more, until it is a member again.
+  /// A node whose certificate is revoked confirms no abort any more, until it is a member again: then it is owed the
+  /// abort of every run that is still here.
   void handle(const PeerExpired& body, const Inbound& from, Step step);
   void handle(const PeerJoined& body, const Inbound& from, Step step);
 
@@ -39,6 +40,7 @@ class AbortHandler {
 
  private:
   std::string node_;
+  const RunStore& runs_;
   const Executor& executor_;
   RunLookup& lookup_;
   RunJournal& journal_;

@@ -27,6 +27,7 @@ void EndHandler::handle(const NeedEnd& body, const Inbound& from, Step step) {
   const Run* run = lookup_.find(body.run, from, step);
   if (run == nullptr) return;
   if (run->orders().has_ended()) return step.out.reply(from, RunOver{run->orders().end_record()});
+  lookup_.tell_aborted(*run, from, step);
   const std::string state(name_of(state_of(*run, executor_, step.clock())));
   step.out.reply(from, Ack{"not_over", "run " + run->id() + " is " + state});
 }

@@ -93,3 +93,13 @@ TEST_CASE("who asks for the end is told it, or that the run goes on") {
   REQUIRE(judge.known.run().apply(JournalEnd{judge.known.end()}).ok());
   CHECK(targets<RunOver>(ask()) == Names{"ur3"});
 }
+
+TEST_CASE("who asks for the end of an aborted run gets the order, unless it is owed anyway") {
+  Ending judge("cloud");
+  const auto ask = [&] { return judge.known.send(judge.handler, "ur3", NeedEnd{kKnownRun}, MessageType::request); };
+  CHECK(targets<RunAbort>(ask()).empty());
+  REQUIRE(judge.known.run().apply(JournalAbort{judge.known.abort(), true}).ok());
+  CHECK(targets<RunAbort>(ask()).empty());
+  REQUIRE(judge.known.run().deliveries().settle(DeliveryKind::abort, "ur3", {}));
+  CHECK(targets<RunAbort>(ask()) == Names{"ur3"});
+}

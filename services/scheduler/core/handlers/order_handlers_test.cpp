@@ -37,7 +37,7 @@ struct Ordering {
   [[nodiscard]] const Orders& orders() const { return known.run().orders(); }
 
   KnownRun known;
-  AbortHandler aborts{known.self, known.executor, known.lookup, known.journal};
+  AbortHandler aborts{known.self, known.runs, known.executor, known.lookup, known.journal};
   PauseHandler pauses{known.self, known.executor, known.lookup, known.journal};
 };
 
@@ -103,6 +103,27 @@ TEST_CASE("a node that is a member again gets what it is owed") {
   Outbox out;
   ordering.aborts.give_up_revoked(ordering.known.run(), ordering.known.step(out));
   CHECK(out.journal.empty());
+}
+
+TEST_CASE("a node that is a member again is owed the abort that was given up, once") {
+  Ordering ordering;
+  const auto tell = [&](const auto& body) {
+    ordering.known.send(ordering.aborts, "ur3", body, MessageType::information);
+  };
+  const auto& owed = ordering.known.run().deliveries().pending();
+  ordering.known.send(ordering.aborts, "drone", RunAbort{ordering.known.abort("drone")});
+  tell(PeerExpired{"cloud", "cert_revoked: stolen"});
+  tell(PeerExpired{"stranger", "cert_revoked: stolen"});
+  Outbox out;
+  ordering.aborts.give_up_revoked(ordering.known.run(), ordering.known.step(out));
+  REQUIRE_FALSE(owed.owes(DeliveryKind::abort, "cloud"));
+  tell(PeerJoined{"cloud", 7});
+  tell(PeerJoined{"stranger", 7});
+  CHECK(owed.owes(DeliveryKind::abort, "cloud"));
+  CHECK_FALSE(owed.owes(DeliveryKind::abort, "stranger"));
+  ordering.known.send(ordering.aborts, "cloud", AbortConfirmed{kKnownRun}, MessageType::information);
+  tell(PeerJoined{"cloud", 8});
+  CHECK_FALSE(owed.owes(DeliveryKind::abort, "cloud"));
 }
 
 TEST_CASE("a person's order on this node is answered") {

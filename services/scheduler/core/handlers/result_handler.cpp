@@ -130,6 +130,7 @@ void ResultHandler::handle(const TaskProgress& body, const Inbound& from, Step s
   if (!theirs || body.robot != from.source) {
     return refuse(from, fail(Errc::not_permitted, "progress of a task that is another's"), step);
   }
+  lookup_.tell_aborted(*run, from, step);
   const bool late = is_late(*run, *task, body);
   if (is_under_way(body.state) && !late) {
     run->reports().note_progress(*task, body.state, body.detail);
