@@ -7,6 +7,7 @@
 #include "common/scenario/values.hpp"
 #include "proto/value.hpp"
 #include "services/scheduler/core/refusal.hpp"
+#include "services/scheduler/core/result_room.hpp"
 
 namespace trb::scheduler {
 namespace {
@@ -33,13 +34,12 @@ Attempt attempt_for(const RunStore& runs, const Run& run, const JournalStart& fa
   attempt.execute = {fact.key, fact.epoch, fact.instance, task.skill, data ? *data : task.data, task.timeout_s};
   attempt.may_retry = fact.key.attempt - first < task.retries && fact.key.attempt < kMaxAttempts;
   attempt.on_failure = task.on_failure;
-  // What goes beside the data, a reason of 1 kB and the record, is small.
-  constexpr std::size_t kBesides = 4096;
+  const std::size_t besides = bytes_besides(run);
   const std::string& self = run.epochs().self();
-  const auto left_of = [&](std::size_t most) { return most - std::min(run.results().bytes_of(self) + kBesides, most); };
+  const auto left_of = [&](std::size_t most) { return most - std::min(run.results().bytes_of(self) + besides, most); };
   // The other members leave room for no more.
   const std::size_t share = runs.bytes_left(self);
-  const std::size_t left = std::max(left_of(RunStore::kFreeBytes), share - std::min(kBesides, share));
+  const std::size_t left = std::max(left_of(free_bytes(run, self)), share - std::min(besides, share));
   attempt.most_data = std::min(left_of(ResultSet::kMostBytes), left);
   attempt.result.key = fact.key;
   attempt.result.digest = run.definition().start().digest;

@@ -17,8 +17,9 @@ namespace {
 using Names = std::vector<std::string>;
 
 struct Working {
-  explicit Working(const Scenario& scenario = chain({"ur3", "drone"}), Bytes key = {})
-      : known(scenario), schedule(known.runs, known.executor, lost, std::move(key)) {}
+  explicit Working(const Scenario& scenario = chain({"ur3", "drone"}), Bytes key = {},
+                   std::size_t most_bytes = RunStore::kMostBytes)
+      : known(scenario, "ur3", most_bytes), schedule(known.runs, known.executor, lost, std::move(key)) {}
 
   Outbox tell_online() {
     AdapterState state;
@@ -230,6 +231,32 @@ TEST_CASE("a run that knows other keys of this node has no task begun at all") {
   schedule.update_due(same.known.run(), same.known.step(out));
   schedule.start_next(same.known.step(out));
   CHECK(sent<Execute>(out).size() == 1);
+}
+
+TEST_CASE("a run of 1000 tasks with 5 kB each finishes: data is left out early enough for all that end without") {
+  for (const std::size_t most_bytes : {RunStore::kMostBytes, std::size_t{1} << 20U}) {
+    Working working(chain(std::vector<std::string>(1000, "ur3")), {}, most_bytes);
+    working.tell_online();
+    int ended = 0;
+    for (; ended < 1000; ++ended) {
+      const auto commands = sent<Execute>(working.at_end_of_step());
+      REQUIRE(commands.size() == 1);
+      Outcome outcome;
+      outcome.key = commands.front().key;
+      outcome.instance = 5;
+      outcome.outcome = TaskOutcome::finished;
+      outcome.data = std::string(5000, 'x');
+      const Outbox request = working.known.send(working.robot, "ur3", outcome, MessageType::information);
+      const SignedRecord result = signed_by(working.known.signers, "ur3", request);
+      // As its judge takes it.
+      if (!working.known.runs.received_result(working.known.run(), result).ok()) break;
+      Outbox out;
+      working.robot.keep_signed(result, working.known.from("ur3", MessageType::information, result),
+                                working.known.step(out));
+    }
+    CHECK(ended == 1000);
+    CHECK(working.known.run().facts().all_final());
+  }
 }
 
 TEST_CASE("a task that is due for too long fails, and says what it waited for") {
