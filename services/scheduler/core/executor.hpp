@@ -58,7 +58,7 @@ class Executor {
   void on(const ExecutionState& state, Now now, Outbox& out);
   void on(const Outcome& outcome, Now now, Outbox& out);
   void on_refusal(const Nack& nack, Now now, Outbox& out);
-  /// The signed result is journaled in the same step.
+  /// The signed result is journaled in the same step, or the attempt is given up.
   void done(Outbox& out);
 
   /// What its refused attempt waits for, at each change and every 10 s; empty: there is nothing to send.

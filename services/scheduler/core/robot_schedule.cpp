@@ -6,6 +6,8 @@
 
 #include "common/scenario/values.hpp"
 #include "proto/value.hpp"
+#include "services/scheduler/core/refusal.hpp"
+#include "services/scheduler/core/result_room.hpp"
 
 namespace trb::scheduler {
 namespace {
@@ -32,13 +34,12 @@ Attempt attempt_for(const RunStore& runs, const Run& run, const JournalStart& fa
   attempt.execute = {fact.key, fact.epoch, fact.instance, task.skill, data ? *data : task.data, task.timeout_s};
   attempt.may_retry = fact.key.attempt - first < task.retries && fact.key.attempt < kMaxAttempts;
   attempt.on_failure = task.on_failure;
-  // What goes beside the data, a reason of 1 kB and the record, is small.
-  constexpr std::size_t kBesides = 4096;
+  const std::size_t besides = bytes_besides(run);
   const std::string& self = run.epochs().self();
-  const auto left_of = [&](std::size_t most) { return most - std::min(run.results().bytes_of(self) + kBesides, most); };
+  const auto left_of = [&](std::size_t most) { return most - std::min(run.results().bytes_of(self) + besides, most); };
   // The other members leave room for no more.
   const std::size_t share = runs.bytes_left(self);
-  const std::size_t left = std::max(left_of(RunStore::kFreeBytes), share - std::min(kBesides, share));
+  const std::size_t left = std::max(left_of(free_bytes(run, self)), share - std::min(besides, share));
   attempt.most_data = std::min(left_of(ResultSet::kMostBytes), left);
   attempt.result.key = fact.key;
   attempt.result.digest = run.definition().start().digest;
@@ -60,8 +61,14 @@ void notify_progress(const Run& run, const AttemptKey& key, TaskState state, con
 void RobotSchedule::resume_attempt() {
   if (executor_.attempt()) return;
   for (const Run* run : runs_.runs()) {
+    if (run->work().has_given_up_attempt()) continue;
     if (const JournalStart* open = run->facts().open_start()) return executor_.resume(attempt_for(runs_, *run, *open));
   }
+}
+
+bool RobotSchedule::has_other_keys(const Run& run) const {
+  const Certificate* own = run.members().find(run.epochs().self());
+  return !identity_key_.empty() && own != nullptr && own->identity_key.bytes != identity_key_;
 }
 
 bool RobotSchedule::is_doing(const Run& run, TaskIndex task) const {
@@ -78,6 +85,8 @@ void RobotSchedule::update_due(Run& run, Step step) const {
   // No fact of the run says that a task has begun.
   timers.drop_due_if([&](TaskIndex task) { return run.reports().is_under_way(task) || is_doing(run, task); });
   if (!timers.take_version(run.version() + run.deliveries().pending().changes())) return;
+  const bool has_to_sign = run.orders().is_open() && !run.open_tasks().own_are_final();
+  if (has_to_sign && has_other_keys(run)) withhold_unsigned(run, step);
   std::vector<TaskIndex> unpassed;
   if (goes_on) unpassed = run.deliveries().unpassed();
   timers.set_passes(std::move(unpassed), step.now.mono + kPassPatience);
@@ -138,6 +147,8 @@ RobotSchedule::Allowed RobotSchedule::allowed(const Run& run, const AttemptKey& 
   if (run.work().withheld().is_asked_back(task)) {
     return {Permit::give_back, "given back to '" + decider + "', never begun"};
   }
+  // What the robot does may end; what its mode-adapter does not know must not begin: it may have ended long ago.
+  if (run.work().withheld().are_all()) return {Permit::no_more, "this node has got new keys"};
   if (run.orders().is_held()) return {Permit::hold, "the run is held"};
   if (executor_.is_refused() && is_late(run, task, step)) {
     return {Permit::too_late, late_text(run, task)};

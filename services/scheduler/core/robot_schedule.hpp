@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "services/scheduler/core/executor.hpp"
@@ -17,11 +18,12 @@ void notify_progress(const Run& run, const AttemptKey& key, TaskState state, con
 
 class RobotSchedule {
  public:
-  /// All must outlive it.
-  RobotSchedule(const RunStore& runs, Executor& executor, const LostJournal& lost)
-      : runs_(runs), executor_(executor), lost_(lost) {}
+  /// All must outlive it. `identity_key`: the public key that this node signs with; empty: unknown.
+  RobotSchedule(const RunStore& runs, Executor& executor, const LostJournal& lost, Bytes identity_key = {})
+      : runs_(runs), executor_(executor), lost_(lost), identity_key_(std::move(identity_key)) {}
 
-  /// Takes up the attempt whose start record was found without a result, if there is one.
+  /// Takes up the attempt whose start record was found without a result, unless its result was signed and not
+  /// believed.
   void resume_attempt();
   /// At a step's end, for each run: sets its timers by its facts.
   void update_due(Run& run, Step step) const;
@@ -39,6 +41,8 @@ class RobotSchedule {
     Permit permit{};
     std::string why;
   };
+  /// The run has another identity key of this node.
+  [[nodiscard]] bool has_other_keys(const Run& run) const;
   /// This node's robot does it, or has done it.
   [[nodiscard]] bool is_doing(const Run& run, TaskIndex task) const;
   /// The task was due for longer than its scenario lets it wait.
@@ -56,6 +60,7 @@ class RobotSchedule {
   const RunStore& runs_;
   Executor& executor_;
   const LostJournal& lost_;
+  Bytes identity_key_;
 };
 
 }  // namespace trb::scheduler

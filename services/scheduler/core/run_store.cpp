@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <tuple>
 
+#include "services/scheduler/core/result_room.hpp"
+
 namespace trb::scheduler {
 
 template <class Fact>
@@ -75,7 +77,7 @@ Result<HeldResult> RunStore::received_result(const Run& run, const SignedRecord&
   if (!held) return held;
   const std::string& robot = held->result.robot;
   const std::size_t size = record.payload.bytes.size();
-  if (run.results().bytes_of(robot) + size <= kFreeBytes || bytes_left(robot) >= size) return held;
+  if (bytes_left(robot) >= size || run.results().bytes_of(robot) + size <= free_bytes(run, robot)) return held;
   if (!run.results().grows_by(*run.index_of(held->result.key.task), *held)) return held;
   return fail(Errc::queue_full,
               "run " + run.id() + ": '" + robot + "' has its share of the " + std::to_string(most_bytes_ >> 20U) +

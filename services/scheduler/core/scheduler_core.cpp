@@ -44,7 +44,7 @@ SchedulerCore::SchedulerCore(SchedulerSettings settings, const Archive& archive)
       conditions_(settings_.node, runs_, journal_),
       routes_(settings_.node, conditions_, definitions_),
       refusals_(settings_.node, runs_, executor_, conditions_, batons_),
-      schedule_(runs_, executor_, lost_),
+      schedule_(runs_, executor_, lost_, settings_.identity_key),
       unattempted_(settings_.node, journal_),
       archiver_(settings_.has_robot, runs_, executor_, watchers_) {}
 

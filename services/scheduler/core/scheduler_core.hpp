@@ -44,6 +44,7 @@ struct SchedulerSettings {
   std::string node;          ///< the own node's id
   FleetAuthority authority;  ///< opens the members' certificates
   bool has_robot = true;     ///< the node has a mode-adapter
+  Bytes identity_key = {};   ///< the own certificate's; empty: unknown
 };
 
 class SchedulerCore : public Core {

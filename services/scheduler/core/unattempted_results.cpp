@@ -15,10 +15,11 @@ void UnattemptedResults::request(Run& run, Step step) const {
     run.work().signatures().want_result(task, make, node_, step.now, step.out);
   };
   const auto release = [&](TaskIndex task) { want(task, [&] { return released_result(run, task, now); }); };
-  if (run.is_open(step.steady)) {
+  const bool signs = !run.work().withheld().are_all();
+  if (signs && run.is_open(step.steady)) {
     for (const TaskIndex task : run.open_tasks().releasable()) release(task);
   }
-  if (run.may_start(step.steady)) {
+  if (signs && run.may_start(step.steady)) {
     for (const TaskIndex task : run.open_tasks().to_bind()) release(task);
     for (const TaskIndex task : run.open_tasks().skippable()) {
       want(task, [&] { return skipped_result(run, task, now); });
@@ -35,7 +36,11 @@ bool UnattemptedResults::keep_signed(Run& run, const SignedRecord& record, Step 
   if (!task) return false;
   auto held = run.checks().result(record);
   if (!held) {
-    log_wrong_signature(held.error(), step);
+    if (held.error().code == Errc::bad_signature) {
+      withhold_unsigned(run, step);
+    } else {
+      log_wrong_signature(held.error(), step);
+    }
     return true;
   }
   run.work().signatures().drop_result(*task);

@@ -6,6 +6,9 @@
 namespace trb::scheduler {
 namespace {
 
+constexpr const char* kOtherKeys =
+    "a person: this node has got new keys since, and does no more of the run; abort it on another node";
+
 /// The first task that waits for a robot to be chosen.
 std::optional<TaskIndex> first_unbound(const Run& run) {
   for (std::size_t i = 0; i < run.tasks().size(); ++i) {
@@ -75,6 +78,7 @@ std::string abort_text(const Run& run, const Executor& executor) {
 }
 
 std::string robot_text(const Run& run, const Executor& executor) {
+  if (run.work().withheld().are_all() && !run.open_tasks().own_are_final()) return kOtherKeys;
   if (executor.attempt()) {
     const Attempt& attempt = *executor.attempt();
     if (!executor.runs(run.id()) || attempt.phase != Phase::refused) return {};
@@ -120,6 +124,7 @@ bool lacks_robot(const Run& run, UtcTime steady) {
 std::string due_text(const Run& run, const Executor& executor, TaskIndex task) {
   const std::string& robot = run.epochs().robot_of(task);
   if (run.epochs().is_own(task)) {
+    if (run.work().withheld().are_all()) return kOtherKeys;
     const bool here = executor.runs(run.id()) && executor.attempt()->execute.key.task == run.tasks()[task].id;
     const std::string obstacle = executor.obstacle(run.tasks()[task].skill);
     if (!obstacle.empty() || here || !executor.attempt()) return obstacle;

@@ -13,7 +13,8 @@ namespace trb::scheduler {
 namespace {
 
 Result<int> run(const NodeConfig& node, const NodeCertificate& keys, Service& service, JournalFile& journal) {
-  SchedulerCore core({node.id, keys.authority, node.has_service("mode-adapter")}, journal);
+  SchedulerCore core({node.id, keys.authority, node.has_service("mode-adapter"), keys.certificate.identity_key.bytes},
+                     journal);
   if (journal.was_lost()) {
     log_event(Level::error, "journal_lost",
               "state/journal.db is new, though this node had one: what it knew of its open runs is lost");

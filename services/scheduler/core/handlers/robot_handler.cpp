@@ -54,13 +54,21 @@ bool RobotHandler::keep_signed(const SignedRecord& record, const Inbound& from, 
   auto held = run == nullptr ? Result<HeldResult>(fail(Errc::unknown_run, "a signed result of no run"))
                              : run->checks().result(record);
   if (!held) {
-    if (run != nullptr) log_wrong_signature(held.error(), step);
     refuse(from, held.error(), step);
+    if (run != nullptr) on_wrong_signature(*run, held.error(), step);
     return true;
   }
   journal_.keep_result(*run, std::move(*held), step);
   executor_.done(step.out);
   return true;
+}
+
+/// Another signature by the same key would not be believed either: the robot is free for other runs.
+void RobotHandler::on_wrong_signature(Run& run, const Error& error, Step step) {
+  if (error.code != Errc::bad_signature) return log_wrong_signature(error, step);
+  withhold_unsigned(run, step);
+  run.work().give_up_attempt();
+  executor_.done(step.out);
 }
 
 }  // namespace trb::scheduler

@@ -23,11 +23,13 @@ class RobotHandler {
   void handle(const Outcome& body, const Inbound& from, Step step);
   void handle(const Ack& body, const Inbound& from, Step step);
 
-  /// Keeps the signed result of the attempt; false if it is another record.
+  /// Keeps the signed result of the attempt, or gives the attempt up, if the run knows other keys of this node; false
+  /// if it is another record.
   bool keep_signed(const SignedRecord& record, const Inbound& from, Step step);
 
  private:
   void confirm_old(const Outcome& body, Step step);
+  void on_wrong_signature(Run& run, const Error& error, Step step);
 
   std::string node_;
   const RunStore& runs_;

@@ -17,7 +17,9 @@ namespace {
 using Names = std::vector<std::string>;
 
 struct Working {
-  explicit Working(const Scenario& scenario = chain({"ur3", "drone"})) : known(scenario) {}
+  explicit Working(const Scenario& scenario = chain({"ur3", "drone"}), Bytes key = {},
+                   std::size_t most_bytes = RunStore::kMostBytes)
+      : known(scenario, "ur3", most_bytes), schedule(known.runs, known.executor, lost, std::move(key)) {}
 
   Outbox tell_online() {
     AdapterState state;
@@ -52,10 +54,19 @@ struct Working {
     return known.send(refusals, "ur3", nack, MessageType::information);
   }
 
+  /// What its outcome is signed with is not what the run knows of this node.
+  Outbox sign_with_new_keys(const Outbox& request) {
+    known.signers.add("ur3", Role::robot);
+    Outbox out;
+    const SignedRecord result = signed_by(known.signers, "ur3", request);
+    CHECK(robot.keep_signed(result, known.from("ur3", MessageType::information, result), known.step(out)));
+    return out;
+  }
+
   KnownRun known;
   LostJournal lost;
   RobotHandler robot{known.self, known.runs, known.executor, lost, known.journal};
-  RobotSchedule schedule{known.runs, known.executor, lost};
+  RobotSchedule schedule;
   ConditionHandler conditions{known.self, known.runs, known.journal};
   BatonHandler batons{known.self, known.runs, known.executor, known.lookup, known.journal};
   RefusalHandler refusals{known.self, known.runs, known.executor, conditions, batons};
@@ -151,6 +162,101 @@ TEST_CASE("an attempt whose start record was found is taken up, not begun anew")
   working.tell_online();
   CHECK(sent<Execute>(working.at_end_of_step()).empty());
   CHECK(working.known.executor.runs(kKnownRun));
+}
+
+TEST_CASE("a run that knows other keys of this node loses its attempt, and keeps the robot from no other run") {
+  Working working(chain({"ur3", "ur3"}));
+  working.start();
+  const Outbox given_up = working.sign_with_new_keys(working.tell_outcome(TaskOutcome::finished));
+  CHECK(given_up.journal.empty());
+  CHECK(sent<OutcomeJournaled>(given_up).size() == 1);
+  REQUIRE(given_up.logs.size() == 1);
+  CHECK(given_up.logs[0].event == "own_keys_changed");
+  CHECK_FALSE(working.known.executor.attempt().has_value());
+  // It is not taken up again, and nothing of the run begins.
+  working.tell_online();
+  const Outbox after = working.at_end_of_step();
+  CHECK(after.sends.empty());
+  CHECK(after.logs.empty());
+  CHECK_FALSE(working.known.executor.attempt().has_value());
+  CHECK(working.known.run().orders().is_open());
+  // A run that was made since goes on.
+  const std::string id(32, 'b');
+  auto later = working.known.runs.open(
+      working.known.signers.make_start(chain({"ur3"}), "cloud", working.known.now.utc, seconds(3600), id));
+  REQUIRE(later.ok());
+  working.known.runs.add(std::move(*later));
+  const auto commands = sent<Execute>(working.at_end_of_step());
+  REQUIRE(commands.size() == 1);
+  CHECK(commands.front().key.run == id);
+}
+
+TEST_CASE("a node with new keys begins nothing in a run that knows its old ones, also what its journal has begun") {
+  Working working(chain({"ur3", "ur3"}), Bytes(32, 'n'));
+  JournalStart start;
+  start.key = {kKnownRun, "task-0", 1, 1};
+  start.epoch = 1;
+  start.instance = 5;
+  REQUIRE(working.known.run().apply(start).ok());
+  working.schedule.resume_attempt();
+  REQUIRE(working.known.executor.runs(kKnownRun));
+  working.tell_online();
+  const Outbox asks = working.at_end_of_step();
+  CHECK(sent<ExecutionQuery>(asks).size() == 1);
+  CHECK(asks.logs.size() == 1);
+  // It may have ended before the restart, and the mode-adapter has forgotten it.
+  ExecutionState unknown;
+  unknown.key = start.key;
+  unknown.instance = 5;
+  unknown.state = "unknown";
+  const Outbox ended = working.known.send(working.robot, "ur3", unknown, MessageType::information);
+  CHECK(sent<Execute>(ended).empty());
+  CHECK(working.sign_with_new_keys(ended).logs.empty());
+  working.tell_online();
+  const Outbox after = working.at_end_of_step();
+  CHECK(after.sends.empty());
+  CHECK(after.journal.empty());
+  CHECK_FALSE(working.known.executor.attempt().has_value());
+}
+
+TEST_CASE("a run that knows other keys of this node has no task begun at all") {
+  Working working(chain({"ur3"}), Bytes(32, 'n'));
+  working.tell_online();
+  CHECK(working.at_end_of_step().sends.empty());
+  Working same;
+  const Bytes key = same.known.run().members().find("ur3")->identity_key.bytes;
+  RobotSchedule schedule(same.known.runs, same.known.executor, same.lost, key);
+  same.tell_online();
+  Outbox out;
+  schedule.update_due(same.known.run(), same.known.step(out));
+  schedule.start_next(same.known.step(out));
+  CHECK(sent<Execute>(out).size() == 1);
+}
+
+TEST_CASE("a run of 1000 tasks with 5 kB each finishes: data is left out early enough for all that end without") {
+  for (const std::size_t most_bytes : {RunStore::kMostBytes, std::size_t{1} << 20U}) {
+    Working working(chain(std::vector<std::string>(1000, "ur3")), {}, most_bytes);
+    working.tell_online();
+    int ended = 0;
+    for (; ended < 1000; ++ended) {
+      const auto commands = sent<Execute>(working.at_end_of_step());
+      REQUIRE(commands.size() == 1);
+      Outcome outcome;
+      outcome.key = commands.front().key;
+      outcome.instance = 5;
+      outcome.outcome = TaskOutcome::finished;
+      outcome.data = std::string(5000, 'x');
+      const Outbox request = working.known.send(working.robot, "ur3", outcome, MessageType::information);
+      const SignedRecord result = signed_by(working.known.signers, "ur3", request);
+      // As its judge takes it.
+      if (!working.known.runs.received_result(working.known.run(), result).ok()) break;
+      Outbox out;
+      working.robot.keep_signed(result, working.known.from("ur3", MessageType::information, result),
+                                working.known.step(out));
+    }
+    CHECK(ended == 1000);
+    CHECK(working.known.run().facts().all_final());
+  }
 }
 
 TEST_CASE("a task that is due for too long fails, and says what it waited for") {

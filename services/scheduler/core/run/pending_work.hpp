@@ -41,6 +41,10 @@ class PendingWork {
   bool may_leave(MonotonicTime now, Duration grace);
   void stay() { leaves_at_.reset(); }
 
+  /// The result of its attempt was signed, and the run does not believe the signature: it stays without one.
+  void give_up_attempt() { given_up_attempt_ = true; }
+  [[nodiscard]] bool has_given_up_attempt() const { return given_up_attempt_; }
+
   /// A member that waits for AbortConfirmed.
   void note_abort_from(const std::string& member) { confirm_to_.insert(member); }
   std::set<std::string> take_unconfirmed() { return std::exchange(confirm_to_, {}); }
@@ -59,6 +63,7 @@ class PendingWork {
   std::optional<MonotonicTime> served_;
   std::optional<MonotonicTime> leaves_at_;
   std::set<std::string> confirm_to_;
+  bool given_up_attempt_ = false;
 };
 
 }  // namespace trb::scheduler

@@ -8,6 +8,13 @@ void WithheldTasks::give_back(const std::vector<TaskIndex>& tasks, bool stop) {
   ++changes_;
 }
 
+bool WithheldTasks::withhold_all() {
+  if (all_) return false;
+  all_ = true;
+  ++changes_;
+  return true;
+}
+
 void WithheldTasks::drop(TaskIndex task) {
   asked_back_.erase(task);
   to_stop_.erase(task);

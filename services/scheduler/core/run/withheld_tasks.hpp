@@ -1,4 +1,5 @@
-// This node's tasks of a run that it does not begin any more: the decider wants them back, or they cannot be begun.
+// This node's tasks of a run that it does not begin any more: the decider wants them back, they cannot be begun,
+// or nobody would believe how they end.
 #pragma once
 
 #include <cstdint>
@@ -30,7 +31,11 @@ class WithheldTasks {
   /// Its result is known.
   void drop_failing(TaskIndex task) { changes_ += failing_.erase(task); }
 
-  [[nodiscard]] bool contains(TaskIndex task) const { return is_asked_back(task) || is_failing(task); }
+  /// All of them, for good: what this node signs is not believed in this run. True if that is new.
+  bool withhold_all();
+  [[nodiscard]] bool are_all() const { return all_; }
+
+  [[nodiscard]] bool contains(TaskIndex task) const { return all_ || is_asked_back(task) || is_failing(task); }
   /// A decision has ruled on it: it begins anew.
   void drop(TaskIndex task);
   /// Rises with every change.
@@ -40,6 +45,7 @@ class WithheldTasks {
   std::set<TaskIndex> asked_back_;
   std::set<TaskIndex> to_stop_;
   std::map<TaskIndex, std::string> failing_;
+  bool all_ = false;
   std::uint64_t changes_ = 0;
 };
 
