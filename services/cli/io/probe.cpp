@@ -43,7 +43,7 @@ bool is_node_named(const Arguments& arguments) {
 
 Result<std::string> find_node(const Arguments& arguments) {
   std::string dir = named_node(arguments);
-  if (dir.empty() && file_exists("node.json")) dir = ".";
+  if (dir.empty() && file_exists("node.json")) return std::string(1, '.');
   if (dir.empty())
     return fail(Errc::missing, "which node?", "give --node NODE_DIR, set TRB_NODE, or go into a node's folder");
   if (!file_exists(dir + "/node.json"))
