@@ -42,7 +42,7 @@ void withhold_unsigned(Run& run, Step step) {
   if (!run.work().withheld().withhold_all()) return;
   step.out.log(LogLevel::error, "own_keys_changed",
                "run " + run.id() + " was made before this node got new keys: nobody would believe its results there, " +
-                   "so it does no more of it; abort the run on another node (trb run abort), and start it anew");
+                   "so it does no more of it; abort the run on another node (trb scenario abort), and start it anew");
 }
 
 Error not_own(const Inbound& from) {
