@@ -26,25 +26,6 @@ Message header_only(const HeaderView& header) {
 
 // ---- which way
 
-RelayRoute& RelayRoutes::row(const Peer& peer) {
-  RelayRoute& route = rows_[peer.id];
-  if (touched_.empty() || touched_.back() != peer.id) touched_.push_back(peer.id);
-  if (route.number == peer.number) return route;
-  // Another computer under the same name counts its own boots and messages.
-  const RouterConfig& own = node_.config();
-  route.number = peer.number;
-  route.open = false;
-  route.key.clear();
-  route.connection = RelayConnection(own.boot, {.lease = own.timing.lease, .alive = own.timing.keep_alive});
-  return route;
-}
-
-const RelayRoute& RelayRoutes::route(const Peer& peer) const {
-  static const RelayRoute kNone;
-  const auto at = rows_.find(peer.id);
-  return at == rows_.end() || at->second.number != peer.number ? kNone : at->second;
-}
-
 /// The link to a relay, if it is up.
 const Link* RelayRoutes::usable(const std::string& relay) const {
   const Peer* peer = table_.find(relay);
@@ -65,7 +46,7 @@ const Link* RelayRoutes::carrier_of(const RelayRoute& route) const {
 
 const Link* RelayRoutes::relay_of(const Peer& peer) const {
   if (peer.link != 0) return nullptr;
-  const RelayRoute& known = route(peer);
+  const RelayRoute& known = routes_.find(peer);
   return known.open ? carrier_of(known) : nullptr;
 }
 
@@ -79,9 +60,8 @@ void RelayRoutes::change_carrier(RelayRoute& route) const {
 }
 
 std::vector<std::string> RelayRoutes::relayed_peers() const {
-  refresh();
   std::vector<std::string> out;
-  for (const std::string& id : open_) {
+  for (const std::string& id : routes_.open()) {
     const Peer* peer = std::as_const(table_).find(id);
     if (peer != nullptr && relay_of(*peer) != nullptr) out.push_back(id);
   }
@@ -113,32 +93,32 @@ void RelayRoutes::learn(const Link& relay, const SignedRecord& told, Now now, Ef
   if (!table_.has_room_for(certificate->id))
     return refuse(fail(Errc::queue_full, "the routing table is full", std::string(kFullCure)));
   Peer& peer = table_.learn(*certificate, told);
-  RelayRoute& route = row(peer);
+  RelayRoute& route = routes_.row(peer);
   const bool fresh = route.relays.insert(relay.peer).second;
   if (peer.link == 0 && fresh && !route.open) route.connection.begin(now.mono + kLinksFirst);
 }
 
 /// That relay does not reach the peer any more, or is not reached itself.
 void RelayRoutes::forget_relay(Peer& peer, const std::string& relay, Effects& out) {
-  const auto known = rows_.find(peer.id);
-  if (known == rows_.end() || !known->second.relays.contains(relay)) return;
-  RelayRoute& route = row(peer);
+  const auto known = routes_.rows().find(peer.id);
+  if (known == routes_.rows().end() || !known->second.relays.contains(relay)) return;
+  RelayRoute& route = routes_.row(peer);
   if (route.relays.erase(relay) == 0 || !route.open || carrier_of(route) != nullptr) return;
   leave(peer, peer.id + " was reached by " + relay, out);
 }
 
 void RelayRoutes::on_link_lost(Peer& peer, const Link& gone, Now now, Effects& out) {
-  RelayRoute& lost = row(peer);
+  RelayRoute& lost = routes_.row(peer);
   if (carrier_of(lost) != nullptr) lost.connection.begin(now.mono);
   if (!gone.relay) return;
-  for (const auto& row : rows_) {
+  for (const auto& row : routes_.rows()) {
     if (Peer* other = table_.find(row.first)) forget_relay(*other, gone.peer, out);
   }
 }
 
 /// The peer cannot be reached that way any more: its lease runs from its last sign of life.
 void RelayRoutes::leave(Peer& peer, const std::string& why, Effects& out) {
-  RelayRoute& route = row(peer);
+  RelayRoute& route = routes_.row(peer);
   route.open = false;
   notify_lost(route.connection.take_all(), out);
   if (peer.link != 0) return;
@@ -148,7 +128,7 @@ void RelayRoutes::leave(Peer& peer, const std::string& why, Effects& out) {
 
 /// The peer is there, and knows this node: it is ONLINE by the relay.
 void RelayRoutes::join(Peer& peer, const Link& relay, Now now, Effects& out) {
-  RelayRoute& route = row(peer);
+  RelayRoute& route = routes_.row(peer);
   const bool again = peer.met && !peer.expired && peer.boot == route.connection.boot();
   peer.boot = route.connection.boot();
   route.open = true;
@@ -183,7 +163,7 @@ Message RelayRoutes::make_relayed(const Peer& peer, const Link& relay, std::uint
   const std::int64_t expires =
       saturating_add(utc_by(relay, now).ns, static_cast<std::int64_t>(remaining_ms) * 1'000'000);
   const RelayedFrame body{peer.id, target_boot, own.boot,
-                          count,   expires,     {lock_relayed(key_of(peer, row(peer)), plain)}};
+                          count,   expires,     {lock_relayed(key_of(peer, routes_.row(peer)), plain)}};
   Message message =
       messages_.plain(Relayed::kSubtype, relay.peer,
                       encode(Relayed{sign(kSignedRelayed, own.id, own.authority.id(), encode(body), own.identity)}));
@@ -197,7 +177,7 @@ Result<Relaying> RelayRoutes::wrap(ConnectionId from, std::string_view target, c
   const Link* relay = peer == nullptr ? nullptr : relay_of(*peer);
   if (relay == nullptr) return fail(Errc::peer_unreachable, "no relay reaches '" + std::string(target) + "'");
   if (frame.size() > kMaxRelayedFrame) return fail(Errc::too_large, "over 511 kB by way of a relay");
-  RelayConnection& connection = row(*peer).connection;
+  RelayConnection& connection = routes_.row(*peer).connection;
   const bool waits = deserves_nack(header);
   if (waits && !connection.has_room()) return fail(Errc::queue_full, "too much is unconfirmed by way of a relay");
   const std::uint64_t count = connection.next_count();
@@ -215,13 +195,13 @@ void RelayRoutes::send(const std::string& to, const Message& message, Now now, E
 void RelayRoutes::not_sent(std::string_view target, std::uint64_t count, Errc reason, Effects& out) {
   const Peer* peer = table_.find(target);
   if (peer == nullptr) return;
-  if (const auto question = row(*peer).connection.withdraw(count)) notify_lost(*question, reason, out);
+  if (const auto question = routes_.row(*peer).connection.withdraw(count)) notify_lost(*question, reason, out);
 }
 
 void RelayRoutes::on_refused(const Link& relay, const RelayRefused& told, Effects& out) {
   const Peer* peer = table_.find(told.target);
   if (peer == nullptr || !relay.relay) return out.count("refused.not_permitted");
-  RelayRoute& route = row(*peer);
+  RelayRoute& route = routes_.row(*peer);
   const Unconfirmed* asked = route.connection.find(told.count);
   if (asked == nullptr) return;
   // Only the relay that carries the message may report it.
@@ -245,7 +225,7 @@ void RelayRoutes::notify_lost(const std::vector<Unconfirmed>& questions, Effects
 }
 
 void RelayRoutes::send_alive(Peer& peer, Now now, Effects& out) {
-  RelayRoute& route = row(peer);
+  RelayRoute& route = routes_.row(peer);
   const Link* relay = carrier_of(route);
   if (relay == nullptr) return route.connection.rest();
   const RouterConfig& config = node_.config();
@@ -270,7 +250,7 @@ std::optional<MonotonicTime> RelayRoutes::profile_due(const Peer& peer, const Re
 }
 
 void RelayRoutes::send_profile(const Peer& peer, Now now, Effects& out) {
-  RelayRoute& route = row(peer);
+  RelayRoute& route = routes_.row(peer);
   route.told_profile = profile_.number();
   route.profile_told_at = now.mono;
   send(peer.id, messages_.plain(NodeProfile::kSubtype, peer.id, encode(profile_.profile())), now, out);
@@ -291,13 +271,13 @@ std::optional<Unwrapped> RelayRoutes::receive(const Link& relay, const Relayed& 
   // Forged names would take every source's share of checks, and the time of all other links.
   Budget& forged = table_.find(relay.peer)->relayed_forged;
   if (!forged.has_left(now.mono)) return no("too_many_forged", of);
-  if (!row(*source).load.try_emplace(relay.peer, kRelayedChecked).first->second.take(now.mono))
+  if (!routes_.row(*source).load.try_emplace(relay.peer, kRelayedChecked).first->second.take(now.mono))
     return no("too_many", of);
   if (const auto why = check(*source, body.record, inner, now)) {
     if (why->first == kForged) forged.take(now.mono);
     return no(why->first, of + ": " + why->second);
   }
-  auto plain = unlock_relayed(key_of(*source, row(*source)), inner.box.bytes);
+  auto plain = unlock_relayed(key_of(*source, routes_.row(*source)), inner.box.bytes);
   if (!plain)
     return no(plain.error().code == Errc::wrong_key ? "wrong_key" : "malformed", of + ": " + plain.error().text());
   const auto header = decode_frame(*plain);
@@ -309,7 +289,7 @@ std::optional<Unwrapped> RelayRoutes::receive(const Link& relay, const Relayed& 
   }
   if (inner.target_boot != node_.config().boot)
     return no("other_boot", of + ": meant for boot " + std::to_string(inner.target_boot));
-  if (!row(*source).connection.take(inner.source_boot, inner.count, deserves_nack(*header), now.mono))
+  if (!routes_.row(*source).connection.take(inner.source_boot, inner.count, deserves_nack(*header), now.mono))
     return no("replayed", of + ": count " + std::to_string(inner.count) + " of boot " +
                               std::to_string(inner.source_boot) + " is not new, or that boot is not proven");
   return Unwrapped{source->id, std::move(*plain)};
@@ -345,7 +325,7 @@ void RelayRoutes::on_alive(const Link& relay, Peer& peer, const RelayedFrame& in
   if (!alive) return refuse_relayed(relay, "malformed", "of '" + peer.id + "': " + alive.error().text(), out);
   if (Status numbers = check_address("address", alive->address, peer.id); !numbers)
     return refuse_relayed(relay, "bad_value", numbers.error().text(), out);
-  RelayRoute& route = row(peer);
+  RelayRoute& route = routes_.row(peer);
   const bool first_relay = route.relays.insert(relay.peer).second;
   if (first_relay && route.carrier.empty()) route.carrier = relay.peer;
   const RelayConnection::Received received =
@@ -364,38 +344,17 @@ void RelayRoutes::on_alive(const Link& relay, Peer& peer, const RelayedFrame& in
 
 // ---- time
 
-void RelayRoutes::refresh() const {
-  if (std::exchange(newest_profile_, profile_.number()) != profile_.number()) {
-    touched_.insert(touched_.end(), open_.begin(), open_.end());
-  }
-  for (const std::string& id : touched_) {
-    if (const auto at = rows_.find(id); at != rows_.end()) refresh(at->second, id);
-  }
-  touched_.clear();
-}
-
-void RelayRoutes::refresh(RelayRoute& route, const std::string& id) const {
-  const Peer* peer = std::as_const(table_).find(id);
-  const bool known = peer != nullptr && peer->number == route.number;
-  const bool untold = known && route.open && peer->link == 0 && route.told_profile != newest_profile_;
-  const auto keep = [&](auto& ids, bool in) { in ? void(ids.insert(id)) : void(ids.erase(id)); };
-  keep(open_, route.open);
-  keep(untold_, untold);
-  due_.set(id, route.due, known ? route.connection.next_deadline() : std::nullopt);
-}
-
 void RelayRoutes::tick(Now now, Effects& out) {
-  refresh();
-  std::set<std::string> due(untold_.begin(), untold_.end());
-  for (const std::string& id : due_.due(now.mono)) due.insert(id);
+  std::set<std::string> due(routes_.untold().begin(), routes_.untold().end());
+  for (const std::string& id : routes_.due(now.mono)) due.insert(id);
   for (const std::string& id : due) {
     if (Peer* peer = table_.find(id)) tick_route(*peer, now, out);
   }
-  drop_rows_without_peer();
+  routes_.drop_without_peer();
 }
 
 void RelayRoutes::tick_route(Peer& peer, Now now, Effects& out) {
-  RelayRoute& route = row(peer);
+  RelayRoute& route = routes_.row(peer);
   notify_lost(route.connection.overdue(now.mono), out);
   if (route.connection.lapse(now.mono) && route.open) leave(peer, peer.id + " says nothing by any relay", out);
   if (const auto due = profile_due(peer, route); due && now.mono >= *due) send_profile(peer, now, out);
@@ -407,24 +366,11 @@ void RelayRoutes::tick_route(Peer& peer, Now now, Effects& out) {
   }
 }
 
-void RelayRoutes::drop_rows_without_peer() {
-  if (std::exchange(forgotten_, table_.forgotten()) == table_.forgotten()) return;
-  const auto is_gone = [&](const std::string& id) { return std::as_const(table_).find(id) == nullptr; };
-  for (auto& [id, route] : rows_) {
-    if (!is_gone(id)) continue;
-    due_.set(id, route.due, std::nullopt);
-    open_.erase(id);
-    untold_.erase(id);
-  }
-  std::erase_if(rows_, [&](const auto& row) { return is_gone(row.first); });
-}
-
 std::optional<MonotonicTime> RelayRoutes::next_deadline() const {
-  refresh();
-  std::optional<MonotonicTime> next = due_.earliest();
-  for (const std::string& id : untold_) {
+  std::optional<MonotonicTime> next = routes_.earliest();
+  for (const std::string& id : routes_.untold()) {
     const Peer* peer = std::as_const(table_).find(id);
-    if (peer != nullptr) next = earlier(next, profile_due(*peer, rows_.find(id)->second));
+    if (peer != nullptr) next = earlier(next, profile_due(*peer, routes_.find(*peer)));
   }
   return next;
 }

@@ -2,35 +2,18 @@
 // here; checked, decrypted and confirmed there. Between two ends: relay_connection.hpp.
 #pragma once
 
-#include <map>
 #include <optional>
-#include <set>
 #include <string>
 #include <vector>
 
-#include "common/base/deadline_index.hpp"
 #include "services/router/core/link_errors.hpp"
 #include "services/router/core/links.hpp"
 #include "services/router/core/local_bus.hpp"
 #include "services/router/core/local_profile.hpp"
-#include "services/router/core/relay_connection.hpp"
+#include "services/router/core/relay_table.hpp"
 #include "services/router/core/trust_store.hpp"
 
 namespace trb::router {
-
-/// What this node knows about the way to one peer by relays.
-struct RelayRoute {
-  std::uint64_t number = 0;      ///< of the peer: another computer of the same name begins anew
-  std::set<std::string> relays;  ///< members that say they reach it
-  std::string carrier;           ///< the one of them that gets messages for it
-  bool open = false;             ///< there is no link, but this way is open
-  RelayConnection connection;
-  Bytes key;                           ///< encrypts what goes that way; empty until needed
-  std::uint64_t told_profile = 0;      ///< number of this node's profile that was sent to it last
-  MonotonicTime profile_told_at{};     ///< when
-  std::map<std::string, Budget> load;  ///< by relay: what it brings from this peer
-  std::optional<MonotonicTime> due;    ///< its slot in the index
-};
 
 /// A message that a relay has brought, decrypted.
 struct Unwrapped {
@@ -51,14 +34,21 @@ class RelayRoutes {
  public:
   RelayRoutes(const LocalNode& node, PeerTable& table, TrustStore& trust, OwnMessages& messages, LocalBus& bus,
               LocalProfile& profile, Links& links)
-      : node_(node), table_(table), trust_(trust), messages_(messages), bus_(bus), profile_(profile), links_(links) {}
+      : node_(node),
+        table_(table),
+        trust_(trust),
+        messages_(messages),
+        bus_(bus),
+        profile_(profile),
+        links_(links),
+        routes_(node, table, profile) {}
 
   /// The link to the relay by which the peer is reached now, or nullptr.
   [[nodiscard]] const Link* relay_of(const Peer& peer) const;
   /// Peers that only a relay reaches.
   [[nodiscard]] std::vector<std::string> relayed_peers() const;
   /// What is known about the way to that peer; empty if nothing is.
-  [[nodiscard]] const RelayRoute& route(const Peer& peer) const;
+  [[nodiscard]] const RelayRoute& route(const Peer& peer) const { return routes_.find(peer); }
 
   // ---- relays come and go
 
@@ -90,11 +80,7 @@ class RelayRoutes {
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const;
 
  private:
-  RelayRoute& row(const Peer& peer);
-  void refresh() const;
-  void refresh(RelayRoute& route, const std::string& id) const;
   void tick_route(Peer& peer, Now now, Effects& out);
-  void drop_rows_without_peer();
   const Bytes& key_of(const Peer& peer, RelayRoute& route);
   [[nodiscard]] const Link* carrier_of(const RelayRoute& route) const;
   [[nodiscard]] const Link* usable(const std::string& relay) const;
@@ -128,15 +114,7 @@ class RelayRoutes {
   LocalBus& bus_;
   LocalProfile& profile_;
   Links& links_;
-  // When which is due. With a thousand peers behind a relay, a walk over all of them for each frame would be what the
-  // router mostly does: whoever may change a row touches it, and it is looked at before the next question is answered.
-  mutable std::map<std::string, RelayRoute, std::less<>> rows_;  ///< by peer, once there was anything to know
-  mutable DeadlineIndex<std::string> due_;                       ///< but for profiles
-  mutable std::vector<std::string> touched_;
-  mutable std::set<std::string, std::less<>> open_;    ///< those of the rows that are
-  mutable std::set<std::string, std::less<>> untold_;  ///< open, without a link, and without this node's newest profile
-  mutable std::uint64_t newest_profile_ = 0;           ///< when `untold_` was made
-  std::uint64_t forgotten_ = 0;                        ///< peers, when the rows were last compared
+  RelayTable routes_;
 };
 
 }  // namespace trb::router

@@ -13,9 +13,9 @@ namespace {
 
 struct Hearing {
   Results results(const std::string& robot) {
-    Results out{kKnownRun, {known.result("task-0", robot, TaskOutcome::finished)}, {}};
-    shorten(out, known.run().definition());
-    return out;
+    Results some{kKnownRun, {known.result("task-0", robot, TaskOutcome::finished)}, {}};
+    shorten(some, known.run().definition());
+    return some;
   }
   std::optional<Inbound> hear(const std::string& from, const Body& body) {
     return lengthened(known.from(from, MessageType::command, body), known.runs, known.step(out));

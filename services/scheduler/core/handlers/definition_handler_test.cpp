@@ -102,8 +102,8 @@ struct Taking {
                                "drone", known.now.utc, known.now.utc + seconds(3600), kNewRun)));
   }
   /// Moves the run's task to ur3.
-  SignedRecord decision(const SignedRecord& start) {
-    auto opened = known.runs.open(start);
+  SignedRecord decision(const SignedRecord& given) {
+    auto opened = known.runs.open(given);
     REQUIRE(opened.ok());
     Decision out;
     out.run = kNewRun;
