@@ -36,6 +36,7 @@ class Soak:
         finally:
             page.close()
         self.done.update(page_opened=page.opened, page_heard=page.heard)
+        self.broken += page.refused if page.heard else ["the page heard nothing"]
 
     def round(self, fleet, number):
         plan = rounds.planned(self.rng, number % 2 == 0, fleet.all_labels, self.usual_s, self.usual_s)

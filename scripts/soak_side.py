@@ -13,7 +13,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "tests" 
 import gateway_client  # noqa: E402
 
 PASSWORD = "a good long password"
-TOPICS = ("robots", "runs", "alerts", "nodes")
+TOPICS = ("fleet", "alerts")  # as the real page: all rows of the fleet, its runs among them
 SMALL = {"proof_log_mb": 8, "archive_mb": 2}
 
 
@@ -73,7 +73,7 @@ class Page:
 
     def __init__(self, fleet):
         self.fleet = fleet
-        self.heard, self.opened = 0, 0
+        self.heard, self.opened, self.refused = 0, 0, []
         self.socket = None
         self.end = threading.Event()
         first = fleet.json("cloud", "password", fleet.dir(CLOUD))["password"]
@@ -100,7 +100,9 @@ class Page:
         self.opened += 1
         for topic in TOPICS:
             self.socket.say({"subscribe": topic})
-        while not self.end.is_set() and "closed" not in self.socket.hear():
+        while not self.end.is_set() and "closed" not in (said := self.socket.hear()):
+            if "error" in said:
+                self.refused.append(f"the page was refused: {said['error'].get('title')}: {said['error'].get('detail')}")
             self.heard += 1
 
     def close(self):

@@ -22,6 +22,9 @@ COMPILED_IN = {"talkrobots": ("libmsgpack-cxx-dev", "nlohmann-json3-dev", "cppzm
                "talkrobots-ros": (), "talkrobots-virtual-robots": (), "libtalkrobots-dev": ()}
 # What a purge may leave, by Debian's policy: the user, whose number is not given away again.
 MAY_STAY = {"etc/passwd", "etc/passwd-", "etc/group", "etc/group-", "etc/shadow", "etc/shadow-", "etc/gshadow", "etc/gshadow-", "etc/.pwd.lock"}
+# The definitions of the types that the commands of robots on ROS publish: "geometry_msgs/msg/Twist.msg".
+PUBLISHED = sorted({f"{package}/msg/{name}.msg" for package, name in
+                    re.findall(r"\b([a-z_]+_msgs)/([A-Z]\w+)", (REPO / "config/commands.json").read_text())})
 HANDBOOK = REPO / "deploy/handbook/README.md"
 UPGRADE = re.search(r"\*\*Upgrade\*\*: `(apt install [^`]+)`", (REPO / "deploy/README.md").read_text())[1]
 PACKAGES_PAGE = REPO / "deploy/handbook/packages.md"
@@ -165,6 +168,8 @@ def what_is_installed(story):
     check(story.root.run(f"stat -c '%U %G %a' /{STATE}").said.split() == ["trbots", "trbots", "700"], "the node's folder is its user's")
     said = story.root.run("systemd-analyze verify --man=no talkrobots.service talkrobots-sensor-bus.service 2>&1 | grep talkrobots || true").said
     check(said == "", said)
+    for kind in PUBLISHED:
+        check((story.root.path / "usr/share" / kind).is_file(), f"{kind}: a robot on ROS cannot be sent that, and its stop may be one")
     for unit in ("talkrobots", "talkrobots-sensor-bus"):
         check((story.root.path / f"etc/systemd/system/multi-user.target.wants/{unit}.service").is_symlink()
               or (story.root.path / f"etc/systemd/system/talkrobots.service.wants/{unit}.service").is_symlink(), f"{unit} is enabled")
