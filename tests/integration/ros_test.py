@@ -4,7 +4,9 @@ import json
 import os
 import pathlib
 import signal
+import struct
 import subprocess
+import time
 import unittest
 
 import ros_worker
@@ -138,14 +140,36 @@ class Ros(unittest.TestCase):
         self.move(0.5)
         self.assertEqual(self.worker(), worker)
 
-    def test_a_name_that_ros_refuses_ends_no_worker(self):
-        """The bridge refuses such a name, too; here nobody does before the worker."""
+    def worker_alone(self):
         worker = ros_worker.Worker(WORKER, self.fleet.root / "worker.log", self.fleet.ros_uri(), self.fleet.env)
         self.addCleanup(worker.stop)
         worker.wait_up()
+        return worker
+
+    def test_what_a_worker_reads_too_late_is_not_published(self):
+        """As behind a call to a slow master. Its time is a point of the monotonic clock, the bridge's own."""
+        worker = self.worker_alone()
+
+        def publish(token, x, patience_s):
+            deadline = time.monotonic_ns() + int(patience_s * 1e9)
+            worker.say(ros_worker.PUBLISH, token, "/ridgeback/cmd_vel", "geometry_msgs/Twist", "9f195f881246fdfa2798d1d3eebca84a",
+                       "", deadline, struct.pack("<6d", x, 0, 0, 0, 0, 0))
+            return worker.answer()
+        start = len(self.fleet.robot.lines)
+        self.assertEqual(publish("1", 0.125, 60), (ros_worker.PUBLISHED, ["1"]))
+        word, (token, code, what, _) = publish("2", 9.25, -0.5)
+        self.assertEqual((word, token, code), (ros_worker.FAILED, "2", "timeout"))
+        self.assertIn("its time was over", what)
+        self.assertEqual(publish("3", 0.25, 60), (ros_worker.PUBLISHED, ["3"]))
+        self.fleet.robot.wait_line("twist [0.25, ", 60, start)
+        self.assertFalse([line for line in self.fleet.robot.lines[start:] if "9.25" in line])
+
+    def test_a_name_that_ros_refuses_ends_no_worker(self):
+        """The bridge refuses such a name, too; here nobody does before the worker."""
+        worker = self.worker_alone()
         worker.say(ros_worker.LOOK_UP, "2d_scan")
         self.assertEqual(worker.answer(), (ros_worker.TYPE, ["2d_scan", ""]))
-        worker.say(ros_worker.PUBLISH, "7", "2d_scan", "std_msgs/Empty", "d41d8cd98f00b204e9800998ecf8427e", "", "60000", "")
+        worker.say(ros_worker.PUBLISH, "7", "2d_scan", "std_msgs/Empty", "d41d8cd98f00b204e9800998ecf8427e", "", time.monotonic_ns(), "")
         word, (token, code, what, _) = worker.answer()
         self.assertEqual((word, token, code), (ros_worker.FAILED, "7", "bad_value"))
         self.assertIn("2d_scan", what)

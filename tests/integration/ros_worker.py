@@ -6,7 +6,7 @@ import support  # noqa: F401: sets the path for the next import
 import trb_fleet
 
 LOOK_UP, PUBLISH, SUBSCRIBE = 1, 2, 3
-ALIVE, TYPE, FAILED, TOPIC_FAILED = 5, 6, 8, 12
+ALIVE, TYPE, PUBLISHED, FAILED, TOPIC_FAILED = 5, 6, 7, 8, 12
 
 
 class Worker:
@@ -19,7 +19,8 @@ class Worker:
                                              log_path, stdin=theirs, env=env)
 
     def say(self, word, *parts):
-        body = bytes([word]) + b"".join(struct.pack("<I", len(part)) + part.encode() for part in parts)
+        parts = [part if isinstance(part, bytes) else str(part).encode() for part in parts]
+        body = bytes([word]) + b"".join(struct.pack("<I", len(part)) + part for part in parts)
         self.socket.sendall(struct.pack("<I", len(body)) + body)
 
     def read(self, size):

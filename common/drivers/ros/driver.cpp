@@ -15,6 +15,8 @@ constexpr std::ptrdiff_t kMaxPending = 64;
 constexpr std::string_view kPosition = "position";
 /// A publication waits so long for a subscriber, or shorter, if its sender does.
 constexpr double kPatience_s = 5;
+/// Each of the calls to the ROS master on its way may block the bridge's worker for 5 s: it is better late than never.
+constexpr double kStopPatience_s = 20;
 
 /// None if one of them was not measured (null): the others would stand in its place.
 std::vector<double> numbers_of(const std::string& json) {
@@ -172,6 +174,7 @@ Result<Token> RosDriver::stop(Now, const DriverOut& out) {
   if (!up_) return fail(Errc::robot_offline, "ROS is not there");
   auto commands = fill("stop", {});
   if (!commands) return fail(Errc::unknown_subtype, "commands.json has no \"stop\" for this robot");
+  for (BridgeCommand& command : *commands) command.timeout_s = kStopPatience_s;
   may_be_stopped_ = true;
   out.out.count("to_robot.stop");
   send(std::move(*commands), {Purpose::stop, ++last_ticket_, "stop", {}, 0}, out);

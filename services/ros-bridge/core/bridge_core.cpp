@@ -8,7 +8,6 @@
 namespace trb::ros {
 namespace {
 
-using std::chrono::milliseconds;
 using std::chrono::seconds;
 
 /// A worker that says nothing for so long hangs, most often in a call to the ROS master.
@@ -16,7 +15,7 @@ constexpr Duration kHung = seconds(5);
 constexpr Duration kStatePeriod = seconds(1);
 /// A topic's type may change with the node that made it.
 constexpr Duration kTypeHolds = seconds(10);
-/// How long after its own patience the worker may still answer.
+/// How long after a publication's deadline the worker may still answer.
 constexpr Duration kGrace = seconds(2);
 constexpr std::size_t kMaxWaiting = 256;
 constexpr std::size_t kMaxTopicTypes = 256;
@@ -71,10 +70,10 @@ void BridgeCore::begin_publish(const BridgeCommand& command, Now now, const Brid
   auto data = parse_json(command.data);
   if (!data) return out.failed(command.token, data.error());
   Publication publication{command.token, command.name, std::move(*data), now.mono + patience(command.timeout_s)};
-  if (!command.type.empty()) return publish(std::move(publication), command.type, now, out);
+  if (!command.type.empty()) return publish(std::move(publication), command.type, out);
   const auto known = topic_types_.find(command.name);
   if (known != topic_types_.end() && now.mono - known->second.heard < kTypeHolds) {
-    return publish(std::move(publication), known->second.name, now, out);
+    return publish(std::move(publication), known->second.name, out);
   }
   auto& waiting = looked_up_[command.name];
   if (waiting.size() >= kMaxWaiting) {
@@ -91,7 +90,7 @@ Result<RosTypePtr> BridgeCore::type_of(const std::string& name) {
   return type;
 }
 
-void BridgeCore::publish(Publication publication, const std::string& name, Now now, const BridgeOut& out) {
+void BridgeCore::publish(Publication publication, const std::string& name, const BridgeOut& out) {
   const auto type = type_of(name);
   if (!type) return out.failed(publication.token, type.error());
   auto wire = to_wire(**type, publication.data);
@@ -99,11 +98,9 @@ void BridgeCore::publish(Publication publication, const std::string& name, Now n
   if (published_.size() >= kMaxPublications) {
     return out.failed(publication.token, fail(Errc::queue_full, "too many messages wait for ROS"));
   }
-  const auto left = std::chrono::duration_cast<milliseconds>(publication.deadline - now.mono).count();
   const std::uint64_t key = ++last_key_;
-  out.order(Word::publish,
-            {std::to_string(key), publication.topic, (*type)->name, (*type)->md5, full_definition(**type),
-             std::to_string(std::max<std::int64_t>(left, 0)), std::move(*wire)});
+  out.order(Word::publish, {std::to_string(key), publication.topic, (*type)->name, (*type)->md5,
+                            full_definition(**type), std::to_string(publication.deadline.ns), std::move(*wire)});
   out.outbox.count("to_ros." + publication.topic);
   published_.emplace(key, std::move(publication));
 }
@@ -194,7 +191,7 @@ void BridgeCore::on_type(const std::string& topic, const std::string& type, Now 
   }
   for (Publication& publication : waiting) {
     if (!type.empty()) {
-      publish(std::move(publication), type, now, out);
+      publish(std::move(publication), type, out);
       continue;
     }
     out.failed(publication.token,
@@ -254,7 +251,11 @@ void BridgeCore::expire(Now now, const BridgeOut& out) {
     std::erase_if(waiting, [&](const Publication& publication) { return late(publication, Duration{}); });
   }
   std::erase_if(looked_up_, [](const auto& entry) { return entry.second.empty(); });
-  std::erase_if(published_, [&](const auto& entry) { return late(entry.second, kGrace); });
+  std::erase_if(published_, [&](const auto& entry) {
+    if (!late(entry.second, kGrace)) return false;
+    drop(entry.first);  // the worker may only be blocked
+    return true;
+  });
 }
 
 std::optional<MonotonicTime> BridgeCore::next_deadline() const {

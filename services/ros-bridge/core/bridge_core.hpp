@@ -53,7 +53,7 @@ class BridgeCore : public Core {
 
   void on_command(const BridgeCommand& command, Now now, Outbox& outbox);
   void begin_publish(const BridgeCommand& command, Now now, const BridgeOut& out);
-  void publish(Publication publication, const std::string& type, Now now, const BridgeOut& out);
+  void publish(Publication publication, const std::string& type, const BridgeOut& out);
   /// Ends all that has that token: a watch, an ask, a publication that has not left yet.
   void forget(std::uint64_t token, Now now);
   /// Of an adapter that is gone: nobody waits for it, and nobody could still stop it.

@@ -303,6 +303,28 @@ TEST_CASE("nobody waits for ever") {
   CHECK(told.find("2 timeout: /cmd_vel: ROS did not take it in time\n") != std::string::npos);
 }
 
+TEST_CASE("what a worker that is blocked does not publish in time is refused, and dropped there") {
+  Fixture fixture;
+  const MonotonicTime given = fixture.now.mono;
+  const WorkerMessage publish = fixture.publish();
+  // As a time, not as a patience: that would begin once the worker reads it.
+  CHECK(publish.parts[5] == std::to_string((given + std::chrono::seconds(5)).ns));
+  const auto wait_alive = [&] {
+    fixture.worker(Word::alive, {"up", ""});
+    fixture.wait(std::chrono::milliseconds(3499));
+  };
+  wait_alive();
+  wait_alive();
+  CHECK(fixture.told().empty());
+  CHECK(fixture.said().empty());
+  wait_alive();
+  CHECK(fixture.told() == "1 timeout: /cmd_vel: ROS did not take it in time\n");
+  const auto said = fixture.said();
+  REQUIRE(said.size() == 1);
+  CHECK(said[0].word == Word::drop);
+  CHECK(said[0].parts == std::vector<Bytes>{publish.parts[0]});
+}
+
 TEST_CASE("a master that hangs is told of, and the worker that hangs with it is killed") {
   Fixture fixture;
   fixture.up();

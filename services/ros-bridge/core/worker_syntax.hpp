@@ -14,7 +14,7 @@ namespace trb::ros {
 enum class Word : std::uint8_t {
   // to the worker
   look_up = 1,  ///< topic
-  publish,      ///< token, topic, type, md5, definition, patience_ms, wire
+  publish,      ///< token, topic, type, md5, definition, deadline (CLOCK_MONOTONIC, ns), wire
   subscribe,    ///< topic; of one that is subscribed to already: what ROS keeps of it
   unsubscribe,  ///< topic
   // of the worker

@@ -195,7 +195,8 @@ class Worker {
       return refuse(parts[0], "robot_error", topic + ": ROS refuses to publish " + parts[2] + " there", "");
     }
     was_known_ = true;  // ROS has registered the topic
-    waiting_.push_back({parts[0], topic, parts[6], Clock::now() + milliseconds(std::stoll(parts[5]))});
+    // The bridge's clock is this one: what was read late, behind a call to the master, has waited all the same.
+    waiting_.push_back({parts[0], topic, parts[6], Clock::time_point(std::chrono::nanoseconds(std::stoll(parts[5])))});
   }
 
   void give_up(const std::string& topic, const std::string& why) {
@@ -215,22 +216,29 @@ class Worker {
     message.read(stream);
   }
 
+  static void refuse_late(const Waiting& waiting, const Publisher& publisher) {
+    if (publisher.publisher.getNumSubscribers() > 0) {
+      return refuse(waiting.token, "timeout", waiting.topic + ": its time was over before it could be published",
+                    "look whether the ROS master answers slowly");
+    }
+    refuse(waiting.token, "timeout", waiting.topic + ": nobody subscribes to it as " + publisher.type,
+           "start the robot's node; if it runs, let it through the firewall here (it connects to this computer, at any "
+           "port), and compare the sums: rosmsg md5 " +
+               publisher.type + " is " + publisher.sum + " here");
+  }
+
   /// Connecting takes some 50 ms: what is published before a subscriber is there would be lost.
   void publish_due() {
     std::vector<Waiting> still;
     std::map<std::string, bool> blocked;  // what waits on a topic stays in order
     for (Waiting& waiting : waiting_) {
       Publisher& publisher = publishers_.at(waiting.topic);
-      if (!blocked[waiting.topic] && publisher.publisher.getNumSubscribers() > 0) {
+      if (Clock::now() >= waiting.deadline) {
+        refuse_late(waiting, publisher);
+      } else if (!blocked[waiting.topic] && publisher.publisher.getNumSubscribers() > 0) {
         fill(publisher.message, waiting.wire);
         publisher.publisher.publish(publisher.message);
         send_to_bridge(Word::published, {waiting.token});
-      } else if (Clock::now() >= waiting.deadline) {
-        refuse(waiting.token, "timeout", waiting.topic + ": nobody subscribes to it as " + publisher.type,
-               "start the robot's node; if it runs, let it through the firewall here (it connects to this computer, at "
-               "any "
-               "port), and compare the sums: rosmsg md5 " +
-                   publisher.type + " is " + publisher.sum + " here");
       } else {
         blocked[waiting.topic] = true;
         still.push_back(std::move(waiting));
