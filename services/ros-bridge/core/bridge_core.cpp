@@ -176,7 +176,8 @@ void BridgeCore::on_alive(bool up, const std::string& detail, Now now, Outbox& o
   if (up == up_ && (up || detail == detail_)) return;
   if (up_ && !up) {
     drop_published();  // the worker lives on, and keeps what waits for a subscriber
-    forget_all();
+    forget_commands();
+    listeners_.forget_all();  // it keeps its subscriptions, too
   }
   set_state(up, up ? "" : detail, now, out);
 }
@@ -215,17 +216,17 @@ void BridgeCore::end_publish(std::uint64_t key, const std::optional<Error>& erro
 
 void BridgeCore::on_worker_ended(const std::string& reason, Now now, Outbox& out) {
   worker_ = false;
-  forget_all();
+  forget_commands();
+  listeners_.clear();
   set_state(false, reason, now, out);
 }
 
 /// What was under way is the mode-adapter's to refuse: it sees the connection's end.
-void BridgeCore::forget_all() {
+void BridgeCore::forget_commands() {
   ++connection_;
   topic_types_.clear();
   looked_up_.clear();
   published_.clear();
-  listeners_.clear();
 }
 
 // ---- time, and what is told

@@ -68,7 +68,7 @@ class BridgeCore : public Core {
   void end_publish(std::uint64_t key, const std::optional<Error>& error, const BridgeOut& out);
   void expire(Now now, const BridgeOut& out);
   [[nodiscard]] BridgeOut out_of(Outbox& outbox) { return {settings_.id, adapter_, outbox, output_}; }
-  void forget_all();
+  void forget_commands();
   void set_state(bool up, const std::string& detail, Now now, Outbox& out);
   void send_state(Now now, Outbox& out);
 

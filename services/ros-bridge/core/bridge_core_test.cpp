@@ -362,6 +362,35 @@ TEST_CASE("what waits at the worker when the master goes is dropped there: its s
   CHECK(fixture.said().empty());
 }
 
+TEST_CASE("a topic that nobody listens to any more once the master is back is unsubscribed from") {
+  Fixture fixture;
+  const auto live = [&](const char* state, int times) {
+    for (int i = 0; i < times; ++i) {
+      fixture.worker(Word::alive, {state, ""});
+      fixture.wait(std::chrono::seconds(1));
+    }
+  };
+  fixture.up();
+  fixture.command(1, BridgeAction::watch, "/odom", "", {"x"});
+  fixture.command(2, BridgeAction::watch, "/scan");
+  live("absent", 3);
+  fixture.worker(Word::message, odometry(1, 2));
+  CHECK(fixture.told().empty());  // the mode-adapter has given its watches up
+  fixture.up();
+  fixture.said();
+  fixture.command(3, BridgeAction::watch, "/odom", "", {"x"});
+  const auto again = fixture.said();
+  REQUIRE(again.size() == 1);
+  CHECK(again[0].word == Word::subscribe);  // of one that is subscribed to: it gives what ROS keeps
+  fixture.worker(Word::kept, odometry(1, 2));
+  CHECK(fixture.told() == "3 1.0\n");
+  live("up", 31);
+  const auto said = fixture.said();
+  REQUIRE(said.size() == 1);
+  CHECK(said[0].word == Word::unsubscribe);
+  CHECK(said[0].parts == std::vector<Bytes>{"/scan"});
+}
+
 TEST_CASE("a mode-adapter that was restarted starts anew; nobody else is listened to") {
   Fixture fixture;
   fixture.up();

@@ -31,9 +31,9 @@ class Listeners {
   void listen(const BridgeCommand& command, MonotonicTime deadline, Now now, const BridgeOut& out);
   /// Ends the asks and watches with that token.
   void forget(std::uint64_t token, Now now);
-  /// Of an adapter that is gone: nobody listens any more. The subscriptions stay for a while.
+  /// Of an adapter or a master that is gone: nobody listens any more. The worker's subscriptions stay for a while.
   void forget_all();
-  /// Of a worker or a master that is gone: there is no subscription either.
+  /// Of a worker that is gone: there is no subscription either.
   void clear() { topics_.clear(); }
 
   /// A topic's message (Word::message); it is moved from if it is still owed to somebody.
