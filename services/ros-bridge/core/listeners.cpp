@@ -55,25 +55,23 @@ void Listeners::forget_all() {
 Result<Value> Listeners::read_message(const WorkerMessage& message) {
   const std::string& name = message.parts[1];
   const std::string& sum = message.parts[2];
-  auto known = heard_types_.find(sum);
-  if (known == heard_types_.end()) {
+  auto known = heard_types_.find(name);
+  if (known == heard_types_.end() || known->second->md5 != sum) {
     auto type = type_from_full_definition(name, message.parts[3]);
     if (!type) return type.error();
     if ((*type)->md5 != sum) {
       return fail(Errc::version_mismatch, name + ": its sender's definition and sum " + sum + " do not belong together",
                   "look at the node that publishes it");
     }
-    if (heard_types_.size() >= kMaxHeardTypes) heard_types_.clear();
-    known = heard_types_.emplace(sum, *type).first;
+    if (known == heard_types_.end() && heard_types_.size() >= kMaxHeardTypes) heard_types_.clear();
+    known = heard_types_.insert_or_assign(name, *type).first;
   }
   return to_json(*known->second, message.parts[4]);
 }
 
 RosTypePtr Listeners::heard_type(const std::string& name) const {
-  for (const auto& [sum, heard] : heard_types_) {
-    if (heard->name == name) return heard;
-  }
-  return nullptr;
+  const auto heard = heard_types_.find(name);
+  return heard == heard_types_.end() ? nullptr : heard->second;
 }
 
 void Listeners::on_message(WorkerMessage& message, Now now, const BridgeOut& out) {

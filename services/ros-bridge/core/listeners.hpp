@@ -46,7 +46,8 @@ class Listeners {
   void tick(Now now, const BridgeOut& out);
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const;
 
-  /// A type that came with a message; nullptr: none of that name has.
+  /// A type as it came with the newest message that has it; nullptr: none of that name has come. It outlives the
+  /// subscriptions: what is published first when the robot is back, a stop, may need it.
   [[nodiscard]] RosTypePtr heard_type(const std::string& name) const;
 
  private:
@@ -72,7 +73,7 @@ class Listeners {
   Result<Value> read_message(const WorkerMessage& message);
 
   std::map<std::string, Topic> topics_;
-  std::map<std::string, RosTypePtr> heard_types_;  ///< by sum: from headers of connections
+  std::map<std::string, RosTypePtr> heard_types_;  ///< by name: from headers of connections
 };
 
 }  // namespace trb::ros

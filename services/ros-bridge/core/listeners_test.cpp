@@ -31,6 +31,12 @@ struct ListenersFixture {
                       {topic, "demo/Row", sum.empty() ? type->md5 : sum, definition, *to_wire(*type, row)}};
     listeners.on_message(one, now, out);
   }
+  /// A message of the type demo/Row, as that definition has it, all zero.
+  void message_of(const std::string& definition, const std::string& name = "demo/Row") {
+    const auto type = *type_from_full_definition(name, definition);
+    WorkerMessage one{Word::message, {"/rows", name, type->md5, definition, *to_wire(*type, Value{Value::Object{}})}};
+    listeners.on_message(one, now, out);
+  }
   void wait(Duration time) {
     now.mono = now.mono + time;
     listeners.tick(now, out);
@@ -131,6 +137,30 @@ TEST_CASE("a type that came with a message is known from then on; one whose sum 
   fixture.listeners.clear();
   REQUIRE(fixture.listeners.heard_type("demo/Row"));
   CHECK(fixture.listeners.heard_type("demo/Row")->name == "demo/Row");
+}
+
+TEST_CASE("a type that has changed at run time is known as it was heard last") {
+  ListenersFixture fixture;
+  const auto size_of = [&] {
+    fixture.listen(BridgeAction::ask, 1, "/rows");
+    const RosTypePtr heard = fixture.listeners.heard_type("demo/Row");
+    return heard ? heard->fields.size() : 0;
+  };
+  fixture.listen(BridgeAction::ask, 1, "/rows");
+  // By turns: no order of the sums may decide.
+  for (int turn = 0; turn < 2; ++turn) {
+    fixture.message_of("float64 x\n");
+    CHECK(fixture.told() == "1 {\"x\":0.0}\n");
+    CHECK(size_of() == 1);
+    fixture.message_of("float64 x\nfloat64 y\n");
+    CHECK(fixture.told() == "1 {\"x\":0.0,\"y\":0.0}\n");
+    CHECK(size_of() == 2);
+  }
+  // Two names of one sum.
+  fixture.message_of("float64 x\n", "demo/Line");
+  CHECK(size_of() == 2);
+  REQUIRE(fixture.listeners.heard_type("demo/Line"));
+  CHECK(fixture.listeners.heard_type("demo/Line")->name == "demo/Line");
 }
 
 TEST_CASE("with the subscriptions go the listeners: what comes later is nobody's") {
