@@ -10,15 +10,17 @@ namespace trb {
 enum class BridgeAction : std::uint8_t {
   publish = 0,  ///< send `data` under `name` once; `done` when there was a receiver for it
   ask,          ///< wait for the next message under `name`: one `value`
-  watch,        ///< from now on a `value` for each message under `name`, at most ten a second
+  watch,        ///< from now on a `value` for each message under `name`, at most ten a second; also for one that
+                ///< cannot be used: the value is unknown then
   unwatch,      ///< ends all that has that token: a watch, an ask, and a publication that has not left yet
 };
 constexpr auto enum_names(BridgeAction) {
   return std::array<std::string_view, 4>{"publish", "ask", "watch", "unwatch"};
 }
 
-/// Mode-adapter -> bridge (command). It ends with a BridgeEvent of the same token; a watch ends with the bridge or with
-/// `unwatch`. The mode-adapter counts what goes to the robot, so all three bodies are upkeep here.
+/// Mode-adapter -> bridge (command). It ends with a BridgeEvent of the same token; a watch ends with the bridge, with
+/// `unwatch`, or with `failed`: nothing can come of it. The mode-adapter counts what goes to the robot, so all three
+/// bodies are upkeep here.
 struct BridgeCommand {
   static constexpr std::string_view kSubtype = "bridge_command";
   static constexpr Travel kTravel = on_bus(CostPhase::upkeep, {"mode-adapter"});
@@ -50,8 +52,8 @@ struct BridgeEvent {
   std::uint64_t instance = 0;  ///< as in the command
   std::uint64_t token = 0;
   BridgeResult result{};
-  std::string data;  ///< of a value: JSON
-  std::string code;  ///< of a failure: an Errc's name
+  std::string data;  ///< of a value: JSON; empty: unknown, because the newest message could not be used
+  std::string code;  ///< of a failure, or of why a value is unknown: an Errc's name
   std::string what;
   std::string hint;
   template <class T = BridgeEvent>

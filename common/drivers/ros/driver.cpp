@@ -17,6 +17,15 @@ constexpr std::string_view kPosition = "position";
 constexpr double kPatience_s = 5;
 /// Each of the calls to the ROS master on its way may block the bridge's worker for 5 s: it is better late than never.
 constexpr double kStopPatience_s = 20;
+/// A watch that has failed is ordered again after a pause, which doubles from failure to failure.
+constexpr Duration kFirstPause = std::chrono::seconds(1);
+constexpr Duration kLongestPause = std::chrono::seconds(30);
+/// That a value is unknown is logged once in so long.
+constexpr Duration kQuiet = std::chrono::seconds(60);
+
+Error error_of(const BridgeEvent& event) {
+  return {errc_of(event.code).value_or(Errc::robot_error), event.what, event.hint};
+}
 
 /// None if one of them was not measured (null): the others would stand in its place.
 std::vector<double> numbers_of(const std::string& json) {
@@ -201,7 +210,7 @@ void RosDriver::on_bridge(const BridgeEvent& event, Now now, const DriverOut& ou
   if (at == pending_.end()) return out.out.count("from_robot.late");
   if (event.result == BridgeResult::failed) {
     const Pending pending = at->second;
-    return on_failed(event.token, pending, event, out);
+    return on_failed(event.token, pending, event, now, out);
   }
   if (event.result == BridgeResult::done) return on_done(event.token, at->second, now, out);
   const Pending pending = at->second;
@@ -215,11 +224,25 @@ void RosDriver::on_value(const Pending& pending, const BridgeEvent& event, Now n
     return out.emit(Said{MessageType::information, pending.subtype, pending.source, event.data});
   }
   if (pending.purpose != Purpose::watch) return;
-  values_[pending.subtype] = RobotValue{numbers_of(event.data), event.data, now.mono};
-  out.emit(ValuesHeard{});
+  if (event.data.empty()) {
+    lose_value(pending.subtype, event, now, out);
+  } else {
+    questions_.find(pending.subtype)->second.pause = {};
+    values_[pending.subtype] = RobotValue{numbers_of(event.data), event.data, now.mono};
+    out.emit(ValuesHeard{});
+  }
   if (halting_ && now.mono - halting_->at >= kHaltHeard) {
     out.emit(Halted{std::exchange(halting_, std::nullopt)->token});
   }
+}
+
+/// What the robot has said last is not known: neither is it what it said before. A fault stays as it was.
+void RosDriver::lose_value(const std::string& subtype, const BridgeEvent& event, Now now, const DriverOut& out) {
+  values_.erase(subtype);
+  Question& question = questions_.find(subtype)->second;
+  if (now.mono < question.quiet_until) return out.out.count("refused.bridge");
+  question.quiet_until = now.mono + kQuiet;
+  out.refuse("bridge", "'" + subtype + "' is unknown: " + error_of(event).text());
 }
 
 void RosDriver::on_done(std::uint64_t key, Pending& pending, Now now, const DriverOut& out) {
@@ -236,13 +259,20 @@ void RosDriver::on_done(std::uint64_t key, Pending& pending, Now now, const Driv
   if (ended.purpose == Purpose::release) out.emit(Released{ended.token});
 }
 
-void RosDriver::on_failed(std::uint64_t key, const Pending& pending, const BridgeEvent& event, const DriverOut& out) {
+void RosDriver::on_failed(std::uint64_t key, const Pending& pending, const BridgeEvent& event, Now now,
+                          const DriverOut& out) {
   pending_.erase(key);
-  const Error error{errc_of(event.code).value_or(Errc::robot_error), event.what, event.hint};
+  const Error error = error_of(event);
   if (pending.purpose == Purpose::command || pending.purpose == Purpose::request) {
     return out.emit(Refused{pending.token, error});
   }
-  if (pending.purpose == Purpose::watch) questions_.find(pending.subtype)->second.watch = 0;
+  if (pending.purpose == Purpose::watch) {
+    Question& question = questions_.find(pending.subtype)->second;
+    question.watch = 0;
+    question.pause = std::clamp(2 * question.pause, kFirstPause, kLongestPause);
+    question.again = now.mono + question.pause;
+    return lose_value(pending.subtype, event, now, out);
+  }
   if (pending.purpose == Purpose::halt) out.emit(Halted{pending.token, false, error.what});
   // A stop or release that nothing received stays unanswered: its requester is notified at its deadline.
   out.refuse("bridge", pending.subtype + ": " + error.text());
@@ -268,15 +298,24 @@ void RosDriver::watch_all(const DriverOut& out) {
   }
 }
 
+void RosDriver::watch_again(Now now, const DriverOut& out) {
+  for (const auto& [subtype, question] : questions_) {
+    if (question.again && now.mono >= *question.again) watch(subtype, out);
+  }
+}
+
 void RosDriver::watch(std::string_view subtype, const DriverOut& out) {
   const auto at = questions_.find(subtype);
   if (!up_ || at == questions_.end() || at->second.watch != 0) return;
+  at->second.again.reset();
   at->second.watch = ask(at->second, BridgeAction::watch, {Purpose::watch, 0, at->first, {}, 0}, out);
 }
 
 void RosDriver::unwatch(std::string_view subtype, const DriverOut& out) {
   const auto at = questions_.find(subtype);
-  if (!up_ || at == questions_.end() || at->second.always || at->second.watch == 0) return;
+  if (!up_ || at == questions_.end() || at->second.always) return;
+  at->second.again.reset();
+  if (at->second.watch == 0) return;
   const std::uint64_t key = std::exchange(at->second.watch, 0);
   pending_.erase(key);
   values_.erase(at->first);
@@ -287,7 +326,10 @@ void RosDriver::go_down(const std::string& reason, const DriverOut& out) {
   up_ = false;
   halting_.reset();
   values_.clear();
-  for (auto& [subtype, question] : questions_) question.watch = 0;
+  for (auto& [subtype, question] : questions_) {
+    question.watch = 0;
+    question.again.reset();
+  }
   for (const auto& [key, pending] : std::exchange(pending_, {})) {
     if (pending.purpose != Purpose::command && pending.purpose != Purpose::request) continue;
     out.emit(Refused{pending.token, fail(Errc::robot_offline, "the way to ROS was lost: " + reason,
@@ -297,7 +339,8 @@ void RosDriver::go_down(const std::string& reason, const DriverOut& out) {
 }
 
 void RosDriver::tick(Now now, const DriverOut& out) {
-  if (!up_ || now.mono - heard_ < kSilent) return;
+  if (!up_) return;
+  if (now.mono - heard_ < kSilent) return watch_again(now, out);
   // One that was only slow still has all that is forgotten here. A stop is better late than never.
   for (const auto& [key, pending] : pending_) {
     const bool stops = pending.purpose == Purpose::stop || pending.purpose == Purpose::halt;
@@ -307,7 +350,10 @@ void RosDriver::tick(Now now, const DriverOut& out) {
 }
 
 std::optional<MonotonicTime> RosDriver::next_deadline() const {
-  return up_ ? std::optional(heard_ + kSilent) : std::nullopt;
+  if (!up_) return std::nullopt;
+  std::optional<MonotonicTime> next = heard_ + kSilent;
+  for (const auto& [subtype, question] : questions_) next = earlier(next, question.again);
+  return next;
 }
 
 }  // namespace trb::drivers

@@ -48,8 +48,11 @@ class RosDriver : public CommandsDriver<std::vector<RosMessage>> {
  private:
   struct Question {
     RosQuestion words;
-    bool always = false;      ///< watched as long as ROS is available
-    std::uint64_t watch = 0;  ///< the bridge's token; 0: it is not watched
+    bool always = false;                   ///< watched as long as ROS is available
+    std::uint64_t watch = 0;               ///< the bridge's token; 0: it is not watched
+    std::optional<MonotonicTime> again{};  ///< the watch has failed: when it is ordered again
+    Duration pause{};                      ///< between the last failure and that
+    MonotonicTime quiet_until{};           ///< that the value is unknown is not logged before
   };
   enum class Purpose : std::uint8_t { command, request, halt, stop, release, watch };
   struct Pending {
@@ -67,8 +70,10 @@ class RosDriver : public CommandsDriver<std::vector<RosMessage>> {
   void drop_all(Purpose purpose, const DriverOut& out);
   void on_value(const Pending& pending, const BridgeEvent& event, Now now, const DriverOut& out);
   void on_done(std::uint64_t key, Pending& pending, Now now, const DriverOut& out);
-  void on_failed(std::uint64_t key, const Pending& pending, const BridgeEvent& event, const DriverOut& out);
+  void on_failed(std::uint64_t key, const Pending& pending, const BridgeEvent& event, Now now, const DriverOut& out);
+  void lose_value(const std::string& subtype, const BridgeEvent& event, Now now, const DriverOut& out);
   void watch_all(const DriverOut& out);
+  void watch_again(Now now, const DriverOut& out);
   void go_down(const std::string& reason, const DriverOut& out);
 
   std::uint64_t instance_;

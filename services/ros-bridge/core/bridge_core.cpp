@@ -151,7 +151,6 @@ void BridgeCore::on_worker_message(WorkerMessage& message, Now now, Outbox& outb
   const BridgeOut out = out_of(outbox);
   const auto& parts = message.parts;
   const auto token = [&parts] { return parse_number<std::uint64_t>(parts[0]).value_or(0); };
-  const auto error = [&parts] { return Error{errc_of(parts[1]).value_or(Errc::robot_error), parts[2], parts[3]}; };
   switch (message.word) {
     case Word::alive:
       return on_alive(parts[0] == "up", parts[1], now, outbox);
@@ -160,10 +159,11 @@ void BridgeCore::on_worker_message(WorkerMessage& message, Now now, Outbox& outb
     case Word::published:
       return end_publish(token(), std::nullopt, out);
     case Word::failed:
-      return end_publish(token(), error(), out);
+      return end_publish(token(), error_of(message), out);
     case Word::topic_failed:
-      return listeners_.on_failed(parts[0], error(), now, out);
+      return listeners_.on_failed(parts[0], error_of(message), now, out);
     case Word::message:
+    case Word::unread:
       return listeners_.on_message(message, now, out);
     case Word::kept:
       return listeners_.on_kept(message, now, out);

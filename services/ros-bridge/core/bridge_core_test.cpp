@@ -268,17 +268,29 @@ TEST_CASE("what an adapter that is gone wanted published is dropped at the worke
   CHECK(said[0].parts[0] == publish.parts[0]);
 }
 
+TEST_CASE("a message that the worker cannot take ends the asks, and no watch") {
+  Fixture fixture;
+  fixture.up();
+  fixture.command(1, BridgeAction::watch, "/odom", "", {"x"});
+  fixture.command(2, BridgeAction::ask, "/odom");
+  fixture.worker(Word::unread, {"/odom", "too_large", "/odom: a message of over 1 MiB", ""});
+  CHECK(fixture.told() == "1 \n2 too_large: /odom: a message of over 1 MiB\n");
+  fixture.wait(std::chrono::milliseconds(100));
+  fixture.worker(Word::message, odometry(1, 2));
+  CHECK(fixture.told() == "1 1.0\n");
+}
+
 TEST_CASE("a topic's refusal by the worker is told to all who listen to it, and to nobody else") {
   Fixture fixture;
   fixture.up();
   fixture.command(1, BridgeAction::watch, "/odom");
   fixture.command(2, BridgeAction::ask, "/odom");
   fixture.command(3, BridgeAction::ask, "/scan");
-  fixture.worker(Word::topic_failed, {"/odom", "too_large", "/odom: a message of over 1 MiB", ""});
+  fixture.worker(Word::topic_failed, {"/odom", "bad_value", "/odom: no name", ""});
   CHECK(fixture.told() ==
-        "1 too_large: /odom: a message of over 1 MiB\n"
-        "2 too_large: /odom: a message of over 1 MiB\n");
-  fixture.worker(Word::topic_failed, {"/gone", "too_large", "", ""});
+        "1 bad_value: /odom: no name\n"
+        "2 bad_value: /odom: no name\n");
+  fixture.worker(Word::topic_failed, {"/gone", "bad_value", "", ""});
   fixture.worker(Word::message, odometry(1, 2));
   CHECK(fixture.told().empty());
   fixture.said();

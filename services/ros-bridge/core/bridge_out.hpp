@@ -33,6 +33,8 @@ struct BridgeOut {
   void value(std::uint64_t token, std::string data) const {
     event(token, BridgeResult::value, std::move(data), std::nullopt);
   }
+  /// A watch goes on, but of the topic's newest message it has nothing; counted by the error's code.
+  void unknown(std::uint64_t token, const Error& error) const { event(token, BridgeResult::value, {}, error); }
   /// The command with that token has failed; counted by the error's code.
   void failed(std::uint64_t token, const Error& error) const { event(token, BridgeResult::failed, {}, error); }
   void order(Word word, std::vector<Bytes> parts) const { worker.bytes += to_bytes({word, std::move(parts)}); }

@@ -53,6 +53,7 @@ void Listeners::forget_all() {
 }
 
 Result<Value> Listeners::read_message(const WorkerMessage& message) {
+  if (message.word == Word::unread) return error_of(message);
   const std::string& name = message.parts[1];
   const std::string& sum = message.parts[2];
   auto known = heard_types_.find(name);
@@ -112,11 +113,12 @@ bool Listeners::send_message(Topic& topic, const WorkerMessage& message, Now now
     listener.told = true;
     listener.next = now.mono + kWatchPeriod;
     auto data = selected_json(value, listener.paths, message.parts[0]);
-    if (!data) {
-      out.failed(listener.token, data.error());
-      return true;
+    if (data) {
+      out.value(listener.token, std::move(*data));
+    } else {
+      // The next message may be good: fault rules that watch it must not be blind for ever.
+      listener.watch ? out.unknown(listener.token, data.error()) : out.failed(listener.token, data.error());
     }
-    out.value(listener.token, std::move(*data));
     return !listener.watch;
   });
   if (listeners.empty()) topic.idle_since = now.mono;

@@ -36,11 +36,12 @@ class Listeners {
   /// Of a worker that is gone: there is no subscription either.
   void clear() { topics_.clear(); }
 
-  /// A topic's message (Word::message); it is moved from if it is still owed to somebody.
+  /// A topic's message (Word::message), or what stands for one (Word::unread); it is moved from if it is still owed to
+  /// somebody. One that cannot be used fails the asks; to the watches, which go on, the value is unknown.
   void on_message(WorkerMessage& message, Now now, const BridgeOut& out);
   /// Word::kept. Others have had it already: told again it would look as if the robot had just said it.
   void on_kept(const WorkerMessage& message, Now now, const BridgeOut& out);
-  /// All who listen to that topic fail.
+  /// All who listen to that topic fail, the watches, too.
   void on_failed(const std::string& topic, const Error& error, Now now, const BridgeOut& out);
   /// Tells what is owed by now, ends the asks whose time is over, unsubscribes from topics that are idle.
   void tick(Now now, const BridgeOut& out);

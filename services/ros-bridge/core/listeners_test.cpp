@@ -41,12 +41,19 @@ struct ListenersFixture {
     now.mono = now.mono + time;
     listeners.tick(now, out);
   }
-  /// "TOKEN DATA" or "TOKEN CODE" since the last call, a line each.
+  /// The worker could not take a message of the topic.
+  void unread(const std::string& topic) {
+    WorkerMessage one{Word::unread, {topic, "too_large", topic + ": a message of over 1 MiB", ""}};
+    listeners.on_message(one, now, out);
+  }
+  /// "TOKEN DATA", "TOKEN CODE", or of a watch that goes on "TOKEN unknown: CODE", since the last call, a line each.
   std::string told() {
     std::string text;
     for (const BridgeEvent& event : sent<BridgeEvent>(outbox)) {
       const bool has_value = event.result == BridgeResult::value;
-      text += std::to_string(event.token) + " " + (has_value ? event.data : event.code) + "\n";
+      const bool is_unknown = has_value && event.data.empty();
+      text += std::to_string(event.token) + (is_unknown ? " unknown: " : " ");
+      text += (has_value && !is_unknown ? event.data : event.code) + "\n";
     }
     outbox.sends.clear();
     return text;
@@ -114,26 +121,60 @@ TEST_CASE("a topic is unsubscribed from once nobody has listened to it for a whi
   CHECK(orders[0].parts == std::vector<Bytes>{"/odom"});
 }
 
-TEST_CASE("a message over 64 kB of JSON fails who wants all of it, and not who names a field") {
+TEST_CASE("a message over 64 kB of JSON fails who asks for all of it, and not who names a field") {
+  ListenersFixture fixture;
+  fixture.listen(BridgeAction::ask, 1, "/rows");
+  fixture.listen(BridgeAction::ask, 2, "/rows", {"first"});
+  fixture.message("/rows", 0.125, 20'000);
+  CHECK(fixture.told() == "1 too_large\n2 0.125\n");
+}
+
+TEST_CASE("a message that cannot be used makes a watch's value unknown, and does not end the watch") {
   ListenersFixture fixture;
   fixture.listen(BridgeAction::watch, 1, "/rows");
   fixture.listen(BridgeAction::watch, 2, "/rows", {"first"});
+  fixture.listen(BridgeAction::watch, 3, "/rows", {"all[1]"});
   fixture.message("/rows", 0.125, 20'000);
-  CHECK(fixture.told() == "1 too_large\n2 0.125\n");
+  CHECK(fixture.told() == "1 unknown: too_large\n2 0.125\n3 0.125\n");
   fixture.wait(std::chrono::seconds(1));
   fixture.message("/rows", 0.5);
-  CHECK(fixture.told() == "2 0.5\n");
+  CHECK(fixture.told() == "1 {\"first\":0.5,\"all\":[0.5]}\n2 0.5\n3 unknown: bad_value\n");
+  fixture.wait(std::chrono::seconds(1));
+  fixture.message("/rows", 0.5, 2);
+  CHECK(fixture.told() == "1 {\"first\":0.5,\"all\":[0.5,0.5]}\n2 0.5\n3 0.5\n");
+  CHECK(std::ranges::count(fixture.outbox.counts, "refused.bad_value") == 1);
+  CHECK(std::ranges::count(fixture.outbox.counts, "refused.too_large") == 1);
+}
+
+TEST_CASE("what the worker cannot take is as a message that cannot be used: also told ten times a second at most") {
+  ListenersFixture fixture;
+  fixture.listen(BridgeAction::watch, 1, "/rows", {"first"});
+  fixture.listen(BridgeAction::ask, 2, "/rows");
+  fixture.unread("/rows");
+  CHECK(fixture.told() == "1 unknown: too_large\n2 too_large\n");
+  fixture.message("/rows", 1);
+  fixture.unread("/rows");
+  CHECK(fixture.told().empty());
+  fixture.wait(std::chrono::milliseconds(100));
+  CHECK(fixture.told() == "1 unknown: too_large\n");  // it is the newest
+  fixture.message("/rows", 2);
+  fixture.wait(std::chrono::milliseconds(100));
+  CHECK(fixture.told() == "1 2.0\n");
+  fixture.wait(std::chrono::hours(1));
+  CHECK(fixture.orders().size() == 2);  // nothing is unsubscribed from
 }
 
 TEST_CASE("a type that came with a message is known from then on; one whose sum is another's is refused") {
   ListenersFixture fixture;
   fixture.listen(BridgeAction::watch, 1, "/rows");
   fixture.message("/rows", 1, 1, std::string(32, 'a'));
-  CHECK(fixture.told() == "1 version_mismatch\n");
+  CHECK(fixture.told() == "1 unknown: version_mismatch\n");
   CHECK(fixture.listeners.heard_type("demo/Row") == nullptr);
   fixture.listen(BridgeAction::ask, 2, "/rows", {"first"});
   fixture.message("/rows", 1);
   CHECK(fixture.told() == "2 1.0\n");
+  fixture.wait(std::chrono::milliseconds(100));
+  CHECK(fixture.told() == "1 {\"first\":1.0,\"all\":[1.0]}\n");
   fixture.listeners.clear();
   REQUIRE(fixture.listeners.heard_type("demo/Row"));
   CHECK(fixture.listeners.heard_type("demo/Row")->name == "demo/Row");

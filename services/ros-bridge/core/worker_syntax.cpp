@@ -7,7 +7,7 @@
 namespace trb::ros {
 namespace {
 
-constexpr std::array<std::size_t, 13> kParts = {0, 1, 7, 1, 1, 2, 2, 1, 4, 5, 1, 5, 4};
+constexpr std::array<std::size_t, 14> kParts = {0, 1, 7, 1, 1, 2, 2, 1, 4, 5, 1, 5, 4, 4};
 constexpr std::size_t kSize = sizeof(std::uint32_t);
 
 /// The message's body, behind its size.
@@ -46,6 +46,11 @@ Bytes to_bytes(const WorkerMessage& message) {
   Bytes out;
   put_little(out, static_cast<std::uint32_t>(body.size()));
   return out + body;
+}
+
+Error error_of(const WorkerMessage& message) {
+  const auto& parts = message.parts;
+  return {errc_of(parts[1]).value_or(Errc::robot_error), parts[2], parts[3]};
 }
 
 Status WorkerReader::add(BytesView bytes, std::vector<WorkerMessage>& out) {

@@ -27,7 +27,8 @@ enum class Word : std::uint8_t {
   drop,  ///< token: what was not published yet is not published any more, and not answered
   // of the worker
   kept,          ///< as message: a latched topic's last one, once more, for who has begun to listen since
-  topic_failed,  ///< topic, Errc's name, what, hint: instead of a message
+  topic_failed,  ///< topic, Errc's name, what, hint: nothing can come of it
+  unread,        ///< topic, Errc's name, what, hint: instead of one message, which the bridge could not take
 };
 
 struct WorkerMessage {
@@ -42,6 +43,9 @@ constexpr std::size_t kMaxWorkerMessage = 4U << 20U;
 constexpr std::size_t kMaxPublications = 256;
 
 Bytes to_bytes(const WorkerMessage& message);
+
+/// Of failed, topic_failed and unread: what went wrong.
+Error error_of(const WorkerMessage& message);
 
 /// Puts messages together from what a pipe gives.
 class WorkerReader {

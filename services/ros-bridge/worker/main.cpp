@@ -286,7 +286,7 @@ class Worker {
     const auto message = subscription.newest ? subscription.newest : subscription.kept;
     subscription.newest = subscription.kept = nullptr;
     if (is_too_large(*message)) {
-      return send_to_bridge(Word::topic_failed, {topic, "too_large", topic + ": a message of over 1 MiB", ""});
+      return send_to_bridge(Word::unread, {topic, "too_large", topic + ": a message of over 1 MiB", ""});
     }
     Bytes wire(message->size(), '\0');
     roscpp::serialization::OStream stream(reinterpret_cast<std::uint8_t*>(wire.data()), message->size());
