@@ -246,6 +246,38 @@ TEST_CASE("readings: a late one is dropped, a repeated one confirms, silence of 
   CHECK(hall.counted("dropped.unknown_sensor") == 1);
 }
 
+TEST_CASE("readings: a sensor-bus that counts from 1 again is shown again as soon as the last value is late") {
+  Hall hall;
+  hall.table({with_sensor("pioneer1")});
+  hall.watch("pioneer1", "dht22");
+  hall.say("pioneer1", reading(21, 3599));
+  hall.wait(seconds(1));
+  hall.say("pioneer1", reading(22, 3600));
+  const Row* row = hall.row(RowKind::reading, "pioneer1", "dht22");
+  for (std::uint64_t count = 1; count <= 3; ++count) {
+    hall.wait(seconds(1));
+    hall.say("pioneer1", reading(30, count));
+  }
+  CHECK(hall.counted("dropped.late") == 2);
+  CHECK(row->live == Live::live);
+  CHECK(std::get<SensorReading>(row->content).number == 30);
+  hall.say("pioneer1", reading(29, 2));
+  CHECK(hall.counted("dropped.late") == 3);
+}
+
+TEST_CASE("readings: the count of a node that was away is forgotten, too") {
+  Hall hall;
+  hall.table({with_sensor("pioneer1")});
+  hall.watch("pioneer1", "dht22");
+  hall.say("pioneer1", reading(21, 3600));
+  hall.say("cloud", PeerExpired{"pioneer1", "10 s unheard"});
+  hall.wait(seconds(4));
+  hall.table({with_sensor("pioneer1")});
+  hall.say("pioneer1", reading(22, 1));
+  CHECK(hall.live(RowKind::reading, "pioneer1", "dht22") == Live::live);
+  CHECK(hall.counted("dropped.late") == 0);
+}
+
 TEST_CASE("a sensor is unplugged: it and its value are gone") {
   Hall hall;
   hall.table({with_sensor("pioneer1")});

@@ -34,9 +34,10 @@ void ReadingRows::tick(Now now) {
     const Row* row = book_.find(key);
     if (row == nullptr) {
       seen_.erase(key);
-    } else if (row->live == Live::live) {
-      book_.set_live(key, Live::late, now);
+      continue;
     }
+    seen_[key].watch = 0;
+    if (row->live == Live::live) book_.set_live(key, Live::late, now);
   }
 }
 

@@ -20,7 +20,8 @@ class ReadingRows {
 
   /// The sensor must be known from its node. `live`: the node's state.
   void take(const std::string& node, const SensorReading& reading, Live live, Now now, Outbox& out);
-  /// A value older than three of its periods becomes late.
+  /// A value older than three of its periods becomes late. Its count is forgotten: its node may have made the watch
+  /// anew, and counts from 1 again.
   void tick(Now now);
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const;
 

@@ -10,7 +10,7 @@ SensorWatch order_of(const SensorId& sensor, std::uint64_t number, double lease_
 }  // namespace
 
 void SensorStreams::on_welcome(Now now) {
-  for (auto& [sensor, stream] : streams_) stream = {stream.number, now.mono, false};
+  for (auto& [sensor, stream] : streams_) stream = {++last_, now.mono};
 }
 
 std::vector<SensorId> SensorStreams::want(const std::set<SensorId>& wanted, Now now) {
@@ -26,7 +26,7 @@ std::vector<SensorId> SensorStreams::want(const std::set<SensorId>& wanted, Now 
   }
   for (const SensorId& sensor : wanted) {
     if (streams_.contains(sensor) || streams_.size() == kMaxStreams) continue;
-    streams_[sensor] = {++last_, now.mono, false};
+    streams_[sensor] = {++last_, now.mono};
   }
   return over;
 }
@@ -40,10 +40,15 @@ void SensorStreams::tick(Now now, Outbox& out) {
   }
 }
 
-void SensorStreams::drive(const SensorId& sensor, Stream& stream, Now now, Outbox& out) const {
+void SensorStreams::drive(const SensorId& sensor, Stream& stream, Now now, Outbox& out) {
   if (!may_order(sensor)) {
     stream.at = now.mono + kLook;
+    stream.is_doubtful = stream.is_ordered;
     return;
+  }
+  if (std::exchange(stream.is_doubtful, false)) {
+    out.request(sensor.node, order_of(sensor, stream.number, 0));
+    stream.number = ++last_;
   }
   stream.is_ordered = true;
   stream.at = now.mono + kRenew;

@@ -22,10 +22,11 @@ struct SensorId {
 /// -       | wanted                                        | waiting
 /// waiting | its node is reached and has it: order (10 s)  | running
 /// waiting | else: looked at again after 0.5 s             | waiting
-/// running | every 3 s: order, which renews it             | running; waiting, if its node is away or lost it
+/// running | every 3 s: order, which renews it             | running; waiting, if its node is away or lost it (**)
 /// running | not wanted any more: order of 0 s             | -
-/// any     | the router has forgotten this service (*)     | waiting
+/// any     | the router has forgotten this service (*)     | waiting (**)
 /// (*) The node knows a stream by the connection that ordered it: the old one ends with its lease.
+/// (**) The next order has a new number, because the node may count from 1 again; it ends the old stream.
 class SensorStreams {
  public:
   static constexpr std::size_t kMaxStreams = 256;  ///< what one node's sensor-bus gives in all
@@ -49,8 +50,9 @@ class SensorStreams {
     std::uint64_t number = 0;  ///< its values carry it
     MonotonicTime at;          ///< of the next order or look
     bool is_ordered = false;
+    bool is_doubtful = false;  ///< its node was away since the order
   };
-  void drive(const SensorId& sensor, Stream& stream, Now now, Outbox& out) const;
+  void drive(const SensorId& sensor, Stream& stream, Now now, Outbox& out);
   [[nodiscard]] bool may_order(const SensorId& sensor) const;
 
   const RowBook& book_;

@@ -89,6 +89,35 @@ TEST_CASE("a node that is away is asked nothing, its rows say so, and the stream
   CHECK(hall.orders() == Leases{10});
 }
 
+TEST_CASE("a watch that may be a new one has a new number: its count begins at 1 again") {
+  Watched hall;
+  hall.watch("pioneer1", "dht22");
+  const auto orders = [&](Duration time) {
+    hall.wait(time);
+    auto out = sent<SensorWatch>(hall.out);
+    hall.out.clear();
+    return out;
+  };
+  const auto first = orders({});
+  REQUIRE(first.size() == 1);
+  CHECK(orders(SensorStreams::kRenew).at(0).watch == first[0].watch);
+  hall.view.on_welcome("cloud", hall.now);
+  const auto second = orders({});
+  REQUIRE(second.size() == 1);
+  CHECK(second[0].watch != first[0].watch);
+  hall.table({sensor_node("pioneer1", "CONNECTION_BROKEN")});
+  CHECK(orders(SensorStreams::kRenew).empty());
+  hall.table({sensor_node("pioneer1")});
+  const auto third = orders(SensorStreams::kLook);  // the old one may still be there
+  REQUIRE(third.size() == 2);
+  CHECK(third[0].watch == second[0].watch);
+  CHECK(third[0].lease_s == 0);
+  CHECK(third[1].watch != second[0].watch);
+  CHECK(third[1].watch != first[0].watch);
+  CHECK(third[1].lease_s == SensorStreams::kLease_s);
+  CHECK(orders(SensorStreams::kRenew).at(0).watch == third[1].watch);
+}
+
 TEST_CASE("an unknown sensor and a camera are not ordered") {
   Watched hall;
   hall.client("sensor/pioneer1/made_up");
