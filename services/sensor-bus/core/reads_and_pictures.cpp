@@ -176,6 +176,12 @@ void SensorBusCore::send_last_value(const std::string& name, Now now, Outbox& ou
   if (sensor == nullptr || !sensor->value || !watches_.any_of(name)) return;
   SensorReading reading = reading_of(name, *sensor->value, now);
   reading.quality = "stale";
+  // A program may say no time, or one by a clock that is ahead: it has measured before the value came.
+  const Duration age = sensor->measured ? now.mono - *sensor->measured : Duration{};
+  if (sensor->fed() && to_seconds(age) > reading.age_s) {
+    reading.age_s = to_seconds(age);
+    reading.time = (now.utc - age).ns;
+  }
   watches_.send_at_once(name, reading, out);
 }
 

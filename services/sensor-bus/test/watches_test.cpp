@@ -136,6 +136,44 @@ TEST_CASE("when it falls silent or fails the last value is told once more, stale
   CHECK(sent<SensorReading>(fixture.out).size() == 1);
 }
 
+TEST_CASE(
+    "of a program that falls silent, too: its value has the age since it came, or since the program measured it") {
+  Fixture fixture;
+  fixture.watch("humidity", 1, 60);
+  for (int i = 0; i < 3; ++i) {
+    fixture.program("humidity", 47, "percent");
+    fixture.wait(1s);
+  }
+  const UtcTime last = fixture.now.utc - 1s;
+  fixture.clear();
+  fixture.wait(2100ms);
+  auto readings = sent<SensorReading>(fixture.out);
+  REQUIRE(readings.size() == 1);
+  CHECK(readings[0].quality == "stale");
+  CHECK(readings[0].age_s == doctest::Approx(3));
+  CHECK(readings[0].time == last.ns);
+  BusValue old;
+  old.number = 48;
+  old.time = (fixture.now.utc - 10s).ns;
+  fixture.bus_event(SignalHeard{"humidity", false, old});
+  fixture.clear();
+  fixture.wait(10s);
+  readings = sent<SensorReading>(fixture.out);
+  REQUIRE(readings.size() == 1);
+  CHECK(readings[0].time == *old.time);
+  CHECK(readings[0].age_s > 13);
+  BusValue ahead = old;
+  ahead.time = (fixture.now.utc + 3600s).ns;
+  fixture.bus_event(SignalHeard{"humidity", false, ahead});
+  const UtcTime came = fixture.now.utc;
+  fixture.clear();
+  fixture.wait(50s);
+  readings = sent<SensorReading>(fixture.out);
+  REQUIRE(readings.size() == 1);
+  CHECK(readings[0].time == came.ns);
+  CHECK(readings[0].age_s > 3);
+}
+
 TEST_CASE("what makes no sense is refused with words, and there are 256 watches at most") {
   Fixture fixture;
   fixture.plug("usb1#t", "temperature");
