@@ -19,7 +19,7 @@ namespace trb::sensor {
 class SensorBusCore : public Core {
  public:
   /// `node`: the own node's id.
-  /// `robots`: the requests of commands.json that the robot itself answers.
+  /// `robots`: the requests that the robot itself answers (robots_words).
   explicit SensorBusCore(std::string node, std::set<std::string> robots = {})
       : node_(std::move(node)), sensors_(std::move(robots)) {}
 

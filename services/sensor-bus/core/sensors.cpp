@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "common/base/words.hpp"
+#include "common/fleet/charge.hpp"
 #include "proto/body.hpp"
 #include "proto/value.hpp"
 
@@ -21,6 +22,12 @@ std::string_view device_of(std::string_view key) {
 }
 
 }  // namespace
+
+std::set<std::string> robots_words(std::set<std::string> requests) {
+  requests.insert(std::begin(kChargeRequests), std::end(kChargeRequests));
+  requests.emplace(kPositionRequest);
+  return requests;
+}
 
 std::optional<Duration> Sensor::patience() const {
   if (period <= Duration::zero()) return std::nullopt;

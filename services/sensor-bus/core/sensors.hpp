@@ -12,6 +12,11 @@
 
 namespace trb::sensor {
 
+/// The words of a node's robot, which no sensor takes: `requests`, those of commands.json, and what the fleet asks
+/// every robot for, its position and charge. A robot with a field channel answers these without an entry in
+/// commands.json.
+std::set<std::string> robots_words(std::set<std::string> requests);
+
 struct Sensor {
   SensorInfo info;
   std::string key;           ///< its device's; empty: a program feeds it
@@ -32,7 +37,7 @@ struct Sensor {
 
 class Sensors {
  public:
-  /// `robots`: what the robot itself answers, by commands.json: no sensor takes such a request from it.
+  /// `robots`: what the robot itself answers (robots_words): no sensor takes such a request from it.
   explicit Sensors(std::set<std::string> robots = {}) : robots_(std::move(robots)) {}
 
   /// Errors: queue_full; conflict (the key is there already).

@@ -10,10 +10,11 @@
 namespace trb::sensor {
 namespace {
 
-std::set<std::string> requests_of(const NodeConfig& config) {
-  std::set<std::string> out;
-  for (const auto& [subtype, words] : config.commands.requests) out.insert(subtype);
-  return out;
+std::set<std::string> words_of_robot(const NodeConfig& config) {
+  if (config.framework.empty()) return {};
+  std::set<std::string> requests;
+  for (const auto& [subtype, words] : config.commands.requests) requests.insert(subtype);
+  return robots_words(std::move(requests));
 }
 
 }  // namespace
@@ -23,7 +24,7 @@ Result<int> start(NodeConfig config) {
       Service::open({config.dir, "sensor-bus", SensorBusCore::Taken::subtypes(), {std::string(PeerExpired::kSubtype)}});
   if (!service) return service.error();
   ConfigFaults faults;  // told by the check above
-  SensorBusCore core(config.id, requests_of(config));
+  SensorBusCore core(config.id, words_of_robot(config));
   SensorBusShell shell(**service, core);
   auto bus = BusThread::open(config.dbus, **service,
                              [&](const std::vector<BusEvent>& events) { shell.on_bus_events(events); });

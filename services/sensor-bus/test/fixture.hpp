@@ -13,7 +13,7 @@ namespace trb::sensor {
 
 /// A D-Bus that gives what is emitted to whoever is subscribed, when the test says so.
 struct Fixture {
-  SensorBusCore core{"conveyor", {"speed"}};  // the robot itself is asked for its speed
+  SensorBusCore core{"conveyor", robots_words({"speed"})};
   Now now{{1'000'000'000}, {1'700'000'000'000'000'000}};
   Outbox out;
   std::vector<Effect> effects;

@@ -78,6 +78,31 @@ TEST_CASE("a rule's wish becomes a name that D-Bus takes, and none of the middle
   for (const SensorInfo& info : table.sensors) CHECK(is_sensor_name(info.name));
 }
 
+TEST_CASE(
+    "what the fleet asks every robot for stays the robot's, though commands.json does not name it: a GPS is "
+    "position_2") {
+  Fixture fixture;
+  fixture.plug("usb1#p", "position", "G1", "position");
+  CHECK(fixture.info("position").name.empty());
+  CHECK(fixture.info("position_2").identity == "G1");
+  fixture.read("position");  // by its kind
+  CHECK(fixture.rules() == "+position_2");
+  for (const char* word : {"battery", "state_of_charge"}) {
+    CAPTURE(word);
+    fixture.program(word, 80);
+    CHECK(fixture.info(word).name.empty());
+  }
+  CHECK(std::ranges::count(fixture.out.counts, "refused.signal_not_permitted") == 4);
+}
+
+TEST_CASE("at a node without a robot they are a sensor's") {
+  SensorBusCore core{"cloud"};
+  Outbox out;
+  core.on_welcome({"cloud", Role::cloud, 1}, {}, out);
+  core.on_plugged({"usb1#p", {"position", "position", "", "G1", "", {}, {}}, 1}, {{1'000'000'000}, {}}, out);
+  CHECK(sent<NodeSensors>(out).back().sensors.at(0).name == "position");
+}
+
 TEST_CASE("of two devices with one serial number the second's identity is made distinct, and it says why") {
   Fixture fixture;
   fixture.plug("usb1#t", "temperature", "SN1");
