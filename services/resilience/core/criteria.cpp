@@ -137,6 +137,8 @@ bool is_sensor_of(const ReplacementCriterion& criterion, const RobotRecord& robo
   if (criterion.from != CriterionSource::sensor) return false;
   if (criterion.value == sensor) return true;
   const auto& plugged = robot.profile.is.plugged;
+  // As the node's sensor-bus finds it: a name comes before a kind.
+  if (std::ranges::find(plugged, criterion.value, &SensorInfo::name) != plugged.end()) return false;
   const auto at = std::ranges::find(plugged, sensor, &SensorInfo::name);
   return at != plugged.end() && at->kind == criterion.value;
 }

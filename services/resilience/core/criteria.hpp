@@ -43,7 +43,7 @@ Result<Criteria> weighed(Criteria criteria, const std::vector<WeighedCriterion>&
 
 /// The name under which a sensor's reading is kept among a robot's values.
 [[nodiscard]] std::string sensor_value(std::string_view sensor);
-/// Is it the sensor of that criterion: by its name at the robot's node, or by its kind?
+/// Is it the sensor of that criterion: by its name at the robot's node, or by its kind if no sensor there has the name?
 [[nodiscard]] bool is_sensor_of(const ReplacementCriterion& criterion, const RobotRecord& robot,
                                 std::string_view sensor);
 

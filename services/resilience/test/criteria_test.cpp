@@ -27,6 +27,18 @@ std::unique_ptr<Fixture> failed(const std::string& criteria, ResilienceSettings 
   return fixture;
 }
 
+SensorReading read(const std::string& sensor, double number, const std::string& quality = "good") {
+  SensorReading out;
+  out.sensor = sensor;
+  out.number = number;
+  out.quality = quality;
+  return out;
+}
+
+SensorInfo plugged(const std::string& name, const std::string& kind) {
+  return {name, kind, "degC", "", "", SensorState::ok, ""};
+}
+
 const CriterionPart& part(const Proposal& of, const std::string& criterion) {
   const auto at = std::ranges::find(of.parts, criterion, &CriterionPart::criterion);
   REQUIRE(at != of.parts.end());
@@ -127,12 +139,11 @@ TEST_CASE("a sensor at the robot's node is read, by its name or its kind") {
     auto fixture = paper(settings_of(R"({"heat": {"from": "sensor", "value": ")" + std::string(word) +
                                      R"(", "best": 20, "worst": 80, "at_most": 60}})"));
     for (const char* id : {"pioneer1", "pioneer2"}) {
-      fixture->routes[id].profile.plugged = {{"t1", "temperature", "degC", "", "", SensorState::ok, ""}};
+      fixture->routes[id].profile.plugged = {plugged("t1", "temperature")};
     }
     fixture->wait(seconds(40));
     for (const auto& [id, value] : {std::pair{"pioneer1", 65.0}, std::pair{"pioneer2", -5.0}}) {
-      fixture->readings[id].sensor = "t1";
-      fixture->readings[id].number = value;
+      fixture->readings[id][word] = read("t1", value);
     }
     fixture->end_task("t4", TaskOutcome::failed, "stuck");
     fixture->wait(seconds(1));
@@ -143,6 +154,22 @@ TEST_CASE("a sensor at the robot's node is read, by its name or its kind") {
     CHECK(why_unfit(alert, "pioneer1") == "heat 65, at most 60 wanted");
     CHECK(why_unfit(alert, "turtlebot") == "its heat is not known");  // it has no such sensor
   }
+}
+
+TEST_CASE("of two sensors of a kind the one that has the criterion's name is meant, as at its node") {
+  auto fixture = paper(settings_of(R"({"inside": {"from": "sensor", "value": "temperature", "best": 20, "worst": 80},
+                                      "outside": {"from": "sensor", "value": "temperature_2", "best": 20, "worst": 80}})"));
+  fixture->routes["pioneer1"].profile.plugged = {plugged("temperature", "temperature"),
+                                                 plugged("temperature_2", "temperature")};
+  fixture->wait(seconds(40));
+  fixture->readings["pioneer1"]["temperature"] = read("temperature", 25);
+  fixture->readings["pioneer1"]["temperature_2"] = read("temperature_2", 70);
+  fixture->end_task("t4", TaskOutcome::failed, "stuck");
+  fixture->wait(seconds(1));
+  const Alert alert = fixture->alert();
+  REQUIRE(alert.proposals[0].robot == "pioneer1");
+  CHECK(part(alert.proposals[0], "inside").value == 25);
+  CHECK(part(alert.proposals[0], "outside").value == 70);
 }
 
 TEST_CASE("a bound keeps a robot out, with the reason; a person may override; who is charged is in again") {

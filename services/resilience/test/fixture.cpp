@@ -119,9 +119,11 @@ void Fixture::handle(const Send& sent) {
     return answer(send.target, Opaque{value->first, value->second});
   }
   if (const auto* read = get_if<SensorRead>(&send.body)) {
-    const auto reading = readings.find(send.target);
-    if (reading == readings.end()) return nack(send, send.target, "unknown_target", "no sensor " + read->sensor);
-    return answer(send.target, reading->second);
+    const auto& known = readings[send.target];
+    const auto reading = known.find(read->sensor);
+    if (reading == known.end()) return nack(send, send.target, "unknown_target", "no sensor " + read->sensor);
+    if (reading->second) answer(send.target, *reading->second);
+    return;
   }
   if (const auto* repaired = get_if<TakeIntoUse>(&send.body)) return take_into_use(send, *repaired);
   const auto* order = get_if<ReleaseTasks>(&send.body);

@@ -7,6 +7,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -93,7 +94,8 @@ class Fixture {
   [[nodiscard]] Now now() const { return clock_.now(); }
   std::map<std::string, Route> routes;
   std::map<std::string, std::map<std::string, std::string>> values;  ///< the robots' answers, by name
-  std::map<std::string, SensorReading> readings;                     ///< of robots' sensors
+  /// Of robots' sensors, by what is read; nullopt: no answer; what is not there is refused.
+  std::map<std::string, std::map<std::string, std::optional<SensorReading>>> readings;
   RunView view;
   RunStart start;
   std::optional<MonotonicTime> ends_at;  ///< the run's end, if the scheduler reports it
