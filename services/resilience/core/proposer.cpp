@@ -4,6 +4,7 @@
 #include <cmath>
 #include <set>
 
+#include "common/scenario/condition.hpp"
 #include "proto/body.hpp"
 #include "proto/message.hpp"
 #include "proto/value.hpp"
@@ -51,6 +52,13 @@ std::vector<WeighedCriterion> shown_weights(const Criteria& by) {
     }
   }
   return out;
+}
+
+/// As a condition of a task believes it. A criterion's unit is for people: it is not compared.
+bool is_believed(const SensorReading& reading) {
+  Condition number;
+  number.unit = reading.unit;
+  return believe(number, reading).ok() && std::isfinite(reading.number);
 }
 
 }  // namespace
@@ -179,11 +187,10 @@ void Proposer::receive(const SensorReading& reading, const std::string& robot, N
   const RobotRecord* record = situation_.fleet().find(robot);
   bool taken = false;
   for (const ReplacementCriterion& one : criteria()) {
-    if (record == nullptr || reading.is_text || !std::isfinite(reading.number) ||
-        !is_sensor_of(one, *record, reading.sensor))
-      continue;
+    if (record == nullptr || !is_sensor_of(one, *record, reading.sensor)) continue;
     const std::string name = sensor_value(one.value);
     alerts_.on_answer(robot, name);
+    if (!is_believed(reading)) continue;
     taken = situation_.fleet().on_value(robot, name, dump_json(Value{reading.number}), now.utc) || taken;
   }
   taken ? on_value(now, out) : out.count("dropped.value");

@@ -172,6 +172,24 @@ TEST_CASE("of two sensors of a kind the one that has the criterion's name is mea
   CHECK(part(alert.proposals[0], "outside").value == 70);
 }
 
+TEST_CASE("a reading that is not good is an answer, and leaves the value unknown") {
+  SensorReading text = read("t1", 20);
+  text.is_text = true;
+  for (const SensorReading& doubtful : {read("t1", 20, "stale"), read("t1", 20, "bad"), text}) {
+    CAPTURE(doubtful.quality);
+    auto fixture = paper(settings_of(
+        R"({"heat": {"from": "sensor", "value": "t1", "best": 20, "worst": 80, "at_most": 60}})", automatic()));
+    fixture->readings["pioneer1"]["t1"] = read("t1", 30);
+    fixture->readings["pioneer2"]["t1"] = doubtful;
+    fixture->end_task("t4", TaskOutcome::failed, "stuck");
+    fixture->wait(seconds(1));
+    CHECK(why_unfit(fixture->alert(), "pioneer2") == "its heat is not known");
+    fixture->wait(seconds(2));  // every robot has answered
+    REQUIRE(fixture->taken.size() == 1);
+    CHECK(rulings(fixture->taken[0]) == "t4>pioneer1");
+  }
+}
+
 TEST_CASE("a bound keeps a robot out, with the reason; a person may override; who is charged is in again") {
   auto fixture = paper(settings_of(R"({"battery": {"at_least": 60}, "distance": 1})"));
   fixture->values["turtlebot"].clear();
