@@ -85,7 +85,7 @@ struct Nack {
   std::string target;   ///< of the message that failed
   std::string what;
   std::string hint;
-  std::string about{};  ///< what the failed message is about: a run's id; empty if nothing depends on it
+  std::string about{};  ///< a run's id, or the sensor as it was asked for; empty if nothing depends on it
   template <class T = Nack>
   static FieldTable fields() {
     return FieldTable{field("code", &T::code, 64),   field("subtype", &T::subtype, 64), field("target", &T::target, 64),

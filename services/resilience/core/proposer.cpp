@@ -161,9 +161,10 @@ void Proposer::request_values_of(const RobotRecord& robot, Duration fresh, Inqui
   }
 }
 
-void Proposer::on_reading_refused(const std::string& robot) {
+void Proposer::on_reading_refused(const std::string& robot, const std::string& sensor) {
   for (const ReplacementCriterion& one : criteria()) {
-    if (one.from == CriterionSource::sensor) alerts_.on_answer(robot, sensor_value(one.value));
+    const bool is_meant = sensor.empty() || sensor == one.value;
+    if (one.from == CriterionSource::sensor && is_meant) alerts_.on_answer(robot, sensor_value(one.value));
   }
 }
 

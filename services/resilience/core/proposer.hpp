@@ -28,8 +28,9 @@ class Proposer {
   /// Answers of robots to these requests.
   void receive(const Opaque& value, const std::string& robot, Now now, Outbox& out);
   void receive(const SensorReading& reading, const std::string& robot, Now now, Outbox& out);
-  /// The robot refuses a reading. A Nack names no sensor: none of the robot's sensors is awaited any more.
-  void on_reading_refused(const std::string& robot);
+  /// The robot's node refuses a reading. `sensor`: as it was asked for; empty, as from an older node, or a router that
+  /// did not deliver the request: none of the robot's sensors is awaited any more.
+  void on_reading_refused(const std::string& robot, const std::string& sensor);
 
  private:
   [[nodiscard]] const Criteria& criteria() const { return situation_.settings().resilience.criteria; }

@@ -185,7 +185,7 @@ void ResilienceCore::receive(const Nack& nack, const std::string& from, Now now,
   const bool own = from == parts_.situation.node();
   if (!own && (of_decision || of_runs || from != nack.target)) return out.count("dropped.foreign");
   parts_.alerts.on_answer(nack.target, nack.subtype);
-  if (nack.subtype == SensorRead::kSubtype) parts_.proposer.on_reading_refused(nack.target);
+  if (nack.subtype == SensorRead::kSubtype) parts_.proposer.on_reading_refused(nack.target, nack.about);
   if (of_decision) return parts_.decisions.on_refused(nack, out);
   if (of_runs) return parts_.situation.runs().on_nack(nack, now, out);
   if (is_of(ReleaseTasks::kSubtype, SignRequest::kSubtype)) {

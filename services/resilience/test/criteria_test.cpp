@@ -190,6 +190,27 @@ TEST_CASE("a reading that is not good is an answer, and leaves the value unknown
   }
 }
 
+TEST_CASE("a refused reading ends the wait for that sensor alone; of an older node, which names none, for all") {
+  for (const bool names_sensor : {true, false}) {
+    CAPTURE(names_sensor);
+    auto fixture = paper(settings_of(R"({"heat": {"from": "sensor", "value": "t1", "best": 20, "worst": 80},
+                                        "damp": {"from": "sensor", "value": "h1", "best": 0, "worst": 100}})",
+                                     automatic()));
+    fixture->names_sensor = names_sensor;
+    fixture->readings["turtlebot"]["h1"] = read("h1", 50);
+    fixture->readings["pioneer1"]["h1"] = std::nullopt;
+    fixture->end_task("t4", TaskOutcome::failed, "stuck");
+    fixture->wait(seconds(3));
+    CHECK(fixture->taken.empty() == names_sensor);
+    if (!names_sensor) continue;
+    CHECK(fixture->alert().policy == "automatic, waits: what pioneer1 answers");
+    fixture->answer("pioneer1", read("h1", 10));
+    fixture->wait(seconds(1));
+    REQUIRE(fixture->taken.size() == 1);
+    CHECK(rulings(fixture->taken[0]) == "t4>pioneer1");
+  }
+}
+
 TEST_CASE("a bound keeps a robot out, with the reason; a person may override; who is charged is in again") {
   auto fixture = paper(settings_of(R"({"battery": {"at_least": 60}, "distance": 1})"));
   fixture->values["turtlebot"].clear();

@@ -93,8 +93,9 @@ void Fixture::answer(const std::string& from, Body body) {
   post({MessageType::information, from, "cloud", ++count_, 1, 0, 1000, std::move(body)});
 }
 
-void Fixture::nack(const Send& send, const std::string& from, const std::string& code, const std::string& what) {
-  answer(from, Nack{code, std::string(subtype_of(send.body)), send.target, what, ""});
+void Fixture::nack(const Send& send, const std::string& from, const std::string& code, const std::string& what,
+                   const std::string& about) {
+  answer(from, Nack{code, std::string(subtype_of(send.body)), send.target, what, "", about});
 }
 
 void Fixture::handle(const Send& sent) {
@@ -121,7 +122,8 @@ void Fixture::handle(const Send& sent) {
   if (const auto* read = get_if<SensorRead>(&send.body)) {
     const auto& known = readings[send.target];
     const auto reading = known.find(read->sensor);
-    if (reading == known.end()) return nack(send, send.target, "unknown_target", "no sensor " + read->sensor);
+    const std::string about = names_sensor ? read->sensor : "";
+    if (reading == known.end()) return nack(send, send.target, "unknown_target", "no sensor " + read->sensor, about);
     if (reading->second) answer(send.target, *reading->second);
     return;
   }

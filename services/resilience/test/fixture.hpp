@@ -96,6 +96,7 @@ class Fixture {
   std::map<std::string, std::map<std::string, std::string>> values;  ///< the robots' answers, by name
   /// Of robots' sensors, by what is read; nullopt: no answer; what is not there is refused.
   std::map<std::string, std::map<std::string, std::optional<SensorReading>>> readings;
+  bool names_sensor = true;  ///< a Nack of a reading names the sensor; older nodes' do not
   RunView view;
   RunStart start;
   std::optional<MonotonicTime> ends_at;  ///< the run's end, if the scheduler reports it
@@ -124,7 +125,8 @@ class Fixture {
   void handle_own(const Send& send);
   void release(const std::string& robot, const ReleaseTasks& order);
   void take_into_use(const Send& send, const TakeIntoUse& order);
-  void nack(const Send& send, const std::string& from, const std::string& code, const std::string& what);
+  void nack(const Send& send, const std::string& from, const std::string& code, const std::string& what,
+            const std::string& about = "");
   [[nodiscard]] RunSummary summary() const;
   [[nodiscard]] SignedRecord sign(std::string_view purpose, Bytes payload) const;
   [[nodiscard]] SignedRecord certificate(const std::string& id, Role role) const;

@@ -39,6 +39,13 @@ Duration SensorBusCore::patience_of(const std::string& name, double timeout_s) c
   return std::clamp<Duration>(periods, kLeastReadPatience, seconds(kMostTimeout_s));
 }
 
+/// It names the sensor as it was asked for, by which a requester of several knows the one.
+void SensorBusCore::refuse(const Inbound& asked, const Error& error, Outbox& out) {
+  std::string about;
+  Takes<SensorRead, SensorWatch, SensorSnapshot>::dispatch(asked.body, [&](const auto& body) { about = body.sensor; });
+  out.nack(asked, error, std::move(about));
+}
+
 /// Who asks too much keeps nobody else from asking. False: it is this node.
 bool SensorBusCore::make_room(std::vector<Requester>& waiting, const Inbound& asked, const Error& why, Outbox& out) {
   const auto source_of = [](const Requester& one) { return one.asked.source; };
@@ -46,19 +53,19 @@ bool SensorBusCore::make_room(std::vector<Requester>& waiting, const Inbound& as
   if (other == asked.source) return false;
   const auto newest =
       std::find_if(waiting.rbegin(), waiting.rend(), [&](const Requester& one) { return one.asked.source == other; });
-  out.nack(newest->asked, why);
+  refuse(newest->asked, why, out);
   waiting.erase(std::prev(newest.base()));
   return true;
 }
 
 void SensorBusCore::begin_read(const Inbound& asked, const SensorRead& body, Now now, Outbox& out) {
   const auto name = sensors_.resolve(body.sensor, body.identity);
-  if (!name) return out.nack(asked, name.error());
+  if (!name) return refuse(asked, name.error(), out);
   const Sensor* sensor = sensors_.find(*name);
   if (sensor != nullptr && sensor->info.kind == kImage)
-    return out.nack(asked, fail(Errc::bad_value, *name + " tells pictures", "ask for a sensor_snapshot"));
+    return refuse(asked, fail(Errc::bad_value, *name + " tells pictures", "ask for a sensor_snapshot"), out);
   const Error full = fail(Errc::queue_full, "64 wait for a value already", "wait, or watch the sensor");
-  if (reads_.size() >= kMaxReads && !make_room(reads_, asked, full, out)) return out.nack(asked, full);
+  if (reads_.size() >= kMaxReads && !make_room(reads_, asked, full, out)) return refuse(asked, full, out);
   // Whoever has given up by then gets no answer.
   const Duration patience = std::min<Duration>(patience_of(*name, body.timeout_s), milliseconds(asked.remaining_ms));
   reads_.push_back({asked, *name, patience, now.mono + patience});
@@ -69,11 +76,13 @@ void SensorBusCore::begin_read(const Inbound& asked, const SensorRead& body, Now
 
 void SensorBusCore::order_watch(const Inbound& asked, const SensorWatch& body, Now now, Outbox& out) {
   const auto name = sensors_.resolve(body.sensor, body.identity);
-  if (!name) return out.nack(asked, name.error());
+  if (!name) return refuse(asked, name.error(), out);
   const Sensor* sensor = sensors_.find(*name);
   if (sensor != nullptr && sensor->info.kind == kImage)
-    return out.nack(asked, fail(Errc::bad_value, *name + " tells pictures", "ask for a sensor_snapshot now and then"));
-  if (Status ordered = watches_.order(asked, body, *name, now, out); !ordered) return out.nack(asked, ordered.error());
+    return refuse(asked, fail(Errc::bad_value, *name + " tells pictures", "ask for a sensor_snapshot now and then"),
+                  out);
+  if (Status ordered = watches_.order(asked, body, *name, now, out); !ordered)
+    return refuse(asked, ordered.error(), out);
   out.reply(asked, Ack{"accepted", sensor == nullptr ? "no sensor has told of that name yet" : ""});
 }
 
@@ -81,15 +90,15 @@ void SensorBusCore::order_watch(const Inbound& asked, const SensorWatch& body, N
 
 void SensorBusCore::begin_picture(const Inbound& asked, const SensorSnapshot& body, Now now, Outbox& out) {
   const auto name = sensors_.resolve(body.sensor, body.identity);
-  if (!name) return out.nack(asked, name.error());
+  if (!name) return refuse(asked, name.error(), out);
   const Sensor* sensor = sensors_.find(*name);
   if (sensor == nullptr)
-    return out.nack(asked,
-                    fail(Errc::unknown_target, "'" + *name + "' is no sensor", "there are: " + sensors_.names()));
+    return refuse(asked, fail(Errc::unknown_target, "'" + *name + "' is no sensor", "there are: " + sensors_.names()),
+                  out);
   if (sensor->info.kind != kImage)
-    return out.nack(asked, fail(Errc::bad_value, *name + " tells no pictures", "ask for a sensor_read"));
+    return refuse(asked, fail(Errc::bad_value, *name + " tells no pictures", "ask for a sensor_read"), out);
   const Error full = fail(Errc::queue_full, "16 wait for a picture already", "wait");
-  if (pictures_.size() >= kMaxPictures && !make_room(pictures_, asked, full, out)) return out.nack(asked, full);
+  if (pictures_.size() >= kMaxPictures && !make_room(pictures_, asked, full, out)) return refuse(asked, full, out);
   const bool asked_already = std::ranges::any_of(pictures_, [&](const Requester& one) { return one.name == *name; });
   const Duration patience = std::min<Duration>(kPicturePatience, milliseconds(asked.remaining_ms));
   pictures_.push_back({asked, *name, patience, now.mono + patience});
@@ -116,7 +125,7 @@ void SensorBusCore::on_picture(const Picture& picture, Now now, Outbox& out) {
 void SensorBusCore::refuse_pictures(const std::string& name, const Error& error, Outbox& out) {
   std::erase_if(pictures_, [&](const Requester& one) {
     if (one.name != name) return false;
-    out.nack(one.asked, fail(Errc::robot_error, error.what, error.hint));
+    refuse(one.asked, fail(Errc::robot_error, error.what, error.hint), out);
     return true;
   });
 }
@@ -162,7 +171,7 @@ void SensorBusCore::read_failed(const Sensor& sensor, const Error& error, Now no
   sensors_.failed(name, error.what, state);
   const auto is_over = [&](const Requester& one) {
     if (one.name != name) return false;
-    out.nack(one.asked, fail(Errc::robot_error, name + ": " + error.what, error.hint));
+    refuse(one.asked, fail(Errc::robot_error, name + ": " + error.what, error.hint), out);
     return true;
   };
   asked_changed_ = std::erase_if(reads_, is_over) != 0 || asked_changed_;
@@ -237,17 +246,21 @@ void SensorBusCore::time_out(const Requester& requester, Outbox& out) const {
   const Sensor* sensor = sensors_.find(requester.name);
   const std::string nothing = requester.name + " told nothing in " + seconds_text(requester.patience);
   if (!bus_up_) {
-    return out.nack(requester.asked, fail(Errc::timeout, nothing + ": the D-Bus is not there: " + bus_fault_,
-                                          "start it, or name another in node.json: \"dbus\""));
+    return refuse(requester.asked,
+                  fail(Errc::timeout, nothing + ": the D-Bus is not there: " + bus_fault_,
+                       "start it, or name another in node.json: \"dbus\""),
+                  out);
   }
   if (sensor == nullptr) {
-    return out.nack(requester.asked, fail(Errc::unknown_target,
-                                          "'" + requester.name + "' is no sensor, and no program told of it in " +
-                                              seconds_text(requester.patience),
-                                          "there are: " + sensors_.names()));
+    return refuse(
+        requester.asked,
+        fail(Errc::unknown_target,
+             "'" + requester.name + "' is no sensor, and no program told of it in " + seconds_text(requester.patience),
+             "there are: " + sensors_.names()),
+        out);
   }
   const std::string why = sensor->info.detail.empty() ? "" : ": " + sensor->info.detail;
-  out.nack(requester.asked, fail(Errc::timeout, nothing + why, "see trb sensor list; give it more time: --timeout"));
+  refuse(requester.asked, fail(Errc::timeout, nothing + why, "see trb sensor list; give it more time: --timeout"), out);
 }
 
 }  // namespace trb::sensor

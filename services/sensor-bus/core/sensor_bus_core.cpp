@@ -28,7 +28,7 @@ void SensorBusCore::on(const Inbound& message, Now now, Outbox& out) {
   } else if (message.type == MessageType::request && message.wants_answer()) {
     on_request(message, now, out);
   } else if (message.reply_to == 0) {
-    refuse(message, out);
+    refuse_unexpected(message, out);
   }
   settle(now, out);
 }
@@ -43,10 +43,10 @@ void SensorBusCore::on_request(const Inbound& asked, Now now, Outbox& out) {
                                              [&](const SensorWatch& body) { order_watch(asked, body, now, out); },
                                              [&](const SensorSnapshot& body) { begin_picture(asked, body, now, out); },
                                              [&](const SensorListRequest& body) { send_table(asked, body, out); }});
-  if (!taken) refuse(asked, out);
+  if (!taken) refuse_unexpected(asked, out);
 }
 
-void SensorBusCore::refuse(const Inbound& message, Outbox& out) {
+void SensorBusCore::refuse_unexpected(const Inbound& message, Outbox& out) {
   out.count("refused.unexpected");
   out.nack(message,
            fail(Errc::bad_value, std::string(subtype_of(message.body)) + " is not for a sensor-bus in this way"));
@@ -91,7 +91,7 @@ void SensorBusCore::gone(const std::string& name, const std::string& why, Outbox
   watches_.end_of(name, error, out);
   const auto is_over = [&](const Requester& one) {
     if (one.name != name) return false;
-    out.nack(one.asked, error);
+    refuse(one.asked, error, out);
     return true;
   };
   asked_changed_ = std::erase_if(reads_, is_over) != 0 || asked_changed_;

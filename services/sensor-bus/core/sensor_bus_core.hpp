@@ -50,7 +50,8 @@ class SensorBusCore : public Core {
   };
 
   void on_request(const Inbound& asked, Now now, Outbox& out);
-  static void refuse(const Inbound& message, Outbox& out);
+  static void refuse_unexpected(const Inbound& message, Outbox& out);
+  static void refuse(const Inbound& asked, const Error& error, Outbox& out);
   void forget_node(const std::string& id);
   static bool make_room(std::vector<Requester>& waiting, const Inbound& asked, const Error& why, Outbox& out);
   void begin_read(const Inbound& asked, const SensorRead& body, Now now, Outbox& out);

@@ -143,6 +143,34 @@ TEST_CASE("who reads while the sensor is unplugged hears so at once") {
   CHECK(fixture.rules() == "+temperature -temperature");
 }
 
+TEST_CASE("a refusal names the sensor as it was asked for") {
+  Fixture fixture;
+  const auto about = [&](std::uint64_t asked) {
+    std::string text = "nothing";
+    for (const Send& send : fixture.out.sends) {
+      const auto* nack = get_if<Nack>(&send.body);
+      if (nack != nullptr && send.reply_to == asked) text = nack->about;
+    }
+    return text;
+  };
+  fixture.plug("usb1#a", "hall", "SN1");
+  const auto fails = fixture.read("temperature");  // by its kind
+  fixture.fails("usb1#a", "CRC is wrong");
+  CHECK(about(fails) == "temperature");
+  const auto times_out = fixture.read("temperature");
+  fixture.wait(4s);
+  CHECK(about(times_out) == "temperature");
+  const auto unplugged = fixture.read("temperature");
+  fixture.unplug("usb1#a");
+  CHECK(about(unplugged) == "temperature");
+  CHECK(about(fixture.read("no such-name")) == "no such-name");
+  fixture.plug("usb2#v", "camera", "CAM", "image");
+  CHECK(about(fixture.read("image")) == "image");
+  CHECK(about(fixture.ask(SensorRead{"", "SN9", 0})).empty());
+  for (int i = 0; i < 64; ++i) fixture.read("humidity");
+  CHECK(about(fixture.read("pressure")) == "pressure");
+}
+
 TEST_CASE("no more than 64 wait at a time") {
   Fixture fixture;
   std::uint64_t newest = 0;
