@@ -40,6 +40,7 @@ class Orders(GatewayCase):
         first = self.operator.ask("POST", "/api/v1/runs", start, Idempotency_Key="one")
         self.assertEqual(first.status, 201, first.bytes)
         run = first.json["run"]
+        self.assertEqual(self.last_about("POST /api/v1/runs"), [("'short' " + run, "done"), ("'short'", "begins")])
         self.kill_gateway()
         again = self.operator.ask("POST", "/api/v1/runs", start, Idempotency_Key="one")
         self.assertEqual((again.status, again.json["run"]), (201, run))
@@ -48,6 +49,19 @@ class Orders(GatewayCase):
         self.fleet.wait("the run is over", lambda: self.viewer.ask("GET", f"/api/v1/runs/{run}").json["state"] == "FINISHED", WAIT_S)
         archive = self.viewer.ask("GET", "/api/v1/archive").json["runs"]
         self.assertEqual([one["run"] for one in archive].count(run), 1)
+
+    def last_about(self, action):
+        """The last two records of a route, the newest first."""
+        return [(one["about"], one["outcome"]) for one in self.admin.ask("GET", "/api/v1/audit?limit=20&who=olga").json["records"]
+                if one["action"] == action][:2]
+
+    def test_a_decision_is_on_record_with_verdict_and_robot(self):
+        alert, run = "0123456789abcdef", "/api/v1/runs/0123456789abcdef/tasks/go"
+        self.operator.ask("POST", f"/api/v1/alerts/{alert}/decision", {"verdict": "override", "robot": ROBOT, "reason": "nearer"})
+        self.assertEqual(self.last_about("POST /api/v1/alerts/{alert}/decision")[1], (f"{alert} override, {ROBOT}", "begins"))
+        self.operator.ask("POST", f"{run}/move", {"robot": ROBOT, "reason": "nearer"})
+        self.assertEqual(self.last_about("POST /api/v1/runs/{run}/tasks/{task}/move")[1],
+                         (f"0123456789abcdef go {ROBOT}", "begins"))
 
     def write_store(self, sql, rows):
         """Between two gateways: the one that runs stands still, and is killed."""

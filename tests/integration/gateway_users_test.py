@@ -144,6 +144,31 @@ class Users(GatewayCase):
         self.assertEqual(self.admin.ask("DELETE", "/api/v1/tokens/exporter").status, 204)
         self.assertEqual(program.ask("GET", "/metrics").status, 401)
 
+    def said(self, *begin):
+        """What is on record of them, the newest last: of a route, what about and how it ended."""
+        return [(one["about"], one["outcome"]) for one in reversed(self.admin.ask("GET", "/api/v1/audit?limit=100").json["records"])
+                if one["who"] == "admin" and one["action"].startswith(begin) and one["about"].startswith("nia")]
+
+    def test_the_audit_log_says_which_rights_were_given_and_no_secret(self):
+        self.admin.ask("POST", "/api/v1/users", {"name": "nia", "role": "viewer", "password": "short"})
+        self.admin.ask("POST", "/api/v1/users", {"name": "nia", "role": "viewer", "password": GOOD})
+        self.admin.ask("PATCH", "/api/v1/users/nia", {"role": "admin"})
+        self.admin.ask("PATCH", "/api/v1/users/nia", {"role": "operator", "disabled": True})
+        self.admin.ask("PATCH", "/api/v1/users/nia", {"disabled": False})
+        self.admin.ask("PATCH", "/api/v1/users/nia", {"role": "queen"})
+        self.admin.ask("PUT", "/api/v1/users/nia/password", {"password": GOOD + " two"})
+        self.assertEqual(self.said("POST /api/v1/users", "PATCH /api/v1/users", "PUT /api/v1/users"), [
+            ("nia viewer", "refused: 422"), ("nia viewer", "done"), ("nia admin", "done"), ("nia operator disabled", "done"),
+            ("nia enabled", "done"), ("nia", "refused: 422"), ("nia", "done")])
+        for wish in ({"role": "viewer", "read_only": True}, {"role": "operator"}):
+            made = self.admin.ask("POST", "/api/v1/tokens", {"name": "nia-" + wish["role"], "days": 1} | wish)
+            self.secrets.append(made.json["secret"])
+        self.assertEqual(self.said("POST /api/v1/tokens"),
+                         [("nia-viewer viewer read_only", "done"), ("nia-operator operator", "done")])
+        log = self.admin.ask("GET", "/api/v1/audit/export").bytes.decode()
+        for secret in self.secrets + [GOOD]:
+            self.assertNotIn(secret, log)
+
     def test_who_is_signed_out_sees_nothing_more(self):
         client = self.client()
         client.sign_in("vic", GOOD)

@@ -70,9 +70,10 @@ Result<AlertDecide> decision_of(const Call& call) {
 void decide_alert(Gateway& gateway, const CallPtr& call) {
   const auto decision = decision_of(*call);
   if (!decision) return call->fail(decision.error());
+  call->about = std::string(name_of(decision->verdict));
+  if (!decision->robot.empty()) call->about += ", " + decision->robot;
   if (Status good = op::check_decision(*decision); !good) return call->fail(good.error());
-  std::string effect = "decision on alert " + decision->alert + ": " + std::string(name_of(decision->verdict));
-  if (!decision->robot.empty()) effect += ", " + decision->robot;
+  const std::string effect = "decision on alert " + decision->alert + ": " + call->about;
   do_once(gateway, call, effect, [&gateway, call, decision = *decision] {
     op::decide(gateway.session, decision, [call](const Result<Ack>& ack) {
       if (!ack) return call->fail(ack.error());

@@ -80,6 +80,7 @@ void abort_it(Gateway& gateway, const CallPtr& call, const std::string& reason) 
 void submit(Gateway& gateway, const CallPtr& call, op::RunPlan plan, const op::RunTerms& terms) {
   op::submit_run(gateway.session, std::move(plan), terms, [call](const Result<std::string>& run) {
     if (!run) return call->fail(run.error());
+    call->about += " " + *run;
     HttpReply out = json_reply(JsonObject().text("run", *run).done(), 201);
     out.headers.emplace_back("Location", "/api/v1/runs/" + *run);
     call->reply(std::move(out));
@@ -123,7 +124,8 @@ void start_run(Gateway& gateway, const CallPtr& call) {
   ConfigFaults faults;
   Scenario scenario = scenario_of(*given, faults);
   if (!in_body(faults).empty()) return call->reply(faults_reply(in_body(faults)));
-  const std::string effect = "start of a run of scenario '" + scenario.name + "'";
+  call->about = "'" + scenario.name + "'";
+  const std::string effect = "start of a run of scenario " + call->about;
   do_once(gateway, call, effect, [&gateway, call, scenario = std::move(scenario), terms = *terms] {
     plan_and_submit(gateway, call, scenario, terms);
   });

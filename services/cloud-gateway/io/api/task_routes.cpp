@@ -54,6 +54,7 @@ Result<AlertDecide> verdict_of(const Call& call, Verdict verdict) {
 
 void decide_task(Gateway& gateway, const CallPtr& call, const Result<AlertDecide>& decision) {
   if (!decision) return call->fail(decision.error());
+  call->about = decision->robot;
   const std::string effect =
       std::string(name_of(decision->verdict)) + " task " + decision->tasks[0] + " of run " + decision->run;
   do_once(gateway, call, effect, [&gateway, call, decision = *decision] {

@@ -41,6 +41,7 @@ Result<TokenWish> wish_of(const Call& call) {
 void make_token(Gateway& gateway, const CallPtr& call) {
   const auto wish = wish_of(*call);
   if (!wish) return call->fail(wish.error());
+  call->about = wish->name + " " + std::string(name_of(wish->role)) + (wish->read_only ? " read_only" : "");
   const auto secret = gateway.access.tokens.make(*wish, gateway.steady());
   if (!secret) return call->fail(secret.error());
   const Token& token = gateway.access.tokens.all().at(wish->name);

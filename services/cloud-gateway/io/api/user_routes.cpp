@@ -44,6 +44,7 @@ void add_user(Gateway& gateway, const CallPtr& call) {
   if (!name) return call->fail(name.error());
   const auto role = body->one_of<UserRole>("role");
   if (!role) return call->fail(role.error());
+  call->about = *name + " " + std::string(name_of(*role));
   const auto password = body->text("password", kMaxPassword);
   if (!password) return call->fail(password.error());
   hash_new_password(gateway, call, *name, *password,
@@ -54,15 +55,27 @@ void add_user(Gateway& gateway, const CallPtr& call) {
                     });
 }
 
+/// For the audit log: "viewer disabled".
+std::string change_in_words(std::optional<UserRole> role, std::optional<bool> disabled) {
+  std::string out = role ? std::string(name_of(*role)) : "";
+  if (disabled) out += std::string(out.empty() ? "" : " ") + (*disabled ? "disabled" : "enabled");
+  return out;
+}
+
 void change_user(Gateway& gateway, const CallPtr& call) {
   const auto body = Members::of(*call, {"role", "disabled"});
   if (!body) return call->fail(body.error());
   const std::string& name = call->parameter("user");
   const auto disabled = body->flag_or("disabled", false);
   if (!disabled) return call->fail(disabled.error());
+  std::optional<UserRole> role;
   if (body->has("role")) {
-    const auto role = body->one_of<UserRole>("role");
-    if (!role) return call->fail(role.error());
+    const auto given = body->one_of<UserRole>("role");
+    if (!given) return call->fail(given.error());
+    role = *given;
+  }
+  call->about = change_in_words(role, body->has("disabled") ? std::optional(*disabled) : std::nullopt);
+  if (role) {
     if (Status set = gateway.access.users.set_role(name, *role); !set) return call->fail(set.error());
   }
   if (body->has("disabled")) {
