@@ -139,6 +139,21 @@ class Orders(GatewayCase):
                 self.assertEqual(last[0]["outcome"], f"refused: {status}", path)
                 self.assertNotEqual(last[1]["outcome"], "begins", path)
 
+    def test_a_row_of_a_robot_that_is_lost_has_changed(self):
+        paths = [f"/api/v1/robots/{ROBOT}", f"/api/v1/robots/{ROBOT}/skills", f"/api/v1/nodes/{ROBOT}"]
+        self.fleet.wait("it is shown as live", lambda: all(
+            self.viewer.ask("GET", path).json["live"] == "live" for path in paths), WAIT_S)
+        tags = {path: self.viewer.ask("GET", path).headers["ETag"] for path in paths}
+        pid = self.fleet.pid(ROBOT, "router")
+        os.kill(pid, signal.SIGSTOP)
+        self.addCleanup(self.fleet.wait, "the robot is online", self.is_online, WAIT_S)
+        self.addCleanup(os.kill, pid, signal.SIGCONT)
+        for path, tag in tags.items():
+            self.fleet.wait("it is not heard", lambda p=path: self.viewer.ask("GET", p).json["live"] == "not_heard", WAIT_S)
+            lost = self.viewer.ask("GET", path, If_None_Match=tag)
+            self.assertEqual((lost.status, lost.json["live"]), (200, "not_heard"), path)
+            self.assertEqual(self.viewer.ask("GET", path, If_None_Match=lost.headers["ETag"]).status, 304, path)
+
     # ---- a gateway that ends while a robot has not answered yet
 
     def under_way(self, word, **more):

@@ -64,6 +64,10 @@ ETag etag_of(std::uint64_t instance, std::uint64_t version) {
   return {std::to_string(instance) + "-" + std::to_string(version)};
 }
 
+ETag etag_of(std::uint64_t instance, const Row& row) {
+  return {etag_of(instance, row.version).opaque + "-" + std::string(name_of(row.live))};
+}
+
 std::string text_of(const ETag& tag) {
   return (tag.is_weak ? "W/\"" : "\"") + tag.opaque + '"';
 }

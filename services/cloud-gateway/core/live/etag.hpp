@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/base/result.hpp"
+#include "services/cloud-gateway/core/live/row.hpp"
 
 namespace trb::gateway {
 
@@ -19,6 +20,8 @@ struct ETag {
 
 /// `instance`: of the service that counts the versions; 0: versions are on disk and survive a restart.
 ETag etag_of(std::uint64_t instance, std::uint64_t version);
+/// Of a row as it is shown: it changes with the content and with `live`, which says whether that still holds.
+ETag etag_of(std::uint64_t instance, const Row& row);
 std::string text_of(const ETag& tag);
 bool is_same_strongly(const ETag& a, const ETag& b);
 bool is_same_weakly(const ETag& a, const ETag& b);

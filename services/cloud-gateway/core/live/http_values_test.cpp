@@ -61,6 +61,11 @@ TEST_CASE("tags are compared as RFC 9110, 8.8.3.2 has it") {
   CHECK(is_same_strongly(s1, s1));
   CHECK(text_of(etag_of(0, 7)) == "\"7\"");
   CHECK(text_of(etag_of(9, 7)) == "\"9-7\"");
+  Row row;
+  row.version = 7;
+  CHECK(text_of(etag_of(9, row)) == "\"9-7-live\"");
+  row.live = Live::not_heard;
+  CHECK(text_of(etag_of(9, row)) == "\"9-7-not_heard\"");
   CHECK(text_of(w1) == "W/\"1\"");
 }
 

@@ -41,7 +41,7 @@ void reply_row(const Gateway& gateway, const CallPtr& call, const RowKey& key) {
     const std::string what(name_of(key.kind));
     return call->reply(problem_reply(404, "missing", "there is no such " + what, "look at the list one level up"));
   }
-  reply_tagged(call, etag_of(gateway.clients.instance(), row->version), json_reply(json_of(*row)));
+  reply_tagged(call, etag_of(gateway.clients.instance(), *row), json_reply(json_of(*row)));
 }
 
 }  // namespace trb::gateway

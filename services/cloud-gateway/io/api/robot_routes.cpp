@@ -119,7 +119,7 @@ void reply_skills(const Gateway& gateway, const CallPtr& call) {
   std::string json = *json_of(*row);
   json.back() = ',';
   json += "\"schemas\":" + dump_json(skill_schemas(*profile)) + "}";
-  reply_tagged(call, etag_of(gateway.clients.instance(), row->version), json_reply(std::move(json)));
+  reply_tagged(call, etag_of(gateway.clients.instance(), *row), json_reply(std::move(json)));
 }
 
 void returned(Gateway& gateway, const CallPtr& call) {
