@@ -63,6 +63,28 @@ class Orders(GatewayCase):
         self.assertEqual(self.last_about("POST /api/v1/runs/{run}/tasks/{task}/move")[1],
                          (f"0123456789abcdef go {ROBOT}", "begins"))
 
+    def test_a_repeat_of_what_had_a_long_answer_is_answered(self):
+        tasks = [{"id": f"t{i}", "robot": ROBOT, "skill": "go_to", "data": {"place": "dock"}} for i in range(900)]
+        run = self.operator.ask("POST", "/api/v1/runs", {"scenario": {"name": "long", "tasks": tasks}}).json["run"]
+        self.addCleanup(self.operator.ask, "POST", f"/api/v1/runs/{run}/abort")
+        first, again = (self.operator.ask("POST", f"/api/v1/runs/{run}/pause", Idempotency_Key="long-pause") for _ in range(2))
+        self.assertGreater(len(first.bytes), 1 << 16)
+        self.assertEqual((again.status, again.json["run"], again.headers["Idempotent-Replay"]), (200, run, "true"))
+        self.assertTrue(again.json["tasks"])
+        wrong = {"scenario": {"name": "wrong", "tasks": [{**one, "skill": "dance"} for one in tasks]}}
+        first, again = (self.operator.ask("POST", "/api/v1/runs", wrong, Idempotency_Key="long-refusal") for _ in range(2))
+        self.assert_problem(first, 422)
+        self.assertGreater(len(first.bytes), 4096)
+        self.assertEqual((again.status, again.bytes, again.headers["Idempotent-Replay"]), (422, first.bytes, "true"))
+        message = {"target": ROBOT, "type": "information", "subtype": "a_note", "data": "it rains"}
+        self.assertEqual(self.operator.ask("POST", "/api/v1/messages", message, Idempotency_Key="long-answer").status, 200)
+        keys = ["long-refusal", "long-answer"]
+        self.write_store("UPDATE requests SET body = x'' WHERE key = ?", [(key,) for key in keys])
+        self.assert_problem(self.operator.ask("POST", "/api/v1/runs", wrong, Idempotency_Key=keys[0]), 422, "not_kept")
+        again = self.operator.ask("POST", "/api/v1/messages", message, Idempotency_Key=keys[1])
+        self.assertEqual((again.status, again.headers["Idempotent-Replay"]), (200, "true"))
+        self.assertIn("too long to be kept", again.json["not_kept"])
+
     def write_store(self, sql, rows):
         """Between two gateways: the one that runs stands still, and is killed."""
         os.kill(self.fleet.pid(CLOUD, "cloud-gateway"), signal.SIGSTOP)

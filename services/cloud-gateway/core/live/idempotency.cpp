@@ -10,18 +10,26 @@ bool is_key(const std::string& key) {
          std::all_of(key.begin(), key.end(), [](char c) { return c > ' ' && c < '\x7f'; });
 }
 
+/// What an answer takes of kMaxLong.
+std::size_t long_size(const std::optional<StoredAnswer>& answer) {
+  return answer && answer->body.size() > Idempotency::kShortAnswer ? answer->body.size() : 0;
+}
+
 }  // namespace
 
 void Idempotency::replace(const std::vector<StoredRequest>& requests) {
   requests_.clear();
   by_user_.clear();
   answered_.clear();
+  long_bytes_ = 0;
   for (const StoredRequest& one : requests) put(one);
 }
 
 void Idempotency::put(const StoredRequest& request) {
   const RequestKey key = request.key;
   if (request.answer) answered_.insert({request.since, key});
+  if (const StoredRequest* before = find(key)) long_bytes_ -= long_size(before->answer);
+  long_bytes_ += long_size(request.answer);
   if (requests_.insert_or_assign(key, Known{request, !request.answer}).second) ++by_user_[key.user];
 }
 
@@ -68,7 +76,8 @@ Result<Idempotency::Begun> Idempotency::repeat(const Known& known, const Bytes& 
 std::optional<StoredRequest> Idempotency::finish(const RequestKey& key, StoredAnswer answer) {
   const auto at = requests_.find(key);
   if (at == requests_.end() || at->second.stored.answer) return std::nullopt;
-  if (answer.body.size() > kMaxAnswer) answer.body.clear();
+  if (answer.body.size() > kMaxAnswer || long_bytes_ + long_size(answer) > kMaxLong) answer.body.clear();
+  long_bytes_ += long_size(answer);
   at->second.stored.answer = std::move(answer);
   at->second.is_unsure = false;
   answered_.insert({at->second.stored.since, key});
@@ -88,7 +97,10 @@ bool Idempotency::release(const RequestKey& key) {
 }
 
 void Idempotency::erase(const RequestKey& key) {
-  if (requests_.erase(key) == 0) return;
+  const auto at = requests_.find(key);
+  if (at == requests_.end()) return;
+  long_bytes_ -= long_size(at->second.stored.answer);
+  requests_.erase(at);
   const auto mine = by_user_.find(key.user);
   if (--mine->second == 0) by_user_.erase(mine);
 }

@@ -46,8 +46,10 @@ class Idempotency {
   static constexpr std::size_t kMaxEffect = 1024;
   static constexpr std::size_t kMaxOfUser = 5000;
   static constexpr std::size_t kMaxInAll = 20'000;
-  static constexpr std::size_t kAlwaysOfUser = 20;  ///< that others cannot take from him
-  static constexpr std::size_t kMaxAnswer = 4096;
+  static constexpr std::size_t kAlwaysOfUser = 20;                  ///< that others cannot take from him
+  static constexpr std::size_t kShortAnswer = 4096;                 ///< always kept
+  static constexpr std::size_t kMaxAnswer = std::size_t{1} << 16U;  ///< kept while kMaxLong has room
+  static constexpr std::size_t kMaxLong = std::size_t{1} << 22U;    ///< of all answers over kShortAnswer together
   static constexpr Duration kLife = std::chrono::hours(24);
   static constexpr Duration kWait = std::chrono::seconds(1);
 
@@ -67,8 +69,8 @@ class Idempotency {
   /// Errors: bad_value (no key of 1 to 255 visible characters), conflict (the key was used for another request),
   /// too_large (the effect), queue_full.
   Result<Begun> begin(const RequestKey& key, const Bytes& digest, std::string effect, UtcTime now);
-  /// The request was done or refused: store the result, then answer. Nullopt: no such request runs. An answer over
-  /// kMaxAnswer is kept without its body.
+  /// The request was done or refused: store the result, then answer. Nullopt: no such request runs. An answer that is
+  /// too long (see the bounds) is kept without its body.
   std::optional<StoredRequest> finish(const RequestKey& key, StoredAnswer answer);
   /// What an error of the fleet says of a request that was on its way: nothing was done, and it may be done later. Only
   /// what a router refuses before it delivers says so; of a robot that was lost (robot_offline) nobody knows.
@@ -97,6 +99,7 @@ class Idempotency {
   std::map<RequestKey, Known> requests_;
   std::map<std::string, std::size_t> by_user_;
   std::set<std::pair<UtcTime, RequestKey>> answered_;  ///< the oldest first
+  std::size_t long_bytes_ = 0;                         ///< of answers over kShortAnswer
 };
 
 }  // namespace trb::gateway

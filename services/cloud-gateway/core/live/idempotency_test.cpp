@@ -154,6 +154,31 @@ TEST_CASE("bounds: a full user is refused, others are not, and nothing is forgot
   CHECK(keys.begin({"carol", "more"}, "d", "", at(1)).error().text().find("20000 are kept") != std::string::npos);
 }
 
+TEST_CASE("a long answer is kept whole, up to a bound of each and of all; a short one always is") {
+  Idempotency keys;
+  const auto finish = [&](const std::string& key, std::size_t size) {
+    (void)keys.begin({"ann", key}, "d", "", at(0));
+    return keys.finish({"ann", key}, {200, Bytes(size, 'x')})->answer->body.size();
+  };
+  CHECK(finish("long", Idempotency::kMaxAnswer) == Idempotency::kMaxAnswer);
+  CHECK(finish("longer", Idempotency::kMaxAnswer + 1) == 0);
+  for (std::size_t i = 1; i < Idempotency::kMaxLong / Idempotency::kMaxAnswer; ++i)
+    CHECK(finish(std::to_string(i), Idempotency::kMaxAnswer) == Idempotency::kMaxAnswer);
+  CHECK(finish("no-room", Idempotency::kShortAnswer + 1) == 0);
+  CHECK(finish("short", Idempotency::kShortAnswer) == Idempotency::kShortAnswer);
+  SUBCASE("what is read anew counts once") {
+    StoredRequest one = *keys.find({"ann", "long"});
+    keys.replace({one, one});
+    for (std::size_t i = 1; i < Idempotency::kMaxLong / Idempotency::kMaxAnswer; ++i)
+      CHECK(finish(std::to_string(i), Idempotency::kMaxAnswer) == Idempotency::kMaxAnswer);
+    CHECK(finish("no-room", Idempotency::kShortAnswer + 1) == 0);
+  }
+  SUBCASE("what expires makes room") {
+    keys.take_expired(at(86'400));
+    CHECK(finish("room", Idempotency::kMaxAnswer) == Idempotency::kMaxAnswer);
+  }
+}
+
 TEST_CASE("keys that are none are refused, an answer that is too long is kept without its body") {
   Idempotency keys;
   for (const std::string& key : {std::string(), std::string(256, 'x'), std::string("a b"), std::string("a\n")}) {
@@ -161,7 +186,7 @@ TEST_CASE("keys that are none are refused, an answer that is too long is kept wi
   }
   CHECK(keys.begin(kAnn, "d", std::string(2000, 'x'), at(0)).error().code == Errc::too_large);
   (void)keys.begin(kAnn, "d", "", at(0));
-  CHECK(keys.finish(kAnn, {200, std::string(5000, 'x')})->answer == StoredAnswer{200, ""});
+  CHECK(keys.finish(kAnn, {200, std::string(70'000, 'x')})->answer == StoredAnswer{200, ""});
 }
 
 TEST_CASE("what a router refuses before it delivers was not done; a time-out and a lost robot say nothing of it") {

@@ -119,6 +119,7 @@ void Call::fail(const Error& error) {
 }
 
 void Call::reply(HttpReply reply) {
+  if (is_replay) reply.headers.emplace_back("Idempotent-Replay", "true");
   if (ends_) std::exchange(ends_, nullptr)(*this, std::move(reply));
 }
 

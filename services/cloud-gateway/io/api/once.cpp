@@ -3,6 +3,7 @@
 #include "common/log/log.hpp"
 #include "common/security/keys.hpp"
 #include "services/cloud-gateway/io/fresh.hpp"
+#include "services/cloud-gateway/io/json_text.hpp"
 
 namespace trb::gateway {
 namespace {
@@ -11,11 +12,28 @@ Bytes digest_of(const HttpRequest& request) {
   return purpose_digest("idempotency", request.method + " " + request.target + "\n" + request.body);
 }
 
-void reply_again(Call& call, const StoredAnswer& stored) {
-  HttpReply out = stored.body.empty() ? empty_reply(stored.status) : json_reply(stored.body, stored.status);
+constexpr int kNoContent = 204;
+
+/// For an answer whose body was too long to be kept.
+HttpReply stand_in(int status) {
+  const std::string said =
+      "the first request with this Idempotency-Key was answered, and its answer is too long to be kept";
+  if (status >= 400) return problem_reply(status, "not_kept", said, "send it with a new key to see why it was refused");
+  return json_reply(JsonObject().text("not_kept", said).done(), status);
+}
+
+HttpReply kept_reply(const StoredAnswer& stored) {
+  if (stored.status == kNoContent) return empty_reply();
+  if (stored.body.empty()) return stand_in(stored.status);
+  HttpReply out = json_reply(stored.body, stored.status);
   if (stored.status >= 400) out.content_type = "application/problem+json";
-  out.headers.emplace_back("Idempotent-Replay", "true");
-  call.reply(std::move(out));
+  return out;
+}
+
+void reply_again(Call& call, const StoredAnswer& stored, const Again& again) {
+  call.is_replay = true;
+  const bool is_done_without_body = stored.body.empty() && stored.status < 400 && stored.status != kNoContent;
+  return is_done_without_body && again ? again() : call.reply(kept_reply(stored));
 }
 
 void reply_busy(Call& call, Duration retry_after) {
@@ -63,14 +81,15 @@ StoredAnswer answer_of(const HttpReply& reply) {
 
 }  // namespace
 
-void do_once(Gateway& gateway, const CallPtr& call, std::string effect, const std::function<void()>& act, Acts acts) {
+void do_once(Gateway& gateway, const CallPtr& call, std::string effect, const std::function<void()>& act, Acts acts,
+             const Again& again) {
   std::optional<StoredRequest> intent;
   if (call->request.idempotency_key) {
     const RequestKey key{call->who().name, *call->request.idempotency_key};
     auto begun = gateway.access.requests.begin(key, digest_of(call->request), std::move(effect), gateway.steady());
     if (is_stop_again(*call, begun)) return stop_once(gateway, *call, std::nullopt, act);
     if (!begun) return call->fail(begun.error());
-    if (auto* stored = std::get_if<StoredAnswer>(&*begun)) return reply_again(*call, *stored);
+    if (auto* stored = std::get_if<StoredAnswer>(&*begun)) return reply_again(*call, *stored, again);
     if (auto* wait = std::get_if<Idempotency::Wait>(&*begun)) return reply_busy(*call, wait->retry_after);
     intent = std::move(std::get<Idempotency::Act>(*begun).store);
   }
@@ -81,8 +100,10 @@ void do_once(Gateway& gateway, const CallPtr& call, std::string effect, const st
   act();
 }
 
-void order_once(Gateway& gateway, const CallPtr& call, std::string_view of, const std::function<void()>& act) {
-  do_once(gateway, call, std::string(call->decision.route->path) + " " + call->parameter(of), act);
+void order_once(Gateway& gateway, const CallPtr& call, std::string_view of, const std::function<void()>& act,
+                const Again& again) {
+  do_once(gateway, call, std::string(call->decision.route->path) + " " + call->parameter(of), act, Acts::in_fleet,
+          again);
 }
 
 void note_begin(Gateway& gateway, const Call& call) {

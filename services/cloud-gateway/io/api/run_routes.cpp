@@ -135,7 +135,9 @@ Handler order_of_run(Gateway& gateway, void (*act)(Gateway&, const CallPtr&, con
   return [&gateway, act](const CallPtr& call) {
     const auto reason = reason_of(*call);
     if (!reason) return call->fail(reason.error());
-    order_once(gateway, call, "run", [&gateway, act, call, reason = *reason] { act(gateway, call, reason); });
+    order_once(
+        gateway, call, "run", [&gateway, act, call, reason = *reason] { act(gateway, call, reason); },
+        [&gateway, call] { show_run(gateway, call); });
   };
 }
 
