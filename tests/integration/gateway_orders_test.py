@@ -44,6 +44,7 @@ class Orders(GatewayCase):
         self.kill_gateway()
         again = self.operator.ask("POST", "/api/v1/runs", start, Idempotency_Key="one")
         self.assertEqual((again.status, again.json["run"]), (201, run))
+        self.assertEqual((again.headers["Location"], again.headers["Idempotent-Replay"]), (f"/api/v1/runs/{run}", "true"))
         other = self.operator.ask("POST", "/api/v1/runs", {"scenario": SCENARIO}, Idempotency_Key="one")
         self.assert_problem(other, 409)
         self.fleet.wait("the run is over", lambda: self.viewer.ask("GET", f"/api/v1/runs/{run}").json["state"] == "FINISHED", WAIT_S)

@@ -144,6 +144,7 @@ class Simulations(GatewayCase):
         self.assertEqual((first.status, list(first.json)), (202, ["id"]), first.bytes)
         self.assertEqual((again.status, again.json, again.headers["Idempotent-Replay"]), (202, first.json, "true"))
         self.assertEqual(first.headers["Location"], f"{SIMULATIONS}/{first.json['id']}")
+        self.assertEqual(again.headers["Location"], first.headers["Location"])
 
     # ---- under way
 

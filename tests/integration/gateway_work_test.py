@@ -81,6 +81,8 @@ class Work(GatewayCase):
         self.kill_gateway()
         again = self.operator.ask("POST", SCENARIOS, SCENARIO, Idempotency_Key="keep")
         self.assertEqual((again.status, again.json), (201, first.json))
+        for name in ("Location", "ETag"):
+            self.assertEqual(again.headers[name], first.headers[name], name)
         self.assertEqual(self.viewer.ask("GET", first.headers["Location"]).json["scenario"], SCENARIO)
         self.assertEqual(self.viewer.ask("GET", first.headers["Location"], If_None_Match=first.headers["ETag"]).status, 304)
 

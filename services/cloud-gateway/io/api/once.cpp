@@ -1,7 +1,10 @@
 #include "services/cloud-gateway/io/api/once.hpp"
 
+#include <algorithm>
+
 #include "common/log/log.hpp"
 #include "common/security/keys.hpp"
+#include "services/cloud-gateway/core/live/etag.hpp"
 #include "services/cloud-gateway/io/fresh.hpp"
 #include "services/cloud-gateway/io/json_text.hpp"
 
@@ -13,6 +16,7 @@ Bytes digest_of(const HttpRequest& request) {
 }
 
 constexpr int kNoContent = 204;
+constexpr std::string_view kScenariosPath = "/api/v1/scenarios/";
 
 /// For an answer whose body was too long to be kept.
 HttpReply stand_in(int status) {
@@ -22,18 +26,42 @@ HttpReply stand_in(int status) {
   return json_reply(JsonObject().text("not_kept", said).done(), status);
 }
 
-HttpReply kept_reply(const StoredAnswer& stored) {
+/// A route that makes something, and where its answer says what.
+struct Made {
+  std::string_view route;
+  std::string_view under;   ///< what is made is read here
+  std::string_view member;  ///< of the answer: its id
+};
+constexpr Made kMade[] = {{"/api/v1/runs", "/api/v1/runs/", "run"},
+                          {"/api/v1/scenarios", kScenariosPath, "id"},
+                          {"/api/v1/scenarios/import", kScenariosPath, "id"},
+                          {"/api/v1/simulations", "/api/v1/simulations/", "id"}};
+
+/// Location and ETag of the first answer: both follow from its body, which alone is kept.
+void add_kept_headers(const Route& route, const Bytes& body, HttpReply& out) {
+  const auto* made = std::ranges::find(kMade, route.path, &Made::route);
+  const auto json = parse_json(body);
+  const Value* id = made == std::end(kMade) || !json ? nullptr : json->find(made->member);
+  if (id == nullptr || !id->is_text()) return;
+  out.headers.emplace_back("Location", std::string(made->under) + id->text());
+  const Value* version = made->under == kScenariosPath ? json->find("version") : nullptr;
+  if (version == nullptr || !version->is_integer()) return;
+  out.headers.emplace_back("ETag", text_of(etag_of(0, static_cast<std::uint64_t>(version->integer()))));
+}
+
+HttpReply kept_reply(const Route& route, const StoredAnswer& stored) {
   if (stored.status == kNoContent) return empty_reply();
   if (stored.body.empty()) return stand_in(stored.status);
   HttpReply out = json_reply(stored.body, stored.status);
   if (stored.status >= 400) out.content_type = "application/problem+json";
+  if (stored.status < 400) add_kept_headers(route, stored.body, out);
   return out;
 }
 
 void reply_again(Call& call, const StoredAnswer& stored, const Again& again) {
   call.is_replay = true;
   const bool is_done_without_body = stored.body.empty() && stored.status < 400 && stored.status != kNoContent;
-  return is_done_without_body && again ? again() : call.reply(kept_reply(stored));
+  return is_done_without_body && again ? again() : call.reply(kept_reply(*call.decision.route, stored));
 }
 
 void reply_busy(Call& call, Duration retry_after) {
