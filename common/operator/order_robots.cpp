@@ -7,6 +7,9 @@
 namespace trb::op {
 namespace {
 
+/// It may have arrived. not_confirmed: a relay has it, and its link was lost before the robot's node answered.
+constexpr Errc kPerhapsReached[] = {Errc::timeout, Errc::robot_offline, Errc::not_confirmed};
+
 void take_answer(const Message& message, RobotOrder& row) {
   row.text.clear();
   if (message.subtype == Ack::kSubtype) {
@@ -15,8 +18,9 @@ void take_answer(const Message& message, RobotOrder& row) {
   }
   const auto nack = decode<Nack>(message.data);
   if (!nack) return;
-  const bool reached = nack->code == errc_name(Errc::timeout) || nack->code == errc_name(Errc::robot_offline);
-  row.state = reached ? "sent" : "unreachable";
+  row.state = std::ranges::any_of(kPerhapsReached, [&](Errc one) { return nack->code == errc_name(one); })
+                  ? "sent"
+                  : "unreachable";
   row.text = nack->code + ": " + nack->what;
 }
 

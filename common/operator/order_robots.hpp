@@ -12,7 +12,7 @@ namespace trb::op {
 /// What became of an order to one robot.
 struct RobotOrder {
   std::string robot;
-  std::string state;  ///< "confirmed"; "sent": it was reached, but has not confirmed; "unreachable"
+  std::string state;  ///< "confirmed"; "sent": it may have arrived, but is not confirmed; "unreachable": it has not
   std::string text;   ///< why it is not confirmed
 };
 

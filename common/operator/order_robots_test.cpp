@@ -44,6 +44,18 @@ TEST_CASE("all robots are told to stop at once, and a silent one delays no other
   CHECK(row(3) == "ant4 sent robot_offline: is off");
 }
 
+TEST_CASE("what a relay lost on its way may have arrived") {
+  Stopping hall({"ur3", "belt"});
+  hall.node.take<Stop>("ur3");
+  hall.node.answer(Nack{"not_confirmed", "", "ur3", "the relay's link was lost", ""});
+  hall.node.take<Stop>("belt");
+  hall.node.answer(Nack{"peer_unreachable", "", "belt", "no link", ""});
+  REQUIRE(hall.rows);
+  CHECK(hall.rows->at(0).state == "sent");
+  CHECK(hall.rows->at(0).text == "not_confirmed: the relay's link was lost");
+  CHECK(hall.rows->at(1).state == "unreachable");
+}
+
 TEST_CASE("it ends with the last answer, not with the time") {
   Stopping hall({"ur3"});
   hall.node.take<Stop>("ur3");
