@@ -48,8 +48,33 @@ class Orders(GatewayCase):
         other = self.operator.ask("POST", "/api/v1/runs", {"scenario": SCENARIO}, Idempotency_Key="one")
         self.assert_problem(other, 409)
         self.fleet.wait("the run is over", lambda: self.viewer.ask("GET", f"/api/v1/runs/{run}").json["state"] == "FINISHED", WAIT_S)
-        archive = self.viewer.ask("GET", "/api/v1/archive").json["runs"]
-        self.assertEqual([one["run"] for one in archive].count(run), 1)
+        self.fleet.wait("the run is in the archive", lambda: run in self.archived(), 2 * WAIT_S)  # a minute after its end
+        self.assertEqual(self.archived().count(run), 1)
+
+    def archived(self, query=""):
+        return [one["run"] for one in self.viewer.ask("GET", f"/api/v1/archive{query}").json["runs"]]
+
+    def test_the_archive_comes_in_pages_and_has_no_run_that_is_open(self):
+        tasks = [{**SCENARIO["tasks"][0], "id": f"t{i}", "after": [f"t{i - 1}"] if i else []} for i in range(50)]
+        held = self.operator.ask("POST", "/api/v1/runs", {"scenario": {"name": "held", "tasks": tasks}}).json["run"]
+        self.addCleanup(self.operator.ask, "POST", f"/api/v1/runs/{held}/abort")
+        self.assertEqual(self.operator.ask("POST", f"/api/v1/runs/{held}/pause").status, 200)
+        runs = [self.operator.ask("POST", "/api/v1/runs", {"scenario": {**SCENARIO, "name": f"page {i}"}}).json["run"] for i in range(3)]
+        for run in runs:
+            self.operator.ask("POST", f"/api/v1/runs/{run}/abort")
+        self.fleet.wait("they are in the archive", lambda: set(runs) <= set(self.archived()), 2 * WAIT_S)
+        whole = self.archived("?limit=500")
+        self.assertNotIn(held, whole)
+        paged, cursor = [], ""
+        while cursor is not None:
+            page = self.viewer.ask("GET", f"/api/v1/archive?limit=2&cursor={cursor}").json
+            self.assertLessEqual(len(page["runs"]), 2)
+            self.assertEqual(page["more"], bool(page["next"]))
+            paged += [one["run"] for one in page["runs"]]
+            cursor = page["next"] or None
+        self.assertEqual(paged, whole)
+        for query in ("limit=0", "limit=501", "cursor=ab", "cursor=" + self.viewer.ask("GET", "/api/v1/robots?limit=1").json["next"] + "00"):
+            self.assertIn(self.viewer.ask("GET", f"/api/v1/archive?{query}").status, (400, 422), query)
 
     def last_about(self, action):
         """The last two records of a route, the newest first."""

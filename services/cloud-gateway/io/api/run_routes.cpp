@@ -1,12 +1,12 @@
 // runs, archive.
 #include "common/operator/abort_run.hpp"
-#include "common/operator/list_runs.hpp"
 #include "common/operator/pause_run.hpp"
 #include "common/operator/plan_run.hpp"
 #include "common/operator/run_records.hpp"
 #include "common/operator/submit_run.hpp"
 #include "common/scenario/run_proof_file.hpp"
 #include "common/security/node_keys.hpp"
+#include "services/cloud-gateway/core/live/page_cursor.hpp"
 #include "services/cloud-gateway/io/api/api.hpp"
 #include "services/cloud-gateway/io/api/lists.hpp"
 #include "services/cloud-gateway/io/api/members.hpp"
@@ -18,6 +18,7 @@ namespace trb::gateway {
 namespace {
 
 constexpr std::size_t kMaxRunReason = 1024;
+constexpr std::uint64_t kArchivePage = 100;
 constexpr std::int64_t kExpiresH = 24;
 constexpr std::int64_t kMaxExpiresH = 24 * 30;
 
@@ -48,10 +49,27 @@ void show_archived(Gateway& gateway, const CallPtr& call) {
   });
 }
 
+std::string json_archive(const RunTable& table, const std::string& next) {
+  std::string out = to_json(table);
+  out.back() = ',';
+  return out + "\"next\":" + json_quoted(next) + "}";
+}
+
+/// A page of the scheduler's archive, newest first; `?limit=` (100) and `?cursor=`, as of the other lists.
 void list_archive(Gateway& gateway, const CallPtr& call) {
-  op::list_runs(gateway.session, true, [call](const Result<RunTable>& table) {
+  const auto limit = call->query_number("limit", kArchivePage, kMaxPage);
+  if (!limit) return call->fail(limit.error());
+  if (*limit == 0) return call->fail(fail(Errc::bad_value, "limit: 0", "use 1 to " + std::to_string(kMaxPage)));
+  const std::string list(call->decision.route->path);
+  const std::string cursor = call->query("cursor");
+  const auto after = cursor.empty() ? Result<PageCursor>(PageCursor{}) : parse_cursor(cursor, list);
+  if (!after) return call->fail(after.error());
+  const RunListRequest page{true, after->after, static_cast<std::uint32_t>(*limit)};
+  gateway.session.ask_node<RunTable>(page, [call, list](const Result<RunTable>& table) {
     if (!table) return call->fail(table.error());
-    call->reply(json_reply(to_json(*table)));
+    const bool has_more = table->more && !table->runs.empty();
+    const std::string next = has_more ? cursor_text({list, table->runs.back().run}) : std::string();
+    call->reply(json_reply(json_archive(*table, next)));
   });
 }
 
