@@ -3,12 +3,21 @@
 #include <algorithm>
 #include <memory>
 #include <ranges>
+#include <span>
 
 namespace trb::op {
 namespace {
 
 /// It may have arrived. not_confirmed: a relay has it, and its link was lost before the robot's node answered.
 constexpr Errc kPerhapsReached[] = {Errc::timeout, Errc::robot_offline, Errc::not_confirmed};
+
+/// What a router refuses before it delivers.
+constexpr Errc kNotDelivered[] = {Errc::queue_full,     Errc::peer_unreachable, Errc::peer_expired,
+                                  Errc::unknown_target, Errc::no_service,       Errc::no_field_channel};
+
+bool is_one_of(const std::string& code, std::span<const Errc> codes) {
+  return std::ranges::any_of(codes, [&](Errc one) { return code == errc_name(one); });
+}
 
 void take_answer(const Message& message, RobotOrder& row) {
   row.text.clear();
@@ -18,9 +27,8 @@ void take_answer(const Message& message, RobotOrder& row) {
   }
   const auto nack = decode<Nack>(message.data);
   if (!nack) return;
-  row.state = std::ranges::any_of(kPerhapsReached, [&](Errc one) { return nack->code == errc_name(one); })
-                  ? "sent"
-                  : "unreachable";
+  row.state = is_one_of(nack->code, kPerhapsReached) ? "sent" : "unreachable";
+  row.surely_not_told = is_one_of(nack->code, kNotDelivered);
   row.text = nack->code + ": " + nack->what;
 }
 
@@ -40,7 +48,7 @@ class Orders : public std::enable_shared_from_this<Orders> {
       ++open_;
     } else {
       const bool full = sent.error().code == Errc::queue_full;
-      rows_[row] = {robot, "unreachable", full ? "the router takes no message" : sent.error().text()};
+      rows_[row] = {robot, "unreachable", full ? "the router takes no message" : sent.error().text(), true};
     }
   }
 

@@ -14,6 +14,7 @@ struct RobotOrder {
   std::string robot;
   std::string state;  ///< "confirmed"; "sent": it may have arrived, but is not confirmed; "unreachable": it has not
   std::string text;   ///< why it is not confirmed
+  bool surely_not_told{};  ///< a router has refused it before it was delivered: the robot has not heard of it
 };
 
 /// Sends the body (Stop, Release) to all robots, then collects their answers until `wait` is over: a silent robot

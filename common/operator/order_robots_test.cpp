@@ -42,6 +42,9 @@ TEST_CASE("all robots are told to stop at once, and a silent one delays no other
   CHECK(row(1) == "belt sent no answer in time");
   CHECK(row(2) == "drone unreachable unknown_target: never heard of it");
   CHECK(row(3) == "ant4 sent robot_offline: is off");
+  std::vector<bool> surely;
+  for (const RobotOrder& one : *hall.rows) surely.push_back(one.surely_not_told);
+  CHECK(surely == std::vector<bool>{false, false, true, false});
 }
 
 TEST_CASE("what a relay lost on its way may have arrived") {
@@ -54,6 +57,8 @@ TEST_CASE("what a relay lost on its way may have arrived") {
   CHECK(hall.rows->at(0).state == "sent");
   CHECK(hall.rows->at(0).text == "not_confirmed: the relay's link was lost");
   CHECK(hall.rows->at(1).state == "unreachable");
+  CHECK_FALSE(hall.rows->at(0).surely_not_told);
+  CHECK(hall.rows->at(1).surely_not_told);
 }
 
 TEST_CASE("it ends with the last answer, not with the time") {
@@ -70,6 +75,7 @@ TEST_CASE("what cannot be sent is said so, once, and no robots are no wait") {
   closed.node.pass(Duration::zero());
   REQUIRE(closed.rows);
   CHECK(closed.rows->at(1).state == "unreachable");
+  CHECK(closed.rows->at(1).surely_not_told);
   CHECK(closed.rows->at(1).text == "the router takes no message");
   Stopping none({});
   none.node.pass(Duration::zero());

@@ -202,6 +202,25 @@ class Orders(GatewayCase):
             self.assertEqual((lost.status, lost.json["live"]), (200, "not_heard"), path)
             self.assertEqual(self.viewer.ask("GET", path, If_None_Match=lost.headers["ETag"]).status, 304, path)
 
+    def test_a_release_that_reached_nobody_is_tried_anew_with_its_key(self):
+        release, more = f"/api/v1/robots/{ROBOT}/release", {"Idempotency_Key": "reach-nobody"}
+        pid = self.fleet.pid(ROBOT, "router")
+        os.kill(pid, signal.SIGSTOP)
+        self.addCleanup(os.kill, pid, signal.SIGCONT)
+        self.fleet.wait("it is not heard", lambda: self.viewer.ask(
+            "GET", f"/api/v1/nodes/{ROBOT}").json["live"] == "not_heard", WAIT_S)
+        for _ in range(2):
+            nobody = self.operator.ask("POST", release, **more)
+            self.assertEqual((nobody.status, nobody.json["robots"][0]["state"]), (200, "unreachable"))
+            self.assertNotIn("Idempotent-Replay", nobody.headers)
+        os.kill(pid, signal.SIGCONT)
+        self.fleet.wait("the robot is online", self.is_online, WAIT_S)
+        self.fleet.wait("it is released without a key", lambda: self.operator.ask(
+            "POST", release).json["robots"][0]["state"] == "confirmed", 3 * WAIT_S)
+        anew = self.operator.ask("POST", release, **more)
+        self.assertEqual((anew.json["robots"][0]["state"], "Idempotent-Replay" in anew.headers), ("confirmed", False))
+        self.assertEqual(self.operator.ask("POST", release, **more).headers["Idempotent-Replay"], "true")
+
     # ---- a gateway that ends while a robot has not answered yet
 
     def under_way(self, word, **more):

@@ -1,4 +1,5 @@
 // robots: read, stop, release, repaired, retired, returned.
+#include <algorithm>
 #include <type_traits>
 
 #include "common/operator/order_robots.hpp"
@@ -60,6 +61,7 @@ void give_order(Gateway& gateway, const CallPtr& call, const std::vector<std::st
   order_once(gateway, call, "robot", [&gateway, call, robots, body] {
     op::order_robots(gateway.session, robots, body, kStopWait, [call](const std::vector<op::RobotOrder>& orders) {
       call->outcome = op::outcome_in_words(orders);
+      call->is_not_done = !orders.empty() && std::ranges::all_of(orders, &op::RobotOrder::surely_not_told);
       call->reply(json_reply(json_orders(orders)));
     });
   });
