@@ -58,6 +58,7 @@ class Orders(GatewayCase):
         tasks = [{**SCENARIO["tasks"][0], "id": f"t{i}", "after": [f"t{i - 1}"] if i else []} for i in range(50)]
         held = self.operator.ask("POST", "/api/v1/runs", {"scenario": {"name": "held", "tasks": tasks}}).json["run"]
         self.addCleanup(self.operator.ask, "POST", f"/api/v1/runs/{held}/abort")
+        self.assert_problem(self.operator.ask("POST", f"/api/v1/runs/{held}/pause", {"reason": "x" * 256}), 413, "too_large")
         self.assertEqual(self.operator.ask("POST", f"/api/v1/runs/{held}/pause").status, 200)
         runs = [self.operator.ask("POST", "/api/v1/runs", {"scenario": {**SCENARIO, "name": f"page {i}"}}).json["run"] for i in range(3)]
         for run in runs:

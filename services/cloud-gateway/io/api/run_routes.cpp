@@ -17,7 +17,7 @@
 namespace trb::gateway {
 namespace {
 
-constexpr std::size_t kMaxRunReason = 1024;
+constexpr std::size_t kMaxRunReason = 255;  ///< of PauseOrder and AbortOrder, which are signed
 constexpr std::uint64_t kArchivePage = 100;
 constexpr std::int64_t kExpiresH = 24;
 constexpr std::int64_t kMaxExpiresH = 24 * 30;
