@@ -28,11 +28,20 @@ class Gateway(GatewayCase):
         users = "/api/v1/users"
         self.assert_problem(ask("POST", users, b"{", Content_Type="application/json"), 400)
         self.assert_problem(ask("POST", users, b"{}", Content_Type="text/plain"), 415)
+        for media in ("application/jsonp", "application/json-seq", "text/json"):
+            self.assert_problem(ask("POST", users, b"{}", Content_Type=media), 415, "media_type")
+        for media in ("Application/JSON", "application/json ; charset=utf-8", "application/json;charset=utf-8"):
+            self.assert_problem(ask("POST", users, b"{}", Content_Type=media), 400, "missing")
         self.assert_problem(ask("POST", users, {"name": "x", "role": "king", "password": GOOD}), 422)
         self.assert_problem(ask("POST", users, {"name": "x", "role": "viewer", "password": GOOD, "more": 1}), 422)
         self.assert_problem(ask("POST", users, {"name": "';drop table users--", "role": "viewer", "password": GOOD}), 422)
         self.assert_problem(ask("GET", "/api/v1/robots?limit=0"), 422)
-        self.assert_problem(ask("GET", "/api/v1/robots?cursor=zz"), 400)
+        for query in ("robots?cursor=zz", "robots?limit=many", "archive?limit=0", "audit?before=x", "messages?type=x"):
+            refused = ask("GET", f"/api/v1/{query}")
+            self.assertIn(refused.status, (400, 422), query)
+            (fault,) = refused.json["errors"]
+            self.assertEqual(fault["pointer"], "", query)
+            self.assertIn(query.split("?")[1].split("=")[0] + ": ", fault["detail"])
 
     def test_ten_megabytes_are_refused_before_they_are_read(self):
         try:

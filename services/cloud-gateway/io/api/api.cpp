@@ -1,5 +1,7 @@
 #include "services/cloud-gateway/io/api/api.hpp"
 
+#include <algorithm>
+
 #include "services/cloud-gateway/io/api/gzip.hpp"
 #include "services/cloud-gateway/io/api/once.hpp"
 #include "services/cloud-gateway/io/fresh.hpp"
@@ -14,8 +16,13 @@ std::string allow_of(const std::vector<Method>& methods) {
   return out;
 }
 
+/// The media type alone counts, in any case; what follows it are parameters (RFC 9110, 8.3.1).
 bool is_json(const HttpRequest& request) {
-  return request.content_type && request.content_type->starts_with("application/json");
+  if (!request.content_type) return false;
+  std::string_view type = std::string_view(*request.content_type).substr(0, request.content_type->find(';'));
+  while (type.ends_with(' ') || type.ends_with('\t')) type.remove_suffix(1);
+  const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; };
+  return std::ranges::equal(type, std::string_view("application/json"), {}, lower);
 }
 
 /// What somebody did, or was refused; nothing: it changes nothing, or nobody is known.

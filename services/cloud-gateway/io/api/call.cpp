@@ -115,7 +115,10 @@ Result<std::uint64_t> Call::query_number(std::string_view name, std::uint64_t ot
 
 void Call::fail(const Error& error) {
   is_not_done = Idempotency::means_not_done(error.code);
-  reply(problem_reply(error));
+  Problem problem = problem_of(error);
+  // Of a value of the query: a pointer leads into the body, and there is none.
+  if (request.body.empty() && !problem.errors.empty()) problem.errors = {{"", error.what, problem.errors[0].hint}};
+  reply(problem_reply(problem));
 }
 
 void Call::reply(HttpReply reply) {

@@ -1,4 +1,6 @@
 // session, me.
+#include <algorithm>
+
 #include "services/cloud-gateway/io/api/api.hpp"
 #include "services/cloud-gateway/io/api/members.hpp"
 #include "services/cloud-gateway/io/json_text.hpp"
@@ -64,6 +66,20 @@ void on_old_password(Gateway& gateway, const CallPtr& call, const Attempt& attem
   set_own_password(gateway, call, password);
 }
 
+/// What check_new_password() calls "password" is "new" here.
+Error as_member_new(Error error) {
+  constexpr std::string_view kPassword = "password: ";
+  if (error.what.starts_with(kPassword)) error.what.replace(0, kPassword.size(), "new: ");
+  return error;
+}
+
+HttpReply wait_reply(Duration wait) {
+  const auto s = std::max<std::int64_t>(std::chrono::ceil<std::chrono::seconds>(wait).count(), 1);
+  HttpReply out = problem_reply(429, "wait", "too many wrong passwords", "try again in " + std::to_string(s) + " s");
+  out.headers.emplace_back("Retry-After", std::to_string(s));
+  return out;
+}
+
 /// Whoever has taken over a session must not guess its user's password here: wrong ones wait as at a sign-in.
 void change_password(Gateway& gateway, const CallPtr& call) {
   const auto body = Members::of(*call, {"old", "new"});
@@ -74,11 +90,10 @@ void change_password(Gateway& gateway, const CallPtr& call) {
   if (!password) return call->fail(password.error());
   const User* user = gateway.access.users.find(call->who().name);
   if (user == nullptr) return call->reply(problem_reply(404, "missing", "there is no such user", "sign in again"));
-  if (Status good = check_new_password(user->name, *password); !good) return call->fail(good.error());
+  if (Status good = check_new_password(user->name, *password); !good) return call->fail(as_member_new(good.error()));
   const MonotonicTime now = gateway.now().mono;
-  if (gateway.access.guard.wait(user->name, call->request.source, now) > Duration::zero()) {
-    return call->reply(problem_reply(429, "wait", "too many wrong passwords", "try again in a minute"));
-  }
+  const Duration wait = gateway.access.guard.wait(user->name, call->request.source, now);
+  if (wait > Duration::zero()) return call->reply(wait_reply(wait));
   const Attempt attempt = gateway.access.guard.begin(user->name, call->request.source, now);
   gateway.passwords.check({0, user->password_hash, *old},
                           [&gateway, call, attempt, password = *password](SignInId, CheckResult result) {
