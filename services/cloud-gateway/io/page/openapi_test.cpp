@@ -142,7 +142,6 @@ TEST_CASE("the fleet's bodies are described as they are sent") {
   check_record<NodeProfile>("Profile");
   check_record<RunSummary>("RunSummary");
   check_record<RunView>("RunView");
-  check_record<RunTable>("RunTable");
   check_record<Alert>("Alert");
   check_record<SensorInfo>("Sensor");
   check_record<SensorReading>("SensorReading");
