@@ -62,7 +62,8 @@ class GatewayCase(unittest.TestCase):
     @classmethod
     def is_online(cls):
         answer = cls.admin.ask("GET", f"/api/v1/robots/{cls.robot}")
-        return answer.status == 200 and answer.json["content"]["connection"] == "ONLINE"
+        # A row that is not live has what was heard last: ONLINE, long after its node fell silent.
+        return answer.status == 200 and answer.json["live"] == "live" and answer.json["content"]["connection"] == "ONLINE"
 
     @classmethod
     def is_ready(cls):
