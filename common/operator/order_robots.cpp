@@ -82,7 +82,8 @@ std::string outcome_in_words(const std::vector<RobotOrder>& orders) {
   if (open == 0) return "done";
   std::string out = "not confirmed by " + std::to_string(open) + " of " + std::to_string(orders.size());
   const char* before = ": ";
-  for (const RobotOrder& one : orders | std::views::filter(is_open)) {
+  for (const RobotOrder& one : orders) {
+    if (!is_open(one)) continue;
     const std::string next = before + one.robot + " " + one.state;
     if (out.size() + next.size() > kMost) return out + ", ...";
     out += next;
