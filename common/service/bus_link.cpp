@@ -92,8 +92,25 @@ Result<std::uint64_t> BusLink::send(Message message) {
   if (const auto readable = decode_frame(bytes); !readable)
     return fail(readable.error().code, message.subtype + ": " + readable.error().what, readable.error().hint);
   Frame frame = to_frame(bytes);
-  const SendResult result = send_within(budget_, frame, [this](Frame&& one) { return socket_.send(std::move(one)); });
-  return result == SendResult::sent ? message.id : 0;
+  bool may_wait = false;
+  const SendResult result = send_within(budget_, frame, [&](Frame&& one) {
+    may_wait = waiting_.size() < kMostWaiting;
+    return waiting_.empty() ? socket_.send(std::move(one)) : SendResult::full;
+  });
+  if (result == SendResult::sent) return message.id;
+  if (!may_wait) return fail(Errc::queue_full, "the node's router does not read what waits for it", "send less often");
+  waiting_.push_back(std::move(frame));
+  return message.id;
+}
+
+void BusLink::send_waiting() {
+  while (!waiting_.empty() && socket_.send(std::move(waiting_.front())) == SendResult::sent) waiting_.pop_front();
+}
+
+/// The socket's descriptor tells when the router has read, and the owner then asks again.
+std::optional<MonotonicTime> BusLink::next_deadline() {
+  if (!waiting_.empty() && (socket_.has_room() || *socket_.unseen())) return MonotonicTime{0};
+  return next_;
 }
 
 void BusLink::say_hello() {
@@ -106,6 +123,7 @@ void BusLink::say_hello() {
 }
 
 void BusLink::tick(Now now) {
+  send_waiting();
   if (!next_ || now.mono < *next_) return;
   if (welcome_ && now.mono - last_seen_ > kRouterLease) welcome_.reset();
   if (!welcome_) {
@@ -114,6 +132,7 @@ void BusLink::tick(Now now) {
     if (*redial_ <= now.mono) {
       // A failed dial is tried again when this lease has ended.
       if (const Status dialled = socket_.dial_again(endpoint_); !dialled) dial_problem_ = dialled.error().text();
+      waiting_.clear();  // as what waited in the socket
       redial_ = now.mono + kRouterLease;
     }
     if (key_watch_ && key_watch_->refused()) {

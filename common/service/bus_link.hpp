@@ -2,6 +2,7 @@
 // messages. It has no policy of the service and no loop: the owner reads and calls tick().
 #pragma once
 
+#include <deque>
 #include <functional>
 #include <optional>
 #include <string>
@@ -28,13 +29,18 @@ class BusLink {
   /// True while there may be more to receive although the handle does not signal it.
   [[nodiscard]] bool* unseen() { return socket_.unseen(); }
 
-  /// Sends; returns the given id, or 0 if the link is down or full (the message is lost). Errors: too_large, bad_value,
-  /// malformed: its receiver would have to refuse it, so it was not sent.
+  /// Sends; returns the given id, or 0 if the link is down (the message is lost). What the socket does not take waits
+  /// here, in order, kMostWaiting messages at most. Errors: queue_full (the router does not read, and no more may
+  /// wait); too_large, bad_value, malformed: its receiver would have to refuse it, so it was not sent.
   Result<std::uint64_t> send(const Send& send);
   Result<std::uint64_t> send(Message message);
 
+  /// False while messages wait here for the router to read earlier ones; true without a router.
+  [[nodiscard]] bool has_room() const { return !welcome_ || waiting_.empty(); }
+
+  /// Due at next_deadline(): what waits leaves as far as there is room.
   void tick(Now now);
-  [[nodiscard]] std::optional<MonotonicTime> next_deadline() const { return next_; }
+  [[nodiscard]] std::optional<MonotonicTime> next_deadline();
 
   [[nodiscard]] bool up() const { return welcome_.has_value(); }
   [[nodiscard]] const std::optional<ServiceWelcome>& welcome() const { return welcome_; }
@@ -47,14 +53,19 @@ class BusLink {
   /// Set at each welcome, cleared by the caller.
   bool newly_welcomed = false;
 
+  /// More than one read of a robot's stream (64 KiB) can hold.
+  static constexpr std::size_t kMostWaiting = 8192;
+
  private:
   void on_welcome(ServiceWelcome welcome, Now now);
   bool consume(const Message& message, Now now);
   void say_hello();
+  void send_waiting();
 
   std::string endpoint_;
   Socket socket_;
   std::shared_ptr<ByteBudget> budget_;     ///< for what the router has not read yet
+  std::deque<Frame> waiting_;              ///< behind what the socket holds
   std::optional<RefusalWatch> key_watch_;  ///< over TCP
   ServiceHello hello_;
   std::optional<ServiceWelcome> welcome_;

@@ -93,10 +93,43 @@ TEST_CASE("of large messages for a router that stands still a few megabytes wait
   picture.target = "bee";
   picture.data = Bytes(1'000'000, 'p');
   int sent = 0;
-  while (sent < 2 * kHighWaterMark && ends.link.send(picture).value() != 0) ++sent;
+  while (sent < 2 * kHighWaterMark && ends.link.send(picture).ok()) ++sent;
+  CHECK(ends.link.send(picture).error().code == Errc::queue_full);
   // The router's own end has received some as well.
   CHECK(sent < kReceiveHighWaterMark + 16);
   CHECK(ends.link.send(Send{.type = MessageType::command, .target = "bee", .body = Stop{"x"}}).value() != 0);
+}
+
+TEST_CASE("what the socket does not take waits in order, and leaves once the router reads") {
+  init_crypto();
+  Ends ends;
+  ends.welcome();
+  std::vector<std::uint64_t> sent;
+  while (ends.link.has_room()) {
+    sent.push_back(ends.link.send(Send{.type = MessageType::command, .target = "bee", .body = Stop{"x"}}).value());
+  }
+  sent.push_back(ends.link.send(Send{.type = MessageType::command, .target = "bee", .body = Stop{"x"}}).value());
+  std::vector<std::uint64_t> heard;
+  const MonotonicTime end = read_clocks().mono + kPatience;
+  while (heard.size() < sent.size() && read_clocks().mono < end) {
+    if (const auto next = ends.link.next_deadline(); next && *next <= read_clocks().mono) ends.link.tick(read_clocks());
+    if (const auto message = ends.router.receive(); message && message->subtype == Stop::kSubtype)
+      heard.push_back(message->id);
+  }
+  CHECK(heard == sent);
+  CHECK(ends.link.has_room());
+}
+
+TEST_CASE("of what waits for a router that does not read there is a bound, and the maker is told of it") {
+  init_crypto();
+  Ends ends;
+  ends.welcome();
+  const auto send = [&] { return ends.link.send(Send{.target = "bee", .body = Stop{"x"}}); };
+  while (ends.link.has_room()) REQUIRE(send().ok());
+  std::size_t waits = 1;
+  while (waits < 2 * BusLink::kMostWaiting && send().ok()) ++waits;
+  CHECK(waits == BusLink::kMostWaiting);
+  CHECK(send().error().code == Errc::queue_full);
 }
 
 TEST_CASE("what its hearer would have to refuse does not leave, and the maker is told") {

@@ -63,6 +63,8 @@ class ServiceShell final : public Service {
     carry_out(out);
   }
 
+  [[nodiscard]] bool has_room() const override { return link_.has_room(); }
+
   int run(Core& core, std::function<bool()> idle) override {
     start(core, std::move(idle));
     loop_.run();
@@ -209,8 +211,8 @@ class ServiceShell final : public Service {
     }
   }
 
-  /// No receiver could read it. If another node waits for it as an answer, that node gets the Nack; else the core
-  /// itself does.
+  /// No receiver could read it, or the router does not take it. If another node waits for it as an answer, that node
+  /// gets the Nack; else the core itself does.
   void not_sent(const Send& send, const Error& why) {
     const std::string subtype(subtype_of(send.body));
     counters_.count("dropped." + std::string(errc_name(why.code)));
@@ -264,7 +266,7 @@ class ServiceShell final : public Service {
   std::optional<LastWork> last_work_;
   std::optional<MonotonicTime> ends_by_;  ///< set: it was told to end, and does its last work
   CounterTable counters_;
-  std::vector<Nack> refused_;  ///< sent by the core, but unreadable for any receiver
+  std::vector<Nack> refused_;  ///< sent by the core, and lost in this process
   RateLimit limit_{20, std::chrono::seconds(10)};
   int exit_ = 0;
   bool has_lost_journal_ = false;  ///< nothing is received, told or sent any more

@@ -60,6 +60,10 @@ class Service {
   /// received something.
   virtual void step(const Effect& effect) = 0;
 
+  /// False while messages wait in this process because the router has not read earlier ones. Io that can hold back its
+  /// source reads no more meanwhile: beyond a bound what is sent is lost, and the core is given a Nack (queue_full).
+  [[nodiscard]] virtual bool has_room() const = 0;
+
   /// Runs until SIGTERM or SIGINT, or until SIGHUP finds `idle` true (0 = orderly, 75 = asked to start again).
   virtual int run(Core& core, std::function<bool()> idle = {}) = 0;
 

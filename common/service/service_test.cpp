@@ -25,6 +25,7 @@ class WavingCore final : public Core {
     next_ = now.mono + std::chrono::milliseconds(20);
   }
   void on(const Inbound& message, Now, Outbox& out) override {
+    if (const Nack* nack = get_if<Nack>(&message.body)) return nacks_.push_back(*nack);
     ++waves_;
     if (journals) out.record(waves_);
     out.reply(message, Ack{"waved", ""});
@@ -39,6 +40,7 @@ class WavingCore final : public Core {
   [[nodiscard]] const std::string& node() const { return node_; }
   [[nodiscard]] int ticks() const { return ticks_; }
   [[nodiscard]] int waves() const { return waves_; }
+  [[nodiscard]] const std::vector<Nack>& nacks() const { return nacks_; }
 
   bool journals = false;
 
@@ -47,6 +49,7 @@ class WavingCore final : public Core {
   std::optional<MonotonicTime> next_;
   int ticks_ = 0;
   int waves_ = 0;
+  std::vector<Nack> nacks_;
 };
 
 Message wave(std::uint64_t id, std::size_t size = 0) {
@@ -108,6 +111,23 @@ struct Served {
         std::this_thread::yield();
       }
     }
+  }
+  /// One step with so many messages, for a router that does not read meanwhile.
+  void send_waves(int count) {
+    service->step([&](Now, Outbox& out) {
+      for (int i = 0; i < count; ++i) out.command("bee", Opaque{"wave", std::to_string(i)});
+    });
+  }
+  /// The router reads until so many have come: their data, in order.
+  std::vector<std::string> read_waves(std::size_t count) {
+    std::vector<std::string> read;
+    while (read.size() < count && in_time()) {
+      REQUIRE(poll());
+      while (auto message = router.receive()) {
+        if (message->subtype == "wave") read.push_back(message->data);
+      }
+    }
+    return read;
   }
   void poll_to_end() {
     while (poll() && in_time()) {
@@ -196,6 +216,52 @@ TEST_CASE("every service answers what it has counted, without its core") {
     CHECK(counters->values[0].value == 1);
   }
   CHECK(served.core.waves() == 0);
+}
+
+TEST_CASE("a burst of one step comes whole and in order to a router that reads later") {
+  Served served;
+  served.start();
+  served.send_waves(6000);
+  CHECK_FALSE(served.service->has_room());
+  std::vector<std::string> expected;
+  for (int i = 0; i < 6000; ++i) expected.push_back(std::to_string(i));
+  CHECK(served.read_waves(6000) == expected);
+  while (!served.service->has_room() && served.in_time()) REQUIRE(served.poll());
+  CHECK(served.service->has_room());
+  CHECK(served.core.nacks().empty());
+}
+
+TEST_CASE("what finds no room on the bus is counted as that, and the core is told") {
+  Served served;
+  served.start();
+  served.send_waves(20'000);
+  while (served.core.nacks().empty() && served.in_time()) REQUIRE(served.poll());
+  REQUIRE_FALSE(served.core.nacks().empty());
+  CHECK(served.core.nacks().size() <= 64);
+  CHECK(served.core.nacks()[0].code == "queue_full");
+  CHECK(served.core.nacks()[0].subtype == "wave");
+  CHECK(served.core.nacks()[0].target == "bee");
+  const std::size_t arrived = served.read_waves(BusLink::kMostWaiting).size();
+  Message request = wave(77);
+  request.type = MessageType::request;
+  request.subtype = ServiceCountersRequest::kSubtype;
+  request.data = encode_body(ServiceCountersRequest{"probe"});
+  REQUIRE(served.router.socket->send_to(served.router.peer, to_frame(encode_frame(request))) == SendResult::sent);
+  std::size_t all = arrived;
+  std::optional<Message> answer;
+  while (!answer && served.in_time()) {
+    REQUIRE(served.poll());
+    while (auto message = served.router.receive()) {
+      if (message->subtype == "wave") ++all;
+      if (message->subtype == Counters::kSubtype) answer = std::move(message);
+    }
+  }
+  REQUIRE(answer);
+  const auto counters = decode<Counters>(answer->data);
+  REQUIRE(counters);
+  REQUIRE(counters->values.size() == 1);
+  CHECK(counters->values[0].name == "dropped.queue_full");
+  CHECK(counters->values[0].value + all == 20'000);
 }
 
 TEST_CASE("behind a commit that failed a service receives, journals and sends nothing, though more waits for it") {

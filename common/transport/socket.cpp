@@ -309,6 +309,14 @@ SendResult Socket::send(Frame&& frame, bool more) {
   return zmq_errno() == EHOSTUNREACH ? SendResult::unroutable : SendResult::full;
 }
 
+bool Socket::has_room() {
+  int events = 0;
+  std::size_t size = sizeof events;
+  zmq_getsockopt(socket_.handle(), ZMQ_EVENTS, &events, &size);
+  *unseen_ = (events & ZMQ_POLLIN) != 0;
+  return (events & ZMQ_POLLOUT) != 0;
+}
+
 SendResult Socket::send_to(BytesView routing_id, Frame&& frame) {
   const SendResult addressed = send(to_frame(routing_id), true);
   return addressed == SendResult::sent ? send(std::move(frame)) : addressed;

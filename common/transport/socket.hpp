@@ -111,6 +111,9 @@ class Socket {
   /// ROUTER: routing id and one frame. `unroutable`: that connection is gone.
   SendResult send_to(BytesView routing_id, Frame&& frame);
 
+  /// Whether send() would take one more message. It looks for what came, too: see unseen().
+  [[nodiscard]] bool has_room();
+
   [[nodiscard]] void* handle() { return socket_.handle(); }
   /// True while a message may wait that the socket's descriptor does not signal; for Loop::add_socket. Any operation on
   /// a socket may reset the descriptor's signal; only a receive() that found nothing makes it reliable again.

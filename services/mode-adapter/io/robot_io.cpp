@@ -13,6 +13,8 @@ namespace {
 constexpr std::size_t kReadSize = 64U << 10U;
 /// A robot for which this much waits has stopped reading. One message always fits, whatever its size.
 constexpr std::size_t kMaxWaiting = 1U << 20U;
+/// A robot is not read for longest, though the bus has no room: among its words may be the answer to a stop.
+constexpr Duration kLongestHold = std::chrono::milliseconds(500);
 constexpr int kAcceptBatch = 16;
 constexpr Duration kConnectTimeout = std::chrono::seconds(2);
 
@@ -115,7 +117,10 @@ void RobotIo::come_up(RobotConnection& connection) {
 }
 
 void RobotIo::watch(RobotConnection& connection) {
-  const auto events = static_cast<short>(connection.wants_write ? POLLIN | POLLOUT : POLLIN);
+  const int reads = connection.held_until ? 0 : POLLIN;
+  const auto events = static_cast<short>(connection.wants_write ? reads | POLLOUT : reads);
+  // A connection that is watched for nothing still signals its end, again and again.
+  if (events == 0) return service_.unwatch(connection.fd.get());
   service_.watch(connection.fd.get(), events, [this, &connection](short revents) { on_ready(connection, revents); });
 }
 
@@ -123,7 +128,28 @@ void RobotIo::on_ready(RobotConnection& connection, short revents) {
   report_losses();
   if (connection.state != State::up) return;
   if ((revents & POLLOUT) != 0 && !flush(connection)) return report_losses();
-  if ((revents & (POLLIN | POLLERR | POLLHUP)) != 0) read(connection);
+  if ((revents & (POLLIN | POLLERR | POLLHUP)) == 0) return;
+  if (must_wait(connection)) return hold_back(connection);
+  read(connection);
+}
+
+/// Only the robot's own messages come in bursts: what a controller tells is asked for.
+bool RobotIo::must_wait(const RobotConnection& connection) const {
+  return connection.channel == Channel::field && !service_.has_room();
+}
+
+/// TCP holds the robot back.
+void RobotIo::hold_back(RobotConnection& connection) {
+  if (connection.held_until) return;
+  connection.held_until = now().mono + kLongestHold;
+  watch(connection);
+}
+
+void RobotIo::go_on(RobotConnection& connection, MonotonicTime now) {
+  if (!connection.held_until || (must_wait(connection) && now < *connection.held_until)) return;
+  connection.held_until.reset();
+  watch(connection);
+  read(connection);
 }
 
 void RobotIo::read(RobotConnection& connection) {
@@ -175,6 +201,7 @@ void RobotIo::close(RobotConnection& connection) {
   connection.output.clear();
   connection.written = 0;
   connection.has_written = false;
+  connection.held_until.reset();
   connection.due.reset();
 }
 
@@ -260,7 +287,10 @@ std::optional<MonotonicTime> RobotIo::next_deadline() const {
                                        [](const RobotConnection& connection) { return connection.has_written; });
   if (!losses_.empty() || has_written) return MonotonicTime{};
   std::optional<MonotonicTime> next;
-  for (const RobotConnection& connection : connections_) next = earlier(next, connection.due);
+  for (const RobotConnection& connection : connections_) {
+    if (connection.held_until && !must_wait(connection)) return MonotonicTime{};
+    next = earlier(next, earlier(connection.due, connection.held_until));
+  }
   return next;
 }
 
@@ -268,6 +298,7 @@ void RobotIo::tick(Now at) {
   for (RobotConnection& written : connections_) push(written);
   report_losses();
   for (RobotConnection& connection : connections_) {
+    go_on(connection, at.mono);
     if (!connection.due || at.mono < *connection.due) continue;
     if (connection.state == State::connecting) {
       go_down(connection, "no answer within 2 s");

@@ -49,8 +49,9 @@ class RobotIo {
     Bytes output;
     std::size_t written = 0;  ///< bytes of output that were written
     bool wants_write = false;
-    bool has_written = false;          ///< in this turn of the loop: further output is sent at its end
-    std::optional<MonotonicTime> due;  ///< down: when to dial; connecting: when to give up
+    bool has_written = false;                 ///< in this turn of the loop: further output is sent at its end
+    std::optional<MonotonicTime> held_until;  ///< set: it is not read, for its messages have no room on the bus
+    std::optional<MonotonicTime> due;         ///< down: when to dial; connecting: when to give up
     BackOff back_off{std::chrono::milliseconds(100), std::chrono::seconds(2)};
     std::string last_failure;
   };
@@ -70,6 +71,9 @@ class RobotIo {
   void on_dialled(RobotConnection& connection);
   void come_up(RobotConnection& connection);
   void on_ready(RobotConnection& connection, short revents);
+  [[nodiscard]] bool must_wait(const RobotConnection& connection) const;
+  void hold_back(RobotConnection& connection);
+  void go_on(RobotConnection& connection, MonotonicTime now);
   void read(RobotConnection& connection);
   void read_datagram(RobotConnection& connection);
   void receive(RobotConnection& connection, std::size_t size);

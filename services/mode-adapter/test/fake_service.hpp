@@ -26,6 +26,7 @@ class FakeService : public LooplessService {
   void timer(std::function<std::optional<MonotonicTime>()> next, std::function<void(Now)> tick) override {
     timers_.push_back({std::move(next), std::move(tick)});
   }
+  [[nodiscard]] bool has_room() const override { return bus_has_room; }
   void step(const Effect& effect) override {
     Outbox out;
     effect(trb::now(), out);
@@ -47,6 +48,7 @@ class FakeService : public LooplessService {
 
   [[nodiscard]] long logged(const std::string& event) const { return std::count(logs.begin(), logs.end(), event); }
 
+  bool bus_has_room = true;
   std::vector<std::string> counts;
   std::vector<std::string> logs;
 

@@ -120,6 +120,38 @@ TEST_CASE("io: a robot that does not read is let go, one message of a megabyte i
   CHECK(node.service.until([&] { return !node.online(); }));
 }
 
+TEST_CASE("io: a robot is not read while its messages have no room on the bus, but for half a second") {
+  Node node(pioneer());
+  const auto heats = [&] {
+    return std::count(node.service.counts.begin(), node.service.counts.end(), "from_robot.heat");
+  };
+  Peer robot(node.io->listen_port());
+  REQUIRE(node.service.until([&] { return node.online(); }));
+  node.service.bus_has_room = false;
+  robot.say("information\nheat\nur3\n1\n7\n");
+  const MonotonicTime said = now().mono;
+  REQUIRE(node.service.until([&] { return heats() == 1; }));
+  CHECK(now().mono - said >= std::chrono::milliseconds(400));
+  // With room it is read at once.
+  robot.say("information\nheat\nur3\n1\n8\n");
+  const MonotonicTime seen = now().mono + std::chrono::milliseconds(50);
+  REQUIRE(node.service.until([&] { return now().mono >= seen; }));
+  CHECK(heats() == 1);
+  node.service.bus_has_room = true;
+  CHECK(node.service.until([&] { return heats() == 2; }));
+}
+
+TEST_CASE("io: a robot that leaves while it is not read is lost with room on the bus") {
+  Node node(pioneer());
+  Peer robot(node.io->listen_port());
+  REQUIRE(node.service.until([&] { return node.online(); }));
+  node.service.bus_has_room = false;
+  robot.say("information\nheat\nur3\n1\n7\n");
+  robot.fd.reset();
+  REQUIRE(node.service.until([&] { return !node.online(); }));
+  CHECK(std::count(node.service.counts.begin(), node.service.counts.end(), "from_robot.heat") == 1);
+}
+
 TEST_CASE("io: what a process that ends writes in one step leaves whole") {
   Settings settings = pioneer();
   settings.description.field_channel.acknowledge = false;
