@@ -31,6 +31,8 @@ std::optional<Message> BusLink::receive(Now now) {
   socket_.skip_rest(frame);
   auto view = decode_frame(view_of(frame));
   if (!view) return std::nullopt;
+  // Any frame is a sign of life: service_alive_seen queues behind all that came before it.
+  last_seen_ = now.mono;
   Message message = to_message(*view);
   if (consume(message, now)) return std::nullopt;
   return message;
@@ -41,7 +43,6 @@ void BusLink::on_welcome(ServiceWelcome welcome, Now now) {
   newly_welcomed = true;
   refusal_.clear();
   redial_.reset();
-  last_seen_ = now.mono;
   next_ = now.mono + kAliveInterval;
 }
 
@@ -50,10 +51,7 @@ bool BusLink::consume(const Message& message, Now now) {
     if (auto body = decode<ServiceWelcome>(message.data)) on_welcome(std::move(*body), now);
     return true;
   }
-  if (message.subtype == ServiceAliveSeen::kSubtype) {
-    last_seen_ = now.mono;
-    return true;
-  }
+  if (message.subtype == ServiceAliveSeen::kSubtype) return true;
   if (message.subtype == HelloWanted::kSubtype) {
     welcome_.reset();
     redial_ = now.mono + kRouterLease;

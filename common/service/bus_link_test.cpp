@@ -184,6 +184,26 @@ TEST_CASE("a router that was started again is told hello again") {
   CHECK(link.welcome()->slot == 2);
 }
 
+TEST_CASE("a router whose messages come is there, though its answer to the keep-alive still waits behind them") {
+  init_crypto();
+  Ends ends;
+  ends.welcome();
+  Now later = read_clocks();
+  for (int i = 0; i < 8; ++i) {
+    later.mono = later.mono + std::chrono::seconds(1);
+    ends.router.say(Ack{"done", ""});
+    std::optional<Message> got;
+    const MonotonicTime end = read_clocks().mono + kPatience;
+    while (!got && read_clocks().mono < end) got = ends.link.receive(later);
+    REQUIRE(got);
+    ends.link.tick(later);
+    CHECK(ends.link.up());
+  }
+  later.mono = later.mono + std::chrono::seconds(4);
+  ends.link.tick(later);
+  CHECK_FALSE(ends.link.up());
+}
+
 TEST_CASE("a link by which something far too large came is made again") {
   init_crypto();
   Ends ends;

@@ -22,6 +22,7 @@ constexpr int kAgain = 75;        ///< EX_TEMPFAIL: the supervisor starts the se
 constexpr int kJournalLost = 74;  ///< EX_IOERR
 constexpr int kRefused = 73;      ///< EX_CANTCREAT: another process runs this service already
 constexpr int kBatch = 256;
+constexpr Duration kLongestDrain = std::chrono::milliseconds(50);  ///< then the link's own deadlines have their turn
 constexpr std::size_t kMostRefused = 64;
 constexpr std::uint64_t kRefusedHere = 1;  ///< a Nack answers something; cores do not learn ids
 constexpr Duration kIdleCheck = std::chrono::milliseconds(200);
@@ -148,8 +149,10 @@ class ServiceShell final : public Service {
   }
 
   void drain() {
-    for (int i = 0; i < kBatch && !has_lost_journal_; ++i) {
-      std::optional<Message> message = link_.receive(read_clocks());
+    Now now = read_clocks();
+    const MonotonicTime end = now.mono + kLongestDrain;
+    for (int i = 0; i < kBatch && now.mono < end && !has_lost_journal_; ++i, now = read_clocks()) {
+      std::optional<Message> message = link_.receive(now);
       if (link_.newly_welcomed) {
         link_.newly_welcomed = false;
         welcomed();
