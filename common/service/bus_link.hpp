@@ -27,7 +27,7 @@ class BusLink {
   /// For Loop::add_socket.
   [[nodiscard]] void* handle() { return socket_.handle(); }
   /// True while there may be more to receive although the handle does not signal it.
-  [[nodiscard]] bool* unseen() { return socket_.unseen(); }
+  [[nodiscard]] const std::shared_ptr<Unseen>& unseen() { return socket_.unseen(); }
 
   /// Sends; returns the given id, or 0 if the link is down (the message is lost). What the socket does not take waits
   /// here, in order, kMostWaiting messages at most. Errors: queue_full (the router does not read, and no more may

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <zmq.h>
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <ctime>
@@ -50,16 +51,19 @@ Loop::~Loop() {
   ::close(epoll_);
 }
 
-void Loop::add_socket(void* socket, Ready ready, bool* unseen) {
+void Loop::add_socket(void* socket, Ready ready, std::shared_ptr<Unseen> unseen) {
   remove_socket(socket);
-  auto entry = std::make_shared<Entry>(Entry{socket, descriptor_of(socket), EPOLLIN, std::move(ready), {}});
-  entry->unseen = unseen != nullptr ? unseen : &entry->used;
+  auto entry = std::make_shared<Entry>(socket, descriptor_of(socket), short{EPOLLIN});
+  entry->ready = std::move(ready);
+  entry->is_counted = unseen == nullptr;
+  entry->unseen = entry->is_counted ? std::make_shared<Unseen>() : std::move(unseen);
   watch(*entry);
+  entry->unseen->join(unseen_, socket);
   sockets_[socket] = std::move(entry);
 }
 
-void Loop::add_background_socket(void* socket, Ready ready, bool* unseen) {
-  add_socket(socket, std::move(ready), unseen);
+void Loop::add_background_socket(void* socket, Ready ready, std::shared_ptr<Unseen> unseen) {
+  add_socket(socket, std::move(ready), std::move(unseen));
   sockets_.at(socket)->background = true;
 }
 
@@ -67,12 +71,14 @@ void Loop::remove_socket(void* socket) {
   const auto at = sockets_.find(socket);
   if (at == sockets_.end()) return;
   unwatch(*at->second);
+  at->second->unseen->leave(unseen_);
   sockets_.erase(at);
 }
 
 void Loop::add_fd(int fd, short events, ReadyEvents ready) {
   remove_fd(fd);
-  auto entry = std::make_shared<Entry>(Entry{nullptr, fd, events, {}, std::move(ready)});
+  auto entry = std::make_shared<Entry>(nullptr, fd, events);
+  entry->ready_events = std::move(ready);
   watch(*entry);
   fds_[fd] = std::move(entry);
 }
@@ -88,12 +94,10 @@ void Loop::watch(Entry& entry) {
   // poll(2) and epoll(7) have the same bits.
   epoll_event event{static_cast<std::uint32_t>(entry.events), {.ptr = &entry}};
   if (::epoll_ctl(epoll_, EPOLL_CTL_ADD, entry.fd, &event) != 0) throw std::runtime_error("epoll_ctl failed");
-  changed_ = true;
 }
 
 void Loop::unwatch(Entry& entry) {
   entry.removed = true;
-  changed_ = true;
   ::epoll_ctl(epoll_, EPOLL_CTL_DEL, entry.fd, nullptr);
 }
 
@@ -103,7 +107,7 @@ void Loop::add_timer(std::function<std::optional<MonotonicTime>()> next, std::fu
 
 bool Loop::turn() {
   if (stopped_) return false;
-  const bool is_ready = look_at_entries();
+  const bool is_ready = look_at_unseen();
   const MonotonicTime now = read_clocks().mono;
   const auto longest = is_ready ? std::chrono::milliseconds(0) : time_out(next_timer(), now);
   stalls_.on_wait(now, now + longest);
@@ -112,94 +116,93 @@ bool Loop::turn() {
 
 bool Loop::handle_ready() {
   if (stopped_) return false;
-  look_at_entries();
+  look_at_unseen();
   return serve(std::chrono::milliseconds(0));
 }
 
 std::optional<MonotonicTime> Loop::next_deadline() {
-  const auto next = look_at_entries() ? MonotonicTime{0} : next_timer();
+  const auto next = look_at_unseen() ? MonotonicTime{0} : next_timer();
   const MonotonicTime now = read_clocks().mono;
   stalls_.on_wait(now, next.value_or(now + kLongest));
   return next;
 }
 
-bool Loop::look_at_entries() {
-  if (changed_) rebuild();
-  return look_at_unseen();
-}
-
 bool Loop::serve(std::chrono::milliseconds longest) {
-  wait(longest);
-  call_ready();
+  Entries ready = wait(longest);
+  call_ready(ready);
+  ready.clear();
+  spare_ = std::move(ready);
   call_timers();
   return !stopped_;
 }
 
-void Loop::rebuild() {
-  changed_ = false;
-  entries_.clear();
-  for (const auto& [key, entry] : sockets_) entries_.push_back(entry);
-  for (const auto& [key, entry] : fds_) entries_.push_back(entry);
-}
-
 bool Loop::look_at_unseen() {
-  bool any = false;
-  for (const auto& entry : entries_) {
-    if (entry->socket == nullptr || !*entry->unseen) continue;
-    *entry->unseen = can_be_read(entry->socket);
-    any = any || *entry->unseen;
-  }
-  return any;
+  std::erase_if(*unseen_, [this](void* socket) {
+    Unseen& unseen = *sockets_.at(socket)->unseen;
+    unseen.set(unseen && can_be_read(socket));
+    if (!unseen) unseen.unlisted();
+    return !unseen;
+  });
+  return !unseen_->empty();
 }
 
-void Loop::wait(std::chrono::milliseconds longest) {
+Loop::Entries Loop::wait(std::chrono::milliseconds longest) {
   // zmq_poll would ask every socket twice, a system call each.
   std::array<epoll_event, 64> events;
   const int count =
       ::epoll_wait(epoll_, events.data(), static_cast<int>(events.size()), static_cast<int>(longest.count()));
   if (count < 0 && errno != EINTR) throw std::runtime_error("epoll_wait failed");
   stalls_.on_look(read_clocks().mono);
+  // A handler may run a turn of its own: that one gets a new list.
+  Entries ready = std::exchange(spare_, {});
   for (int i = 0; i < count; ++i) {
     const epoll_event& event = events[static_cast<std::size_t>(i)];
-    static_cast<Entry*>(event.data.ptr)->revents = static_cast<short>(event.events);
+    auto* entry = static_cast<Entry*>(event.data.ptr);
+    entry->revents = static_cast<short>(event.events);
+    ready.push_back(entry->shared_from_this());
+  }
+  add_unseen(ready);
+  std::ranges::sort(ready, {}, [](const auto& entry) { return entry->place(); });
+  return ready;
+}
+
+void Loop::add_unseen(Entries& ready) const {
+  for (void* socket : *unseen_) {
+    const auto& entry = sockets_.at(socket);
+    if (entry->revents == 0) ready.push_back(entry);
   }
 }
 
-void Loop::call_ready() {
-  bool background = false;
-  for (std::size_t i = 0; i < entries_.size(); ++i) {
-    Entry& seen = *entries_[i];
-    if (seen.background) {
-      background = background || seen.revents != 0 || *seen.unseen;
-      continue;
-    }
-    const short revents = std::exchange(seen.revents, short{0});
-    // A handler called before this one may have removed it and freed what it watched.
-    if (seen.removed || (revents == 0 && (seen.socket == nullptr || !*seen.unseen))) continue;
-    const std::shared_ptr<Entry> entry = entries_[i];  // it may remove itself
-    call(*entry, revents);
+void Loop::call_ready(const Entries& ready) {
+  for (const auto& entry : ready) {
+    // A handler called before this one may have removed it and freed what it watched, or have read it empty.
+    if (!entry->background && entry->is_ready()) call(*entry);
   }
-  if (background) call_background();
+  call_background(ready);
 }
 
 /// For one that has to wait the kernel repeats its signal: its descriptor stays as it is until it is used.
-void Loop::call_background() {
+void Loop::call_background(const Entries& ready) {
   std::shared_ptr<Entry> first;
-  for (std::size_t i = 0; i < entries_.size(); ++i) {
-    const std::size_t at = (background_turn_ + i) % entries_.size();
-    const std::shared_ptr<Entry>& entry = entries_[at];
+  bool is_behind = false;  ///< `first` is behind the one that was called last
+  for (const auto& entry : ready) {
     if (!entry->background) continue;
-    const bool ready = std::exchange(entry->revents, short{0}) != 0 || *entry->unseen;
-    if (first != nullptr || !ready || entry->removed) continue;
-    first = entry;
-    background_turn_ = at + 1;
+    const bool is_next = std::less<>()(background_turn_, entry->socket);
+    if (entry->is_ready() && (first == nullptr || (is_next && !is_behind))) {
+      first = entry;
+      is_behind = is_next;
+    }
+    entry->revents = 0;
   }
-  if (first != nullptr) call(*first, POLLIN);
+  if (first == nullptr) return;
+  background_turn_ = first->socket;
+  call(*first);
 }
 
-void Loop::call(Entry& entry, short revents) {
+void Loop::call(Entry& entry) {
+  const short revents = std::exchange(entry.revents, short{0});
   if (entry.socket == nullptr) return entry.ready_events(revents);
-  entry.used = true;
+  if (entry.is_counted) entry.unseen->set(true);
   entry.ready();
 }
 

@@ -1,14 +1,18 @@
 // The one poll loop: sockets, descriptors, deadlines. Its time-out is the earliest deadline, never an arbitrary tick.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <map>
 #include <memory>
 #include <optional>
+#include <tuple>
+#include <unordered_map>
 #include <vector>
 
 #include "common/base/time.hpp"
 #include "common/transport/stall_watch.hpp"
+#include "common/transport/unseen.hpp"
 
 namespace trb {
 
@@ -28,9 +32,9 @@ class Loop {
   /// `ready` is called when there may be something to read; it takes at most a bounded batch and returns. A ZeroMQ
   /// descriptor signals a message only until the socket is used for anything: `unseen` is true while one may wait
   /// without a signal (see Socket::unseen). If `unseen` is not given, only `ready` may use the socket.
-  void add_socket(void* socket, Ready ready, bool* unseen = nullptr);
+  void add_socket(void* socket, Ready ready, std::shared_ptr<Unseen> unseen = nullptr);
   /// The same at low priority: of all these that are ready, one is called a turn, after everything else, round robin.
-  void add_background_socket(void* socket, Ready ready, bool* unseen);
+  void add_background_socket(void* socket, Ready ready, std::shared_ptr<Unseen> unseen);
   void remove_socket(void* socket);
   /// poll(2) events; a second call with the same descriptor replaces them.
   void add_fd(int fd, short events, ReadyEvents ready);
@@ -58,18 +62,27 @@ class Loop {
   [[nodiscard]] Duration waited(MonotonicTime now) const { return stalls_.waited(now); }
 
  private:
-  struct Entry {
-    void* socket = nullptr;
-    int fd = -1;
-    short events = 0;
+  struct Entry : std::enable_shared_from_this<Entry> {
+    Entry(void* its_socket, int its_fd, short its_events) : socket(its_socket), fd(its_fd), events(its_events) {}
+
+    void* const socket;  ///< nullptr: a descriptor
+    const int fd;
+    const short events;
     Ready ready;
     ReadyEvents ready_events;
-    bool* unseen = nullptr;  ///< the socket's own, or `used`
-    short revents = 0;       ///< of this turn
+    std::shared_ptr<Unseen> unseen;  ///< of a socket
+    bool is_counted = false;         ///< `unseen` is the loop's: it is set when `ready` is called
+    short revents = 0;               ///< of this turn
     bool removed = false;
     bool background = false;
-    bool used = true;  ///< `ready` was called since the socket was last found empty
+
+    /// Its place in a turn: sockets come before descriptors.
+    [[nodiscard]] std::tuple<bool, std::uintptr_t, int> place() const {
+      return {socket == nullptr, reinterpret_cast<std::uintptr_t>(socket), fd};
+    }
+    [[nodiscard]] bool is_ready() const { return !removed && (revents != 0 || (unseen != nullptr && *unseen)); }
   };
+  using Entries = std::vector<std::shared_ptr<Entry>>;
   struct Timer {
     std::function<std::optional<MonotonicTime>()> next;
     std::function<void(Now)> tick;
@@ -77,27 +90,28 @@ class Loop {
 
   void watch(Entry& entry);
   void unwatch(Entry& entry);
-  void rebuild();
   /// True if a socket has something to read that its descriptor does not signal.
-  bool look_at_entries();
   bool look_at_unseen();
   bool serve(std::chrono::milliseconds longest);
-  void wait(std::chrono::milliseconds longest);
-  void call_ready();
-  void call_background();
-  static void call(Entry& entry, short revents);
+  /// What is ready, in the order of the calls.
+  [[nodiscard]] Entries wait(std::chrono::milliseconds longest);
+  void add_unseen(Entries& ready) const;
+  void call_ready(const Entries& ready);
+  void call_background(const Entries& ready);
+  static void call(Entry& entry);
   void call_timers();
   [[nodiscard]] std::optional<MonotonicTime> next_timer() const;
   [[nodiscard]] static std::chrono::milliseconds time_out(std::optional<MonotonicTime> next, MonotonicTime now);
 
-  std::map<void*, std::shared_ptr<Entry>> sockets_;
+  std::unordered_map<void*, std::shared_ptr<Entry>> sockets_;
+  /// Those that may have a message that is not signalled; shared, as a socket may outlive the loop.
+  const std::shared_ptr<Unseen::List> unseen_ = std::make_shared<Unseen::List>();
   std::map<int, std::shared_ptr<Entry>> fds_;
   std::vector<Timer> timers_;
-  std::vector<std::shared_ptr<Entry>> entries_;
-  std::size_t background_turn_ = 0;  ///< index in entries_ of the one that comes first
+  Entries spare_;                    ///< the room of the last turn's list
+  void* background_turn_ = nullptr;  ///< the one that was called last
   StallWatch stalls_;
   int epoll_;
-  bool changed_ = true;
   bool stopped_ = false;
 };
 

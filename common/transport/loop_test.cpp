@@ -4,8 +4,12 @@
 #include <unistd.h>
 
 #include <doctest/doctest.h>
+#include <algorithm>
 #include <array>
+#include <memory>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include "common/transport/socket.hpp"
 
@@ -56,6 +60,12 @@ bool soon(Loop& loop, const F& condition) {
   return condition() && read_clocks().mono < end;
 }
 
+/// A message for the client waits that its descriptor does not signal.
+void swallow_signal(Bus& bus) {
+  CHECK(bus.server.send_to(bus.client_id, to_frame("message")) == SendResult::sent);
+  while (can_be_read(bus.client)) bus.client.send(to_frame("something else"));
+}
+
 /// One turn that does not wait.
 void turn_at_once(Loop& loop) {
   const auto due = std::make_shared<bool>(true);
@@ -94,6 +104,116 @@ TEST_CASE("a handler that takes one message a call gets them all") {
   }
   for (int i = 0; i < 10; ++i) bus.server.send_to(bus.client_id, to_frame("message"));
   CHECK(soon(loop, [&] { return heard == 10; }));
+}
+
+TEST_CASE("a message is heard whose signal another socket's handler has swallowed, whichever comes first in a turn") {
+  std::array<Bus, 2> busses;
+  Loop loop;
+  std::array<int, 2> heard{};
+  for (std::size_t i = 0; i < 2; ++i) {
+    loop.add_socket(
+        busses[i].client.handle(),
+        [&, i] {
+          for (; busses[i].takes_one(); ++heard[i]) {
+            if (heard[1 - i] == 0) swallow_signal(busses[1 - i]);
+          }
+        },
+        busses[i].client.unseen());
+  }
+  turn_at_once(loop);
+  std::size_t first = 0;
+  SUBCASE("one way") {}
+  SUBCASE("the other way") {
+    first = 1;
+  }
+  busses[first].server.send_to(busses[first].client_id, to_frame("message"));
+  CHECK(soon(loop, [&] { return heard[first] >= 1 && heard[1 - first] == 1; }));
+}
+
+TEST_CASE("a handler may close a socket that is ready too, and itself") {
+  std::array<std::unique_ptr<Bus>, 3> busses;
+  for (auto& bus : busses) bus = std::make_unique<Bus>();
+  Loop loop;
+  int calls = 0;
+  for (std::size_t i = 0; i < busses.size(); ++i) {
+    loop.add_socket(
+        busses[i]->client.handle(),
+        [&, i] {
+          ++calls;
+          // All but one, which is called next and closes itself, whichever was called first.
+          for (std::size_t j = 0; j < busses.size(); ++j) {
+            if (j == (i + 1) % busses.size() || busses[j] == nullptr) continue;
+            loop.remove_socket(busses[j]->client.handle());
+            busses[j].reset();
+          }
+        },
+        busses[i]->client.unseen());
+    busses[i]->server.send_to(busses[i]->client_id, to_frame("message"));
+  }
+  for (int i = 0; i < 3; ++i) turn_at_once(loop);
+  CHECK(calls == 2);
+  for (const auto& bus : busses) CHECK(bus == nullptr);
+}
+
+TEST_CASE("what a handler adds is served from the next turn on") {
+  Bus first;
+  Bus second;
+  Loop loop;
+  int heard = 0;
+  const auto hear = [&] { heard += second.takes_one() ? 1 : 0; };
+  second.server.send_to(second.client_id, to_frame("message"));
+  loop.add_socket(
+      first.client.handle(),
+      [&] {
+        if (first.takes_one()) loop.add_socket(second.client.handle(), hear, second.client.unseen());
+      },
+      first.client.unseen());
+  first.server.send_to(first.client_id, to_frame("message"));
+  loop.turn();
+  CHECK(heard == 0);
+  CHECK(soon(loop, [&] { return heard == 1; }));
+}
+
+TEST_CASE("of many sockets each hears its message once, and an idle one is not called") {
+  constexpr std::size_t kMany = 200;  // more than one wait reports
+  std::vector<std::unique_ptr<Bus>> busses;
+  std::vector<int> heard(kMany);
+  std::vector<int> calls(kMany);
+  Loop loop;
+  for (std::size_t i = 0; i < kMany; ++i) {
+    Bus& bus = *busses.emplace_back(std::make_unique<Bus>());
+    loop.add_socket(
+        bus.client.handle(),
+        [&, i] {
+          ++calls[i];
+          for (; busses[i]->takes_one(); ++heard[i]) {
+          }
+        },
+        bus.client.unseen());
+  }
+  for (int i = 0; i < 8; ++i) turn_at_once(loop);  // what connecting has left
+  calls.assign(kMany, 0);
+  for (std::size_t i = 0; i < kMany; i += 2) busses[i]->server.send_to(busses[i]->client_id, to_frame("message"));
+  const auto all_heard = [&] { return std::ranges::count(heard, 1) == kMany / 2; };
+  CHECK(soon(loop, all_heard));
+  for (std::size_t i = 1; i < kMany; i += 2) CHECK(calls[i] == 0);
+}
+
+TEST_CASE("a socket outlives its loop, and is served by the next one") {
+  Bus bus;
+  int heard = 0;
+  const auto drain = [&] {
+    while (bus.takes_one()) ++heard;
+  };
+  {
+    Loop loop;
+    loop.add_socket(bus.client.handle(), drain, bus.client.unseen());
+    turn_at_once(loop);
+  }
+  swallow_signal(bus);
+  Loop next;
+  next.add_socket(bus.client.handle(), drain, bus.client.unseen());
+  CHECK(soon(next, [&] { return heard == 1; }));
 }
 
 TEST_CASE("what may wait is called once a turn, each in its turn, and nothing of it is lost") {

@@ -217,7 +217,7 @@ Result<Socket> Socket::dialler(Context& context, const CurveKeys& keys, BytesVie
 }
 
 Status Socket::bind(const std::string& endpoint) {
-  *unseen_ = true;
+  unseen_->set(true);
   return or_error<Status>(bound(endpoint), [&] {
     socket_.bind(endpoint);
     return Done{};
@@ -225,13 +225,13 @@ Status Socket::bind(const std::string& endpoint) {
 }
 
 void Socket::unbind(const std::string& endpoint) {
-  *unseen_ = true;
+  unseen_->set(true);
   // Only the name that zmq itself resolved counts; an interface that disappeared may have taken it along.
   zmq_unbind(socket_.handle(), endpoint.c_str());
 }
 
 Status Socket::dial(const std::string& endpoint) {
-  *unseen_ = true;
+  unseen_->set(true);
   return or_error<Status>(endpoint, [&] {
     socket_.connect(endpoint);
     return Done{};
@@ -268,7 +268,7 @@ Result<Socket> Socket::lane_client(Context& context, const CurveKeys& keys, Byte
 }
 
 void Socket::let_listen(BytesView topic) {
-  *unseen_ = true;
+  unseen_->set(true);
   const Bytes name(topic);
   zmq_setsockopt(socket_.handle(), ZMQ_SUBSCRIBE, name.data(), name.size());
 }
@@ -284,7 +284,7 @@ Result<Socket> Socket::pair_client(Context& context, const std::string& endpoint
 bool Socket::receive(Frame& frame) {
   const bool received = zmq_msg_recv(frame.handle(), socket_.handle(), ZMQ_DONTWAIT) >= 0;
   // EAGAIN: there is none. After any other error a message may still wait.
-  *unseen_ = received || zmq_errno() != EAGAIN;
+  unseen_->set(received || zmq_errno() != EAGAIN);
   return received;
 }
 
@@ -297,7 +297,7 @@ std::uint64_t Socket::skip_rest(const Frame& last) {
 
 SendResult Socket::send(Frame&& frame, bool more) {
   const int flags = more ? ZMQ_DONTWAIT | ZMQ_SNDMORE : ZMQ_DONTWAIT;
-  *unseen_ = true;
+  unseen_->set(true);
   // A refused message is still in `frame`.
   if (zmq_msg_send(frame.handle(), socket_.handle(), flags) >= 0) return SendResult::sent;
   if (zmq_errno() == EHOSTUNREACH) return SendResult::unroutable;

@@ -11,6 +11,7 @@
 
 #include "common/base/bytes.hpp"
 #include "common/base/result.hpp"
+#include "common/transport/unseen.hpp"
 
 namespace trb {
 
@@ -117,7 +118,7 @@ class Socket {
   [[nodiscard]] void* handle() { return socket_.handle(); }
   /// True while a message may wait that the socket's descriptor does not signal; for Loop::add_socket. Any operation on
   /// a socket may reset the descriptor's signal; only a receive() that found nothing makes it reliable again.
-  [[nodiscard]] bool* unseen() { return unseen_.get(); }
+  [[nodiscard]] const std::shared_ptr<Unseen>& unseen() { return unseen_; }
   /// Reports its connections at an inproc endpoint. Errors: io_error (no descriptor is left).
   Status monitor(const std::string& endpoint, int events);
   [[nodiscard]] std::string last_endpoint() const { return socket_.get(zmq::sockopt::last_endpoint); }
@@ -125,7 +126,7 @@ class Socket {
  private:
   explicit Socket(zmq::socket_t socket) : socket_(std::move(socket)) {}
   zmq::socket_t socket_;
-  std::unique_ptr<bool> unseen_ = std::make_unique<bool>(true);
+  std::shared_ptr<Unseen> unseen_ = std::make_shared<Unseen>();
 };
 
 /// The 32-byte CURVE key of the connection that a frame came on, as ZAP's User-Id gives it (hexadecimal); empty
