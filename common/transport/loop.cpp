@@ -155,22 +155,20 @@ Loop::Entries Loop::wait(std::chrono::milliseconds longest) {
   stalls_.on_look(read_clocks().mono);
   // A handler may run a turn of its own: that one gets a new list.
   Entries ready = std::exchange(spare_, {});
+  ++turn_;
   for (int i = 0; i < count; ++i) {
     const epoll_event& event = events[static_cast<std::size_t>(i)];
     auto* entry = static_cast<Entry*>(event.data.ptr);
     entry->revents = static_cast<short>(event.events);
-    ready.push_back(entry->shared_from_this());
+    add(ready, *entry);
   }
-  add_unseen(ready);
+  for (void* socket : *unseen_) add(ready, *sockets_.at(socket));
   std::ranges::sort(ready, {}, [](const auto& entry) { return entry->place(); });
   return ready;
 }
 
-void Loop::add_unseen(Entries& ready) const {
-  for (void* socket : *unseen_) {
-    const auto& entry = sockets_.at(socket);
-    if (entry->revents == 0) ready.push_back(entry);
-  }
+void Loop::add(Entries& ready, Entry& entry) const {
+  if (std::exchange(entry.turn, turn_) != turn_) ready.push_back(entry.shared_from_this());
 }
 
 void Loop::call_ready(const Entries& ready) {

@@ -73,6 +73,7 @@ class Loop {
     std::shared_ptr<Unseen> unseen;  ///< of a socket
     bool is_counted = false;         ///< `unseen` is the loop's: it is set when `ready` is called
     short revents = 0;               ///< of this turn
+    std::uint64_t turn = 0;          ///< in whose list it was last
     bool removed = false;
     bool background = false;
 
@@ -95,7 +96,7 @@ class Loop {
   bool serve(std::chrono::milliseconds longest);
   /// What is ready, in the order of the calls.
   [[nodiscard]] Entries wait(std::chrono::milliseconds longest);
-  void add_unseen(Entries& ready) const;
+  void add(Entries& ready, Entry& entry) const;
   void call_ready(const Entries& ready);
   void call_background(const Entries& ready);
   static void call(Entry& entry);
@@ -108,6 +109,7 @@ class Loop {
   const std::shared_ptr<Unseen::List> unseen_ = std::make_shared<Unseen::List>();
   std::map<int, std::shared_ptr<Entry>> fds_;
   std::vector<Timer> timers_;
+  std::uint64_t turn_ = 0;           ///< counts them
   Entries spare_;                    ///< the room of the last turn's list
   void* background_turn_ = nullptr;  ///< the one that was called last
   StallWatch stalls_;

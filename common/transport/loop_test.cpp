@@ -130,6 +130,27 @@ TEST_CASE("a message is heard whose signal another socket's handler has swallowe
   CHECK(soon(loop, [&] { return heard[first] >= 1 && heard[1 - first] == 1; }));
 }
 
+TEST_CASE("a handler that turns the loop itself hears a socket that waits in the outer turn, its signal swallowed") {
+  std::array<Bus, 2> busses;
+  Loop loop;
+  std::array<int, 2> heard{};
+  bool is_within = false;
+  for (std::size_t i = 0; i < 2; ++i) {
+    loop.add_socket(
+        busses[i].client.handle(),
+        [&, i] {
+          while (busses[i].takes_one()) ++heard[i];
+          if (std::exchange(is_within, true)) return;
+          swallow_signal(busses[1 - i]);
+          CHECK(soon(loop, [&] { return heard[1 - i] == 2; }));
+        },
+        busses[i].client.unseen());
+  }
+  turn_at_once(loop);
+  for (auto& bus : busses) bus.server.send_to(bus.client_id, to_frame("message"));
+  CHECK(soon(loop, [&] { return heard[0] + heard[1] == 3; }));
+}
+
 TEST_CASE("a handler may close a socket that is ready too, and itself") {
   std::array<std::unique_ptr<Bus>, 3> busses;
   for (auto& bus : busses) bus = std::make_unique<Bus>();

@@ -313,7 +313,7 @@ bool Socket::has_room() {
   int events = 0;
   std::size_t size = sizeof events;
   zmq_getsockopt(socket_.handle(), ZMQ_EVENTS, &events, &size);
-  *unseen_ = (events & ZMQ_POLLIN) != 0;
+  unseen_->set((events & ZMQ_POLLIN) != 0);
   return (events & ZMQ_POLLOUT) != 0;
 }
 
