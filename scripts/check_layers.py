@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""Checks who includes whom, what must not stand in a core or in a test, and that the files which ARCHITECTURE.md names are
-there. Exit 0 if all is well.
+"""Checks who includes whom, what must not stand in a core or in a test, and that ARCHITECTURE.md has a line for each file and
+names none that is not there. Exit 0 if all is well.
 
     scripts/check_layers.py          checks the repository it stands in
     scripts/check_layers.py --list   prints the layers
 """
+import os
 import pathlib
 import re
 import sys
@@ -176,18 +177,30 @@ def is_test(path):
 
 
 def check_document(faults):
-    """Every file that ARCHITECTURE.md names under "Where would I change ...?" is below its row's folder, or the root."""
+    """Every file that ARCHITECTURE.md names under "Where would I change ...?" exists: before the colon by its whole path, after it
+    by that or as one of the same folder (or of the subject's). Every source but the test beside a file has such a line, or its
+    folder has one."""
     text = (REPO / "ARCHITECTURE.md").read_text()
-    rows = text.partition("## Where would I change")[2].partition("\n## ")[0].splitlines()
+    lines = text.partition("## Where would I change")[2].partition("\n## ")[0].splitlines()
     there = {name for path in REPO.rglob("*") if not IGNORED & set(path.relative_to(REPO).parts)
              for name in (path.relative_to(REPO).as_posix(), path.relative_to(REPO).with_suffix("").as_posix())}
-    folder = ""
-    for row in rows:
-        what, _, where = row.rstrip("| ").rpartition("|") if row.startswith("| ") else ("", "", "")
-        folder = (re.findall(r"\*\* `([\w/-]+/)`", what) or [folder])[0]
-        for name in re.findall(r"`([\w/.-]+)`", where):
-            if "NAME" not in name and not {(folder + name).rstrip("/"), name.rstrip("/")} & there:
-                faults.append(f"ARCHITECTURE.md: '{name}' names no file in {folder or 'the repository'}")
+    subject, named = "", set()
+    for line in lines:
+        subject = (re.findall(r"^\*\*.*\*\* `([\w/-]+/)`$", line) or [subject])[0]
+        files, _, text = line.partition(": ") if line.startswith("- ") else ("", "", "")
+        paths = re.findall(r"`([\w/.-]+)`", files)
+        named.update(paths)
+        folders = ["", subject, *(path.rpartition("/")[0] + "/" for path in paths)]
+        for name, below in [(path, [""]) for path in paths] + [(name, folders) for name in re.findall(r"`([\w/.-]+)`", text)]:
+            if "NAME" not in name and there.isdisjoint((folder + name).rstrip("/") for folder in below):
+                faults.append(f"ARCHITECTURE.md: '{name}' names no file")
+    patterns = [re.compile(re.escape(name).replace("NAME", "[^/]+") + ("" if name.endswith("/") else "$"))
+                for name in named if "NAME" in name or name.endswith("/")]
+    for name in sorted(there):
+        path, ending = os.path.splitext(name)
+        is_known = path in named or re.search(r"_test$|\.test$|\.d$|/main$|/io/start$", path) or any(p.match(path) for p in patterns)
+        if ending in (".hpp", ".cpp", ".ts", ".svelte", ".py") and (REPO / name).is_file() and not is_known:
+            faults.append(f"ARCHITECTURE.md: '{name}' has no line; say below its folder's subject what it contains")
 
 
 def main():
