@@ -198,7 +198,9 @@ def check_document(faults):
                 for name in named if "NAME" in name or name.endswith("/")]
     for name in sorted(there):
         path, ending = os.path.splitext(name)
-        is_known = path in named or re.search(r"_test$|\.test$|\.d$|/main$|/io/start$", path) or any(p.match(path) for p in patterns)
+        tried = re.sub(r"(_test|\.test)$", "", path).replace("/test/", "/")
+        is_known = (path in named or tried != path and {tried, tried + ".svelte"} & there or re.search(r"\.d$|/main$|/io/start$", path)
+                    or any(p.match(path) for p in patterns))
         if ending in (".hpp", ".cpp", ".ts", ".svelte", ".py") and (REPO / name).is_file() and not is_known:
             faults.append(f"ARCHITECTURE.md: '{name}' has no line; say below its folder's subject what it contains")
 
