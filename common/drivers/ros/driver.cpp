@@ -27,19 +27,21 @@ Error error_of(const BridgeEvent& event) {
   return {errc_of(event.code).value_or(Errc::robot_error), event.what, event.hint};
 }
 
-/// None if one of them was not measured (null): the others would stand in its place.
-std::vector<double> numbers_of(const std::string& json) {
+/// Was all of it measured (no null)?
+bool is_measured(const Value& value) {
+  return !value.is_null() && !(value.is_list() && std::ranges::any_of(value.list(), &Value::is_null));
+}
+
+std::vector<double> numbers_of(const Value& value) {
   std::vector<double> numbers;
-  const auto value = parse_json(json);
-  if (!value || (value->is_list() && std::ranges::any_of(value->list(), &Value::is_null))) return numbers;
   const auto take = [&](const Value& item) {
     if (item.is_number()) numbers.push_back(item.number());
     if (item.is_bool()) numbers.push_back(item.boolean() ? 1 : 0);
   };
-  if (value->is_list()) {
-    for (const Value& item : value->list()) take(item);
+  if (value.is_list()) {
+    for (const Value& item : value.list()) take(item);
   } else {
-    take(*value);
+    take(value);
   }
   return numbers;
 }
@@ -228,11 +230,21 @@ void RosDriver::on_value(const Pending& pending, const BridgeEvent& event, Now n
     lose_value(pending.subtype, event, now, out);
   } else {
     questions_.find(pending.subtype)->second.pause = {};
-    values_[pending.subtype] = RobotValue{numbers_of(event.data), event.data, now.mono};
+    keep_value(pending.subtype, event.data, now);
     out.emit(ValuesHeard{});
   }
   if (halting_ && now.mono - halting_->at >= kHaltHeard) {
     out.emit(Halted{std::exchange(halting_, std::nullopt)->token});
+  }
+}
+
+/// Without its nulls a list's other numbers would stand in their place, and "not measured" is not "over".
+void RosDriver::keep_value(const std::string& subtype, const std::string& data, Now now) {
+  const auto value = parse_json(data);
+  if (value && !is_measured(*value)) {
+    values_.erase(subtype);
+  } else {
+    values_[subtype] = RobotValue{value ? numbers_of(*value) : std::vector<double>{}, data, now.mono};
   }
 }
 

@@ -71,6 +71,7 @@ class RosDriver : public CommandsDriver<std::vector<RosMessage>> {
   void on_value(const Pending& pending, const BridgeEvent& event, Now now, const DriverOut& out);
   void on_done(std::uint64_t key, Pending& pending, Now now, const DriverOut& out);
   void on_failed(std::uint64_t key, const Pending& pending, const BridgeEvent& event, Now now, const DriverOut& out);
+  void keep_value(const std::string& subtype, const std::string& data, Now now);
   void lose_value(const std::string& subtype, const BridgeEvent& event, Now now, const DriverOut& out);
   void watch_all(const DriverOut& out);
   void watch_again(Now now, const DriverOut& out);

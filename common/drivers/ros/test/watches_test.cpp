@@ -119,6 +119,20 @@ TEST_CASE("a message that the bridge could not use makes its value unknown, whic
   CHECK(fixture.driver.value("error")->json == "\"well\"");
 }
 
+TEST_CASE("a value with a part that the robot has not measured is unknown, until it is measured again") {
+  DriverAlone fixture;
+  REQUIRE(fixture.watched() == 1);
+  for (const char* const unknown : {"null", "[null,1.0]"}) {
+    fixture.tell(BridgeResult::value, "2");
+    REQUIRE(fixture.driver.value("error"));
+    fixture.tell(BridgeResult::value, unknown);
+    CHECK_FALSE(fixture.driver.value("error"));
+  }
+  fixture.tell(BridgeResult::value, "[1.0,2.0]");
+  REQUIRE(fixture.driver.value("error"));
+  CHECK(fixture.driver.value("error")->numbers == std::vector{1.0, 2.0});
+}
+
 TEST_CASE("a stream's watch that the bridge gives up is ordered again as long as the stream lasts") {
   OnlineRos fixture;
   fixture.send(MessageType::request, "scan", R"({"stream_s": 3, "every_s": 0.5})");
