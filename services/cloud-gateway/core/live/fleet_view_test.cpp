@@ -265,6 +265,25 @@ TEST_CASE("readings: a sensor-bus that counts from 1 again is shown again as soo
   CHECK(hall.counted("dropped.late") == 3);
 }
 
+TEST_CASE("readings: a sensor-bus that counts from 1 again is shown at once if it has measured later") {
+  Hall hall;
+  hall.table({with_sensor("pioneer1")});
+  hall.watch("pioneer1", "dht22");
+  const auto measured = [](double number, std::uint64_t count, std::int64_t time) {
+    SensorReading out = reading(number, count);
+    out.time = time;
+    return out;
+  };
+  hall.say("pioneer1", measured(21, 3600, 5'000));
+  hall.say("pioneer1", measured(22, 1, 6'000));
+  const Row* row = hall.row(RowKind::reading, "pioneer1", "dht22");
+  CHECK(std::get<SensorReading>(row->content).number == 22);
+  hall.say("pioneer1", measured(23, 2, 7'000));
+  hall.say("pioneer1", measured(22, 1, 6'000));
+  CHECK(hall.counted("dropped.late") == 1);
+  CHECK(std::get<SensorReading>(row->content).number == 23);
+}
+
 TEST_CASE("readings: the count of a node that was away is forgotten, too") {
   Hall hall;
   hall.table({with_sensor("pioneer1")});

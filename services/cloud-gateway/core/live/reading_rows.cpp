@@ -9,7 +9,9 @@ void ReadingRows::take(const std::string& node, const SensorReading& reading, Li
   const RowKey key{RowKind::reading, node, reading.sensor};
   const auto at = seen_.find(key);
   const bool same_watch = at != seen_.end() && reading.watch != 0 && reading.watch == at->second.watch;
-  if (same_watch && reading.count < at->second.count) return out.count("dropped.late");
+  // One that was measured later is no late one: a sensor-bus that was started anew counts from 1 again.
+  const bool is_late = same_watch && reading.count < at->second.count && reading.time <= at->second.time;
+  if (is_late) return out.count("dropped.late");
   const Live shown = live == Live::live && reading.quality == "stale" ? Live::late : live;
   if (!book_.put(key, reading, shown, now)) return out.count("refused.node_budget");
   if (same_watch && reading.count == at->second.count) return;
@@ -17,6 +19,7 @@ void ReadingRows::take(const std::string& node, const SensorReading& reading, Li
   expect_next(key, seen, now);
   seen.watch = reading.watch;
   seen.count = reading.count;
+  seen.time = reading.time;
 }
 
 void ReadingRows::expect_next(const RowKey& key, Seen& seen, Now now) {

@@ -21,7 +21,7 @@ class ReadingRows {
   /// The sensor must be known from its node. `live`: the node's state.
   void take(const std::string& node, const SensorReading& reading, Live live, Now now, Outbox& out);
   /// A value older than three of its periods becomes late. Its count is forgotten: its node may have made the watch
-  /// anew, and counts from 1 again.
+  /// anew, and counts from 1 again, by a clock that was set back.
   void tick(Now now);
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const;
 
@@ -29,6 +29,7 @@ class ReadingRows {
   struct Seen {
     std::uint64_t watch = 0;
     std::uint64_t count = 0;
+    std::int64_t time = 0;  ///< of the measurement, by its node's clock: UTC, ns
     MonotonicTime at;
     MonotonicTime due;
   };
