@@ -3,11 +3,13 @@
 #include "common/base/files.hpp"
 #include "common/transport/socket.hpp"
 #include "services/router/io/frame_forwarder.hpp"
+#include "services/router/io/turn_budget.hpp"
 
 namespace trb::router {
 namespace {
 
-constexpr int kLossyCounts = 32;  ///< the cost of a lossy frame: a flood of them ends the turn after eight
+/// What a lossy frame costs of the turn: a flood of them ends it after eight.
+constexpr std::uint64_t kLossyCounts = 32;
 
 }  // namespace
 
@@ -55,24 +57,23 @@ void BusSockets::add_server(const std::string& key, Socket socket, const std::st
 void BusSockets::drain(Server& server) {
   Frame routing_id;
   Frame frame;
-  std::size_t bytes = 0;
-  std::size_t messages = 0;
-  for (int i = 0; i < kTurnMessages && bytes < kTurnBytes; ++i) {
+  TurnBudget turn(shell_);
+  while (turn.has_left()) {
     if (!server.socket.receive(routing_id)) {
       if (guard_ != nullptr) guard_->on_empty();
       return;
     }
+    turn.take_message();
     if (!routing_id.more() || !server.socket.receive(frame)) continue;
-    bytes += frame.size();
-    ++messages;
+    turn.take_bytes(frame.size());
     if (frame.more()) {
       add_bytes(0, frame, server.socket.skip_rest(frame));
       shell_.count("refused.malformed");
       continue;
     }
-    i += on_frame(server, view_of(routing_id), frame) - 1;
+    on_frame(server, view_of(routing_id), frame);
   }
-  if (guard_ != nullptr) guard_->on_turn(messages);
+  if (guard_ != nullptr) guard_->on_turn(turn.messages());
 }
 
 void BusSockets::look() {
@@ -88,32 +89,26 @@ void BusSockets::add_bytes(ConnectionId from, const Frame& frame, std::uint64_t 
   incomplete->add_on_wire(more);
 }
 
-/// Returns for how many frames it counts in this turn.
-int BusSockets::on_frame(Server& server, BytesView routing_id, Frame& frame) {
+void BusSockets::on_frame(Server& server, BytesView routing_id, Frame& frame) {
   const auto header = decode_frame(view_of(frame));
   const std::string name = whom_it_proves(server, frame);
   if (!header || name.empty()) {
     add_bytes(0, frame);
     shell_.count(header ? "refused.bus_key" : "refused." + std::string(errc_name(header.error().code)));
-    return 1;
+    return;
   }
   ConnectionId from = connection_of(server, routing_id, name);
   if (header->subtype == ServiceHello::kSubtype) {
     if (from == 0) from = add_connection(server, routing_id, name);
     if (guard_ != nullptr) connections_.at(from).incomplete = guard_->incomplete_of(frame);
     add_bytes(from, frame);
-    on_hello_frame(server, from, name, *header, frame);
-    return 1;
+    return on_hello_frame(server, from, name, *header, frame);
   }
   add_bytes(from, frame);
-  if (!shell_.core().bus().knows(from)) {
-    request_hello(server, routing_id);
-    return 1;
-  }
+  if (!shell_.core().bus().knows(from)) return request_hello(server, routing_id);
   sent_.count(header->subtype);
-  const bool lossy = is_lossy(*header);
+  if (is_lossy(*header)) shell_.spend(kLossyCounts - 1);
   forwarder_.from_bus(from, *header, frame);
-  return lossy ? kLossyCounts : 1;
 }
 
 std::string BusSockets::whom_it_proves(const Server& server, const Frame& frame) const {

@@ -52,7 +52,7 @@ class BusSockets {
   Status open_tcp();
   void add_server(const std::string& key, Socket socket, const std::string& name);
   void drain(Server& server);
-  int on_frame(Server& server, BytesView routing_id, Frame& frame);
+  void on_frame(Server& server, BytesView routing_id, Frame& frame);
   void add_bytes(ConnectionId from, const Frame& frame, std::uint64_t more = 0);
   [[nodiscard]] std::string whom_it_proves(const Server& server, const Frame& frame) const;         ///< empty: nobody
   ConnectionId connection_of(const Server& server, BytesView routing_id, const std::string& name);  ///< 0: none

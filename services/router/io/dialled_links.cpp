@@ -5,6 +5,7 @@
 #include "common/transport/socket.hpp"
 #include "services/router/io/event_to_end_reason.hpp"
 #include "services/router/io/frame_forwarder.hpp"
+#include "services/router/io/turn_budget.hpp"
 
 namespace trb::router {
 DialledLinks::DialledLinks(ShellContext& shell, FrameForwarder& forwarder, CurveKeys keys)
@@ -86,12 +87,13 @@ std::optional<SendResult> DialledLinks::send(LinkId link, Frame&& frame) {
 
 void DialledLinks::drain(LinkId link) {
   Frame frame;
-  std::size_t bytes = 0;
-  for (int i = 0; i < kTurnMessages && bytes < kTurnBytes; ++i) {
+  TurnBudget turn(shell_);
+  while (turn.has_left()) {
     Dialled* dialled = dialled_.find(link);
     if (dialled == nullptr) return;
     if (!dialled->socket->receive(frame)) return on_empty(link, *dialled);
-    bytes += frame.size();
+    turn.take_message();
+    turn.take_bytes(frame.size());
     dialled->incomplete.add(frame.size());
     if (frame.more()) {
       dialled->incomplete.add_on_wire(dialled->socket->skip_rest(frame));

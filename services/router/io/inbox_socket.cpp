@@ -8,6 +8,7 @@
 #include "services/router/io/frame_forwarder.hpp"
 #include "services/router/io/own_frame.hpp"
 #include "services/router/io/peer_sources.hpp"
+#include "services/router/io/turn_budget.hpp"
 
 namespace trb::router {
 namespace {
@@ -109,20 +110,19 @@ SendResult InboxSocket::send(LinkId link, Frame&& frame) {
 void InboxSocket::drain() {
   Frame routing_id;
   Frame frame;
-  std::size_t bytes = 0;
-  std::size_t messages = 0;
-  for (int i = 0; i < kTurnMessages && bytes < kTurnBytes; ++i) {
+  TurnBudget turn(shell_);
+  while (turn.has_left()) {
     if (!socket_->receive(routing_id)) return guard_.on_empty();
+    turn.take_message();
     if (!routing_id.more() || !socket_->receive(frame)) continue;
-    bytes += frame.size();
-    ++messages;
+    turn.take_bytes(frame.size());
     if (frame.more()) {
       on_parts(view_of(routing_id), frame);
     } else {
       on_frame(view_of(routing_id), frame);
     }
   }
-  guard_.on_turn(messages);
+  guard_.on_turn(turn.messages());
 }
 
 void InboxSocket::on_parts(BytesView routing_id, const Frame& first) {

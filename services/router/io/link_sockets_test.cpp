@@ -1,5 +1,7 @@
 // Inbox, dialled links and lane over loopback: a connection that comes up, and descriptors that run out.
+#include <algorithm>
 #include <deque>
+#include <utility>
 
 #include "common/transport/test/no_descriptors.hpp"
 #include "common/transport/zap.hpp"
@@ -24,6 +26,26 @@ struct Open : ShellParts {
     FAIL("no port is free");
     return "";
   }
+  /// Each message of link 7 costs as much as a check of its signature; returns how many of these `count` messages most
+  /// took in one turn. They are sent by `send`, and are no frames.
+  std::size_t most_in_a_turn(std::size_t count, const std::function<bool()>& send) {
+    std::size_t ordered_now = 0;
+    on_order = [&] {
+      ++ordered_now;
+      shell.spend(32);
+    };
+    std::size_t sent_all = 0;
+    std::size_t all = 0;
+    std::size_t most = 0;
+    REQUIRE(turn_until([&] {
+      all += ordered_now;
+      most = std::max(most, std::exchange(ordered_now, 0));
+      while (sent_all < count && send()) ++sent_all;
+      return all == count;
+    }));
+    on_order = nullptr;
+    return most;
+  }
   Dial dial(LinkId link) { return {link, endpoint, options.link_keys.public_key}; }
 };
 
@@ -34,6 +56,29 @@ TEST_CASE("a frame by a dialled link that is no link's yet arrives at the inbox 
   REQUIRE(parts.dialled.dial(parts.dial(7), ""));
   REQUIRE(parts.turn_until([&] { return parts.dialled.send(7, to_frame("rubbish")) == SendResult::sent; }));
   CHECK(parts.turn_until([&] { return parts.counted("refused.version_mismatch") == 1; }));
+}
+
+TEST_CASE("given messages that cost much, then a turn of the inbox and of a dialled link ends after eight of them") {
+  Open parts;
+  REQUIRE(parts.dialled.dial(parts.dial(7), ""));
+  bool is_accepted = false;
+  parts.on_order = [&] {
+    if (is_accepted || parts.all<RefuseCandidate>().empty()) return;
+    parts.inbox.accept(9);
+    is_accepted = true;
+  };
+  Message message;
+  message.type = MessageType::information;
+  message.id = 1;
+  message.remaining_ms = 1000;
+  message.subtype = "note";
+  message.source = "bee";
+  message.target = "ant";
+  REQUIRE(parts.turn_until([&] { return parts.dialled.send(7, to_frame(encode_frame(message))) == SendResult::sent; }));
+  REQUIRE(parts.turn_until([&] { return is_accepted; }));
+  // Nothing is lost: all of them arrive.
+  CHECK(parts.most_in_a_turn(200, [&] { return parts.dialled.send(7, to_frame("rubbish")) == SendResult::sent; }) <= 8);
+  CHECK(parts.most_in_a_turn(200, [&] { return parts.inbox.send(9, to_frame("rubbish")) == SendResult::sent; }) <= 8);
 }
 
 TEST_CASE("what leaves by a link that is not there is unroutable, and the core is told once") {

@@ -3,6 +3,13 @@
 #include <poll.h>
 
 namespace trb::router {
+namespace {
+
+/// What a check in the loop costs of the turn: some 45 us, a plain message 1.3. A member that seals each message by
+/// itself ends its turn after eight.
+constexpr std::uint64_t kCheckCounts = 32;
+
+}  // namespace
 
 void SealVerifier::watch() {
   shell_.loop().add_fd(checker_.fd(), POLLIN, [this](short) { take_checked(); });
@@ -11,6 +18,7 @@ void SealVerifier::watch() {
 void SealVerifier::check(CheckSeal&& seal) {
   // A frame that waits for its seal must not wait for another thread too.
   if (!shell_.core().seals().holds(seal.link) && checker_.put(std::move(seal))) return;
+  shell_.spend(kCheckCounts);
   // NOLINTNEXTLINE(bugprone-use-after-move): a checker that is full has taken nothing
   on_checked(seal, verify_seal(seal.record, *seal.signer));
 }

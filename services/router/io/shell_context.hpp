@@ -1,6 +1,7 @@
 // What every part of the shell works with.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
@@ -29,6 +30,10 @@ class ShellContext {
   static constexpr std::size_t kDestinationBytes = 8U << 20U;
 
   void carry_out(Effects& effects) const { carry_out_(effects); }
+  /// What is being handled costs as much of its turn (TurnBudget) as so many plain messages.
+  void spend(std::uint64_t messages) { spent_ += messages; }
+  /// In all turns up to now.
+  [[nodiscard]] std::uint64_t spent() const { return spent_; }
   void count(std::string_view name) const { core_.counters().count(name); }
   /// For events that a stranger can cause: at most 20 lines of each event in 10 s.
   void log(Level level, std::string_view event, std::string_view text);
@@ -39,6 +44,7 @@ class ShellContext {
   Loop loop_;
   std::shared_ptr<ByteBudget> whole_;
   std::function<void(Effects&)> carry_out_;
+  std::uint64_t spent_ = 0;
   RateLimit limit_{20, std::chrono::seconds(10)};
 };
 

@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <filesystem>
+#include <functional>
 
 #include "common/base/test/temporary_folder.hpp"
 #include "services/router/io/frame_forwarder.hpp"
@@ -31,14 +32,19 @@ class NodeFolder {
 };
 
 struct ShellParts {
+  explicit ShellParts(bool seal_before_delivery = false) : before_delivery(seal_before_delivery) {}
+
+  bool before_delivery;
   NodeFolder folder;
   Parts ant;
   ShellOptions options = make_options();
-  RouterCore core{ant.config()};
+  RouterCore core{make_config()};
+  std::function<void()> on_order;  ///< is called whenever something is ordered
   Effects ordered;
   ShellContext shell{core, [this](Effects& effects) {
                        std::move(effects.list.begin(), effects.list.end(), std::back_inserter(ordered.list));
                        for (const std::string& name : effects.counts) core.counters().count(name);
+                       if (on_order) on_order();
                      }};
   Tap tap{shell};
   SentCounter sent{core.counters()};
@@ -53,6 +59,11 @@ struct ShellParts {
   BeaconChannel beacons{shell, {}, 0};
   TrustFiles files{shell, beacons, ant.ant.link};
 
+  RouterConfig make_config() const {
+    RouterConfig made = ant.config();
+    made.seal_before_delivery = before_delivery;
+    return made;
+  }
   ShellOptions make_options() const {
     ShellOptions made;
     made.link_keys = {ant.ant.link.public_key, ant.ant.link.secret_key};
