@@ -199,7 +199,6 @@ void RobotIo::close(RobotConnection& connection) {
   connection.fd.reset();
   connection.state = State::down;
   connection.output.clear();
-  connection.written = 0;
   connection.has_written = false;
   connection.held_until.reset();
   connection.due.reset();
@@ -225,23 +224,21 @@ void RobotIo::write(RobotConnection& connection, BytesView bytes) {
     if (const Status put = udp_write(connection.fd.get(), bytes); !put) notice_loss(connection, put.error().what);
     return;
   }
-  if (connection.output.size() - connection.written > kMaxWaiting)
-    return notice_loss(connection, "the robot does not read");
+  if (connection.output.size() > kMaxWaiting) return notice_loss(connection, "the robot does not read");
   // The first bytes of a turn are sent at once, the others together at its end: a system call per message would cost
   // more than all the rest of its way.
-  if (!std::exchange(connection.has_written, true) && connection.written == connection.output.size()) {
+  if (!std::exchange(connection.has_written, true) && connection.output.empty()) {
     const auto put = tcp_write(connection.fd.get(), bytes);
     if (!put) return notice_loss(connection, put.error().what);
     bytes.remove_prefix(put->bytes);
   }
-  connection.output += bytes;
+  connection.output.add(bytes);
 }
 
 /// Ends the turn's collecting. False if the connection is lost.
 bool RobotIo::push(RobotConnection& connection) {
   connection.has_written = false;
-  if (connection.state != State::up || connection.wants_write || connection.written == connection.output.size())
-    return true;
+  if (connection.state != State::up || connection.wants_write || connection.output.empty()) return true;
   if (!flush(connection)) return false;
   if (!connection.output.empty()) {
     connection.wants_write = true;
@@ -251,15 +248,13 @@ bool RobotIo::push(RobotConnection& connection) {
 }
 
 bool RobotIo::flush(RobotConnection& connection) {
-  const auto put = tcp_write(connection.fd.get(), BytesView(connection.output).substr(connection.written));
+  const auto put = tcp_write(connection.fd.get(), connection.output.rest());
   if (!put) {
     notice_loss(connection, put.error().what);
     return false;
   }
-  connection.written += put->bytes;
-  if (connection.written < connection.output.size()) return true;
-  connection.output.clear();
-  connection.written = 0;
+  connection.output.written(put->bytes);
+  if (!connection.output.empty()) return true;
   if (std::exchange(connection.wants_write, false)) watch(connection);
   return true;
 }

@@ -11,6 +11,7 @@
 #include "common/service/service.hpp"
 #include "services/mode-adapter/core/adapter_core.hpp"
 #include "services/mode-adapter/io/tcp.hpp"
+#include "services/mode-adapter/io/waiting_bytes.hpp"
 
 namespace trb::adapter {
 
@@ -46,8 +47,7 @@ class RobotIo {
     bool datagrams = false;
     Descriptor fd;
     State state = State::down;
-    Bytes output;
-    std::size_t written = 0;  ///< bytes of output that were written
+    WaitingBytes output;
     bool wants_write = false;
     bool has_written = false;                 ///< in this turn of the loop: further output is sent at its end
     std::optional<MonotonicTime> held_until;  ///< set: it is not read, for its messages have no room on the bus
