@@ -38,6 +38,7 @@ class IncompleteBytes {
     if (!suspected_ && read > received_ + most_) suspected_ = read;
     return suspected_.has_value();
   }
+  [[nodiscard]] bool is_suspected() const { return suspected_.has_value(); }
   /// The loop has received everything that was complete at the last look. True: too much is not.
   bool on_empty() {
     const auto read = std::exchange(suspected_, std::nullopt);

@@ -76,8 +76,8 @@ void BusSockets::drain(Server& server) {
   if (guard_ != nullptr) guard_->on_turn(turn.messages());
 }
 
-void BusSockets::look() {
-  if (guard_ != nullptr && guard_->look()) drain(*servers_.at("tcp"));
+void BusSockets::look(const LookPart& part) {
+  if (guard_ != nullptr && guard_->look(part)) drain(*servers_.at("tcp"));
 }
 
 /// Of a bus over TCP, whatever becomes of the frame. `from` 0: a connection that is not known by its routing id.

@@ -31,7 +31,9 @@ class BusSockets {
   /// The same for a peer's frame: `full` also if that peer has its share of what waits for this connection.
   SendResult send_of(std::string_view peer, ConnectionId to, Frame&& frame);
   /// Now and then, of a bus over TCP: ends connections on which messages without a last part pile up.
-  void look();
+  void look(const LookPart& part);
+  /// Over TCP.
+  [[nodiscard]] std::size_t connections() const { return guard_ == nullptr ? 0 : guard_->connections(); }
 
  private:
   struct Server {

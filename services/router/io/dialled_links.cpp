@@ -104,8 +104,8 @@ void DialledLinks::drain(LinkId link) {
   }
 }
 
-void DialledLinks::look() {
-  for (const LinkId link : dialled_.look()) drain(link);
+void DialledLinks::look(const LookPart& part) {
+  for (const LinkId link : dialled_.look(part)) drain(link);
 }
 
 void DialledLinks::on_empty(LinkId link, Dialled& dialled) {

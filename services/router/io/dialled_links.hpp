@@ -21,8 +21,9 @@ class DialledLinks {
   /// descriptor was left to begin with; this was counted and logged.
   bool dial(const Dial& dial, const std::string& scope);
   void close(LinkId link);
-  /// Now and then: ends links on which messages without a last part pile up.
-  void look();
+  /// Now and then, at a part of the links: ends those on which messages without a last part pile up.
+  void look(const LookPart& part);
+  [[nodiscard]] std::size_t connections() const { return dialled_.size(); }
   /// Between turns.
   void free_closed() { dialled_.free_closed(); }
 

@@ -9,6 +9,7 @@
 #include "common/transport/incomplete_bytes.hpp"
 #include "common/transport/monitor.hpp"
 #include "common/transport/source_filter.hpp"
+#include "services/router/io/look_round.hpp"
 #include "services/router/io/shell_context.hpp"
 
 namespace trb::router {
@@ -53,13 +54,15 @@ class DialledSockets {
     row->fd = fd;
     row->end = *end;
   }
-  /// Those that may send messages without a last part: to be read until they are empty, for ends_incomplete().
-  [[nodiscard]] std::vector<LinkId> look() {
+  [[nodiscard]] std::size_t size() const { return rows_.size(); }
+  /// Those of this part that may send messages without a last part: to be read until they are empty, for
+  /// ends_incomplete().
+  [[nodiscard]] std::vector<LinkId> look(const LookPart& part) {
     std::vector<LinkId> suspected;
-    for (auto& [link, row] : rows_) {
+    cursor_.visit(rows_, part, [&](LinkId link, Row& row) {
       const auto read = row.fd < 0 ? std::nullopt : bytes_read(row.fd);
       if (read && row.incomplete.look(*read)) suspected.push_back(link);
-    }
+    });
     // Another connection may have had the descriptor by then: this one's end is reported first.
     for (const LinkId link : suspected) {
       if (Row* row = find(link)) row->monitor->catch_up();
@@ -85,6 +88,7 @@ class DialledSockets {
  private:
   ShellContext& shell_;
   std::map<LinkId, Row> rows_;
+  LookCursor cursor_;
   std::vector<Row> closed_;
 };
 

@@ -51,7 +51,7 @@ void InboxGuard::reset() {
   }
   by_fd_.clear();
   connections_.clear();
-  enough_ = 0;
+  suspects_.clear();
   filter_ = SourceFilter();
   set_filter();
 }
@@ -84,42 +84,53 @@ void InboxGuard::leave(PendingConnectionId pending) {
   pending_connections_.leave(pending, read_clocks().mono);
 }
 
-bool InboxGuard::look(std::uint64_t own_words) {
+bool InboxGuard::look(std::uint64_t own_words, const LookPart& part) {
   const MonotonicTime now = read_clocks().mono;
   std::vector<PendingConnectionId> unproven;
-  const bool calm = enough_ == 0;
-  for (auto& [id, connection] : connections_) {
-    if (connection.leaving || (connection.incomplete != nullptr && !calm)) continue;
+  cursor_.visit(connections_, part, [&](PendingConnectionId id, const Connection& connection) {
+    const auto& incomplete = connection.incomplete;
+    if (connection.leaving || (incomplete != nullptr && incomplete->is_suspected())) return;
     const auto read = bytes_read(connection.fd);
-    if (!read) continue;
+    if (!read) return;
     const double words_in_all = static_cast<double>(own_words) * to_seconds(now - connection.accepted);
     const std::uint64_t words = std::min(*read, static_cast<std::uint64_t>(words_in_all));
-    if (connection.incomplete == nullptr) {
+    if (incomplete == nullptr) {
       if (*read - words > kMostUnproven) unproven.push_back(id);
-    } else if (connection.incomplete->look(*read - words)) {
-      // libzmq takes a message of each connection in turn, and each has so many complete ones at most. Twice that, as
-      // connections may come meanwhile.
-      enough_ = 2 * (connections_.size() + 1) * kLinkReceiveHighWaterMark;
+    } else if (incomplete->look(*read - words)) {
+      suspect(id);
     }
-  }
+  });
   cut_incomplete(unproven);
-  return enough_ != 0;
+  return !suspects_.empty();
+}
+
+/// libzmq takes a message of each connection in turn, and each has so many complete ones at most. Twice that, as
+/// connections may come meanwhile.
+void InboxGuard::suspect(PendingConnectionId id) {
+  suspects_.push_back({id, received_ + 2 * (connections_.size() + 1) * kLinkReceiveHighWaterMark});
 }
 
 void InboxGuard::on_empty() {
-  if (std::exchange(enough_, 0) == 0) return;
-  std::vector<PendingConnectionId> over;
-  for (auto& [id, connection] : connections_) {
-    if (connection.incomplete != nullptr && connection.incomplete->on_empty() && !connection.leaving)
-      over.push_back(id);
-  }
-  cut_incomplete(over);
+  if (!suspects_.empty()) conclude(suspects_.size());
 }
 
 void InboxGuard::on_turn(std::size_t messages) {
-  if (enough_ == 0) return;
-  if (messages >= enough_) return on_empty();
-  enough_ -= messages;
+  received_ += messages;
+  const auto waits = std::ranges::find_if(suspects_, [&](const Suspect& one) { return one.enough > received_; });
+  conclude(static_cast<std::size_t>(waits - suspects_.begin()));
+}
+
+/// What was complete at the looks at the first of the suspects has been received.
+void InboxGuard::conclude(std::size_t first) {
+  std::vector<PendingConnectionId> over;
+  for (; first > 0; --first) {
+    const PendingConnectionId id = suspects_.front().id;
+    suspects_.pop_front();
+    const auto at = connections_.find(id);
+    if (at == connections_.end() || !at->second.incomplete->on_empty() || at->second.leaving) continue;
+    over.push_back(id);
+  }
+  cut_incomplete(over);
 }
 
 void InboxGuard::cut_incomplete(const std::vector<PendingConnectionId>& all) {

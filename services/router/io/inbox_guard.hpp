@@ -1,6 +1,7 @@
 // Applies core/pending_connections.hpp and incomplete_bytes.hpp to the descriptors of the inbox's connections.
 #pragma once
 
+#include <deque>
 #include <functional>
 #include <map>
 #include <memory>
@@ -12,6 +13,7 @@
 #include "common/transport/monitor.hpp"
 #include "common/transport/source_filter.hpp"
 #include "services/router/core/pending_connections.hpp"
+#include "services/router/io/look_round.hpp"
 
 namespace trb::router {
 
@@ -45,9 +47,11 @@ class InboxGuard {
   /// Gets each connection that is cut because it sent too much that is not complete.
   using OnIncomplete = std::function<void(PendingConnectionId pending, const std::string& address)>;
   void set_on_incomplete(OnIncomplete on_incomplete) { on_incomplete_ = std::move(on_incomplete); }
-  /// Looks at all connections, now and then; libzmq's own words between two programs may take `own_words` bytes of each
-  /// in a second. True: the socket must be read until it is empty, for on_empty().
-  bool look(std::uint64_t own_words = 0);
+  /// Looks at this part of the connections, now and then; libzmq's own words between two programs may take `own_words`
+  /// bytes of each in a second. True: the socket must be read until it is empty, for on_empty().
+  bool look(std::uint64_t own_words = 0, const LookPart& part = {});
+  /// How many there are.
+  [[nodiscard]] std::size_t connections() const { return connections_.size(); }
   /// The socket had no message left.
   void on_empty();
   /// So many messages were received from the socket in one turn, and it may have more.
@@ -61,8 +65,14 @@ class InboxGuard {
     std::shared_ptr<IncompleteBytes> incomplete;  ///< of one that carries messages
     bool leaving = false;
   };
+  struct Suspect {
+    PendingConnectionId id = 0;
+    std::uint64_t enough = 0;  ///< when so many messages were received, every queue of its look was empty once
+  };
   void on_accepted(int fd);
   void carry_out();
+  void suspect(PendingConnectionId id);
+  void conclude(std::size_t first);
   void cut_incomplete(const std::vector<PendingConnectionId>& all);
   void set_filter();
 
@@ -75,7 +85,9 @@ class InboxGuard {
   SourceFilter filter_;
   std::map<int, PendingConnectionId> by_fd_;
   std::map<PendingConnectionId, Connection> connections_;
-  std::size_t enough_ = 0;  ///< messages to be received until every queue of the last look was empty; 0: none suspected
+  LookCursor cursor_;
+  std::deque<Suspect> suspects_;  ///< in the order of the looks
+  std::uint64_t received_ = 0;    ///< messages, in turns that did not empty the socket
 };
 
 /// Raises the limit of descriptors as far as the system allows, and returns it.

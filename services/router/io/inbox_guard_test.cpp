@@ -7,6 +7,8 @@
 #include <netinet/in.h>
 #include <sys/socket.h>
 
+#include <deque>
+
 #include "common/base/descriptor.hpp"
 #include "common/transport/socket.hpp"
 
@@ -157,6 +159,41 @@ TEST_CASE("given a socket that is never empty, then parts without end are found 
   CHECK(door.cut.empty());
   door.guard.on_turn(kTurnMessages);
   CHECK(door.cut.size() == 1);
+}
+
+TEST_CASE("given connections that are looked at in parts, then each part cuts its own alone") {
+  Door door;
+  std::deque<Client> clients;
+  for (std::size_t i = 1; i <= 3; ++i) {
+    door.fd = -1;
+    Client& client = clients.emplace_back(door.port());
+    client.send(kMostUnproven, true);
+    door.let_read(client);
+  }
+  for (std::size_t part = 0; part < 3; ++part) {
+    door.guard.look(0, {part, 3});
+    CHECK(door.cut.size() == part + 1);
+  }
+}
+
+TEST_CASE("given a connection that is suspected, then others are looked at all the same, each for its own messages") {
+  Door door;
+  std::deque<Client> clients;
+  for (int i = 0; i < 2; ++i) {
+    door.fd = -1;
+    Client& client = clients.emplace_back(door.port());
+    for (int piece = 0; piece < 5; ++piece) client.send(kMebibyte, true);
+    door.let_read(client);
+    (void)door.guard.carries(door.guard.pending(door.fd));
+  }
+  REQUIRE(door.guard.look(0, {0, 2}));
+  for (int turn = 0; turn < 5; ++turn) door.guard.on_turn(kTurnMessages);
+  REQUIRE(door.guard.look(0, {1, 2}));
+  CHECK(door.cut.empty());
+  door.guard.on_turn(kTurnMessages);
+  CHECK(door.cut.size() == 1);
+  for (int turn = 0; turn < 6; ++turn) door.guard.on_turn(kTurnMessages);
+  CHECK(door.cut.size() == 2);
 }
 
 TEST_CASE("given parts that come to an end, then they count as received") {

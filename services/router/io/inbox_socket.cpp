@@ -140,10 +140,10 @@ InboxSocket::Accepted* InboxSocket::sender(BytesView routing_id, const Frame& fr
   return at == accepted_.end() ? nullptr : &at->second;
 }
 
-void InboxSocket::look() {
+void InboxSocket::look(const LookPart& part) {
   if (!socket_) return;
   monitor_->catch_up();
-  if (guard_.look()) drain();
+  if (guard_.look(0, part)) drain();
 }
 
 void InboxSocket::on_incomplete(PendingConnectionId pending, const std::string& address) {

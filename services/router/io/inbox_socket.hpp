@@ -38,8 +38,9 @@ class InboxSocket {
   void refuse(const RefuseCandidate& refuse);
   /// The link has ended: cuts its connection after a delay, so that the last message can be read.
   void close_link(LinkId link);
-  /// Now and then: ends connections on which messages without a last part pile up.
-  void look();
+  /// Now and then, at a part of the connections: ends those on which messages without a last part pile up.
+  void look(const LookPart& part);
+  [[nodiscard]] std::size_t connections() const { return guard_.connections(); }
 
   /// Nothing if no such link was accepted here.
   [[nodiscard]] std::optional<bool> has_room(LinkId link, std::size_t bytes) const;

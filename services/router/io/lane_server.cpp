@@ -110,10 +110,10 @@ void LaneServer::link_closed(LinkId link) {
   listeners_.erase(at);
 }
 
-void LaneServer::look() {
+void LaneServer::look(const LookPart& part) {
   if (!socket_) return;
   monitor_->catch_up();
-  inbox_guard_.look();
+  inbox_guard_.look(0, part);
 }
 
 void LaneServer::on_incomplete(PendingConnectionId pending, const std::string& address) {

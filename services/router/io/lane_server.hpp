@@ -41,8 +41,9 @@ class LaneServer {
   SendResult publish(LinkId link, BytesView topic, Frame&& frame);
   /// The link is closed: its peer's lane connection is cut.
   void link_closed(LinkId link);
-  /// Now and then: cuts connections that send much where only a subscription is expected.
-  void look();
+  /// Now and then, at a part of the connections: cuts those that send much where only a subscription is expected.
+  void look(const LookPart& part);
+  [[nodiscard]] std::size_t connections() const { return inbox_guard_.connections(); }
 
  private:
   struct Listener {

@@ -73,9 +73,9 @@ void LaneSockets::ended(LinkId link, LinkEndReason how) {
   shell_.carry_out(effects);
 }
 
-void LaneSockets::look() {
-  own_.look();
-  for (const LinkId link : dialled_.look()) drain(link);
+void LaneSockets::look(const LookPart& part) {
+  own_.look(part);
+  for (const LinkId link : dialled_.look(part)) drain(link);
 }
 
 void LaneSockets::on_empty(LinkId link, DialledSocket& dialled) {

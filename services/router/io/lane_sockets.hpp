@@ -1,6 +1,7 @@
 // Lossy information: sent by the own lane, received from the peers' lanes, a SUB for each.
 #pragma once
 
+#include <algorithm>
 #include <string>
 
 #include "services/router/io/dialled_sockets.hpp"
@@ -24,8 +25,10 @@ class LaneSockets {
   void dial(const DialLane& dial, const std::string& scope);
   /// The link is over: ends its lanes in both directions.
   void close_link(LinkId link);
-  /// Now and then: ends lanes on which messages without a last part pile up.
-  void look();
+  /// Now and then, at a part of the lanes: ends those on which messages without a last part pile up.
+  void look(const LookPart& part);
+  /// Of its own lane or of the others', of which there are more.
+  [[nodiscard]] std::size_t connections() const { return std::max(own_.connections(), dialled_.size()); }
   /// Between turns.
   void free_closed() { dialled_.free_closed(); }
 

@@ -1,5 +1,6 @@
 #include "services/router/io/router_shell.hpp"
 
+#include <algorithm>
 #include <csignal>
 #include <filesystem>
 
@@ -13,9 +14,6 @@ namespace trb::router {
 namespace {
 
 constexpr int kStartAgain = 75;  ///< the supervisor starts the router again at once
-/// Between two looks at what connections send without completing it: in this time an attacker fills what its network,
-/// or the thread that decrypts, carries.
-constexpr Duration kLook = std::chrono::milliseconds(250);
 
 }  // namespace
 
@@ -103,7 +101,7 @@ int RouterShell::run() {
                    core_.tick(now, due);
                    carry_out(due);
                  });
-  loop.add_timer([this] { return std::optional(next_look_); }, [this](Now now) { look(now); });
+  loop.add_timer([this] { return std::optional(round_.next()); }, [this](Now now) { look(now); });
   while (loop.turn()) {
     dialled_.free_closed();
     lanes_.free_closed();
@@ -150,11 +148,12 @@ void RouterShell::carry_out(CloseLink& close) {
 }
 
 void RouterShell::look(Now now) {
-  next_look_ = now.mono + kLook;
-  inbox_.look();
-  dialled_.look();
-  lanes_.look();
-  bus_.look();
+  const LookPart part = round_.step(
+      now.mono, std::max({inbox_.connections(), dialled_.connections(), lanes_.connections(), bus_.connections()}));
+  inbox_.look(part);
+  dialled_.look(part);
+  lanes_.look(part);
+  bus_.look(part);
   memory_.look(now.mono, core_.counters().value("cut.incomplete"));
 }
 

@@ -7,6 +7,7 @@
 #include "services/router/core/router_core.hpp"
 #include "services/router/io/frame_forwarder.hpp"
 #include "services/router/io/local_address.hpp"
+#include "services/router/io/look_round.hpp"
 #include "services/router/io/memory_return.hpp"
 #include "services/router/io/metrics_port.hpp"
 #include "services/router/io/seal_verifier.hpp"
@@ -47,7 +48,7 @@ class RouterShell {
   void carry_out(StoreUtc& store) { files_.store(store); }
   void carry_out(Log& line) { shell_.log(static_cast<Level>(line.level), line.event, line.text); }
   void report_unsent();
-  /// At what connections send without completing it.
+  /// At what some of the connections send without completing it.
   void look(Now now);
   [[nodiscard]] std::string metrics();
 
@@ -72,7 +73,7 @@ class RouterShell {
   std::optional<MetricsAddress> metrics_at_;
   MetricsPort metrics_;
   MemoryReturn memory_;
-  MonotonicTime next_look_{};
+  LookRound round_;
 };
 
 }  // namespace trb::router

@@ -89,9 +89,9 @@ std::shared_ptr<IncompleteBytes> TcpBusGuard::incomplete_of(const Frame& frame) 
   return guard_.carries(pending_of(frame));
 }
 
-bool TcpBusGuard::look() {
+bool TcpBusGuard::look(const LookPart& part) {
   for (const auto& monitor : monitors_) monitor->catch_up();
-  return guard_.look(kHeartbeats);
+  return guard_.look(kHeartbeats, part);
 }
 
 void TcpBusGuard::on_event(LinkEvent event, int fd) {

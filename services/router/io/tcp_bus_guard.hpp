@@ -31,7 +31,8 @@ class TcpBusGuard {
 
   /// See InboxGuard: what was received of the frame's connection; messages without a last part.
   std::shared_ptr<IncompleteBytes> incomplete_of(const Frame& frame);
-  bool look();
+  bool look(const LookPart& part);
+  [[nodiscard]] std::size_t connections() const { return guard_.connections(); }
   void on_empty() { guard_.on_empty(); }
   void on_turn(std::size_t messages) { guard_.on_turn(messages); }
 
