@@ -27,6 +27,7 @@ struct Send {
 /// knows.
 struct Journal {
   std::any record;
+  bool may_wait = false;  ///< nothing that is sent needs it on disk: it goes with the next commit (JournalQueue)
 };
 
 /// Collects one step's effects. Also counts: counters are cheap and always on.
@@ -46,6 +47,8 @@ class Outbox {
   /// that could not be delivered; never to an answer. `about`: Nack::about.
   void nack(const Inbound& to, const Error& error, std::string about = {});
   void record(std::any fact) { journal.push_back({std::move(fact)}); }
+  /// One that may be lost with the process, though what follows from it was sent.
+  void record_later(std::any fact) { journal.push_back({std::move(fact), true}); }
   void log(LogLevel level, std::string event, std::string text) {
     logs.push_back({level, std::move(event), std::move(text)});
   }

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "common/actor/counter_table.hpp"
+#include "common/actor/journal_queue.hpp"
 #include "common/base/files.hpp"
 #include "common/log/log.hpp"
 #include "common/security/keys.hpp"
@@ -84,6 +85,7 @@ class ServiceShell final : public Service {
                     [this](Now) { step([this](Now now, Outbox& out) { core_->tick(now, out); }); });
     loop_.add_timer([this] { return refused_.empty() ? std::nullopt : std::optional(MonotonicTime{0}); },
                     [this](Now) { deliver_refused(); });
+    loop_.add_timer([this] { return journal_.due(); }, [this](Now) { commit(journal_.take()); });
     loop_.add_timer([this] { return reload_check_; }, [this](Now now) { try_reload(now); });
     loop_.add_timer([this] { return ends(); }, [this](Now) { loop_.stop(); });
   }
@@ -99,6 +101,7 @@ class ServiceShell final : public Service {
 
  private:
   void finish() {
+    if (journal_.due() && !has_lost_journal_) commit(journal_.take());
     loop_.remove_socket(link_.handle());
     signals_.reset();
   }
@@ -197,8 +200,8 @@ class ServiceShell final : public Service {
     step([&](Now now, Outbox& out) { core_->on(inbound, now, out); });
   }
 
-  void carry_out(const Outbox& out) {
-    if (!out.journal.empty() && !commit(out.journal)) return;
+  void carry_out(Outbox& out) {
+    if (!out.journal.empty() && !keep(std::move(out.journal))) return;
     for (const Send& send : out.sends) {
       const auto sent = link_.send(send);
       if (!sent) {
@@ -238,6 +241,11 @@ class ServiceShell final : public Service {
     }
   }
 
+  /// False: what has to be on disk before the step's messages is not.
+  bool keep(std::vector<Journal> records) {
+    return !journal_.add(std::move(records), read_clocks().mono) || commit(journal_.take());
+  }
+
   bool commit(const std::vector<Journal>& records) {
     const Status done = commit_ ? commit_(records) : Status(fail(Errc::io_error, "no journal"));
     if (done) return true;
@@ -258,6 +266,7 @@ class ServiceShell final : public Service {
   Core* core_ = nullptr;
   Outbox outbox_;
   std::function<Status(const std::vector<Journal>&)> commit_;
+  JournalQueue journal_;
   std::function<void()> after_sends_;
   std::function<bool()> idle_;
   std::optional<MonotonicTime> reload_check_;

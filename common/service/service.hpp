@@ -38,8 +38,9 @@ class Service {
   /// This process's instance: random, new at each start.
   [[nodiscard]] virtual std::uint64_t instance() const = 0;
 
-  /// Commits the records of one step; a failure ends the process, because nothing may be sent that rests on an
-  /// unwritten record.
+  /// Commits the records of one step, behind those of earlier steps that could wait; a failure ends the process,
+  /// because nothing may be sent that rests on an unwritten record. What waits is committed after
+  /// JournalQueue::kLongest and at an orderly end at the latest.
   virtual void on_journal(std::function<Status(const std::vector<Journal>&)> commit) = 0;
   /// Called after each step, once its records are on disk and its messages are sent: for what the core wants done
   /// besides, at its robot or its worker.

@@ -27,7 +27,7 @@ class WavingCore final : public Core {
   void on(const Inbound& message, Now, Outbox& out) override {
     if (const Nack* nack = get_if<Nack>(&message.body)) return nacks_.push_back(*nack);
     ++waves_;
-    if (journals) out.record(waves_);
+    if (journals) out.journal.push_back({waves_, may_wait});
     out.reply(message, Ack{"waved", ""});
   }
   void tick(Now now, Outbox&) override {
@@ -43,6 +43,7 @@ class WavingCore final : public Core {
   [[nodiscard]] const std::vector<Nack>& nacks() const { return nacks_; }
 
   bool journals = false;
+  bool may_wait = false;  ///< what it journals
 
  private:
   std::string node_;
@@ -290,4 +291,39 @@ TEST_CASE("behind a commit that failed a service receives, journals and sends no
   CHECK(commits == 1);
   CHECK(served.core.waves() == 1);
   while (const auto message = served.router.receive()) CHECK(message->subtype != Ack::kSubtype);
+}
+
+TEST_CASE("a record that may wait is committed with the next one that may not, and at the end of the service") {
+  Served served;
+  std::vector<std::vector<int>> commits;
+  served.service->on_journal([&](const std::vector<Journal>& records) {
+    commits.emplace_back();
+    for (const Journal& one : records) commits.back().push_back(std::any_cast<int>(one.record));
+    return Status(Done{});
+  });
+  served.core.journals = true;
+  served.start();
+  for (const bool may_wait : {true, true, false, true}) {
+    served.core.may_wait = may_wait;
+    served.order_wave(77);
+    REQUIRE(served.poll_until(Ack::kSubtype));  // what is sent does not wait for it
+  }
+  CHECK(commits == std::vector<std::vector<int>>{{1, 2, 3}});
+  ::kill(::getpid(), SIGTERM);
+  served.poll_to_end();
+  CHECK(served.service->exit_status() == 0);
+  CHECK(commits == std::vector<std::vector<int>>{{1, 2, 3}, {4}});
+}
+
+TEST_CASE("a service whose last records cannot be committed does not end as if they were") {
+  Served served;
+  served.service->on_journal(
+      [](const std::vector<Journal>&) { return Status(fail(Errc::io_error, "the disk is full")); });
+  served.core.journals = served.core.may_wait = true;
+  served.start();
+  served.order_wave(77);
+  REQUIRE(served.poll_until(Ack::kSubtype));
+  ::kill(::getpid(), SIGTERM);
+  served.poll_to_end();
+  CHECK(served.service->exit_status() == 74);
 }

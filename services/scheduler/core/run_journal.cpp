@@ -107,7 +107,8 @@ void RunJournal::keep_delivery(Run& run, DeliveryKind kind, const Inbound& from,
   fact.what = name_of(kind);
   fact.tasks = std::move(tasks);
   fact.epoch = epoch;
-  step.out.record(fact);
+  // If it is lost, the delivery is sent again and answered as a repeat, as if this answer had been lost on its way.
+  step.out.record_later(fact);
   if (auto applied = run.apply(fact); !applied) {
     step.out.log(LogLevel::error, "delivery_not_applied", applied.error().text());
   }

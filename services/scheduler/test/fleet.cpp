@@ -90,6 +90,7 @@ world::ProcessSettings Fleet::process_settings(Node& node) {
 }
 
 void Fleet::store(Node& node, const std::vector<Journal>& records) {
+  ++node.commits;
   for (const Journal& record : records) node.journal.commit(read_back(record), *node.archive);
 }
 

@@ -49,6 +49,7 @@ struct Node {
   NodeProfile profile;  ///< in the routers' tables
   std::unique_ptr<MemoryArchive> archive = std::make_unique<MemoryArchive>();
   world::CrashPoint crash;
+  std::size_t commits = 0;  ///< of its journal
 };
 
 class Fleet {

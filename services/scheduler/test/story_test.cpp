@@ -31,6 +31,12 @@ std::map<std::string, int> begun(Fleet& fleet) {
   return out;
 }
 
+/// How many of its deliveries the node's journal knows to be acknowledged.
+std::size_t acknowledged(const Node& node) {
+  return static_cast<std::size_t>(std::ranges::count_if(
+      node.journal, [](const auto& one) { return std::holds_alternative<scheduler::JournalDelivered>(one); }));
+}
+
 void check_each_once(Fleet& fleet) {
   const auto times = begun(fleet);
   CHECK(times.size() == 9);
@@ -57,6 +63,53 @@ TEST_CASE("the demonstration passes from robot to robot and each task is done on
   CHECK(view.waits_for.empty());
   CHECK(view.tasks[8].state == TaskState::finished);
   CHECK(view.tasks[8].duration_s == doctest::Approx(1));
+}
+
+TEST_CASE("that a delivery was acknowledged costs no commit of its own") {
+  Fleet fleet;
+  add_demonstration(fleet);
+  submit(fleet, nine_tasks());
+  REQUIRE(fleet.until(finished_at(fleet, "cloud")));
+  fleet.pass(seconds(5));
+  // A robot writes each start (the first with the run), each result, at the join another's result, and that the run is
+  // over; the cloud writes each result.
+  const std::map<std::string, std::size_t> expected = {{"cloud", 11},  {"conveyor", 3},  {"drone", 5},
+                                                       {"pioneer", 6}, {"ridgeback", 5}, {"ur3", 5}};
+  for (const auto& [node, commits] : expected) CHECK_MESSAGE(fleet[node].commits == commits, node);
+}
+
+TEST_CASE("that a delivery was acknowledged is on disk in time, though nothing else is written") {
+  Fleet fleet;
+  add_demonstration(fleet);
+  fleet["drone"].adapter.skill_time = seconds(100);
+  submit(fleet, chain({"ur3", "drone"}));
+  REQUIRE(
+      fleet.until([&] { return fleet.carried["baton_journaled"] == 2 && fleet.carried["results_journaled"] == 1; }));
+  fleet.pass(seconds(1));
+  CHECK(acknowledged(fleet["ur3"]) == 0);
+  fleet.pass(JournalQueue::kLongest);
+  CHECK(acknowledged(fleet["ur3"]) == 2);
+}
+
+TEST_CASE(
+    "what a node had delivered when it died, and not on disk, is sent again and answered, and nothing done twice") {
+  Fleet fleet;
+  add_demonstration(fleet);
+  submit(fleet, chain({"ur3", "drone"}));
+  REQUIRE(
+      fleet.until([&] { return fleet.carried["baton_journaled"] == 2 && fleet.carried["results_journaled"] == 1; }));
+  fleet.pass(seconds(0.1));
+  REQUIRE(acknowledged(fleet["ur3"]) == 0);
+  fleet.stop("ur3");
+  fleet.start("ur3");
+  fleet.pass(seconds(0.1));
+  CHECK(fleet.carried["baton"] == 3);
+  CHECK(fleet.carried["baton_journaled"] == 3);
+  CHECK(fleet.carried["results"] == 2);
+  CHECK(fleet.carried["results_journaled"] == 2);
+  REQUIRE(fleet.until(finished_at(fleet, "cloud")));
+  for (const auto& [task, times] : begun(fleet)) CHECK_MESSAGE(times == 1, task);
+  CHECK(fleet.counted["double_execution"] == 0);
 }
 
 TEST_CASE("progress is told while a task runs") {

@@ -3,8 +3,16 @@
 namespace trb::world {
 
 CoreProcess::CoreProcess(ProcessSettings settings, Core& core, Events& events, const Clock& clock)
-    : settings_(std::move(settings)), core_(core), events_(events), clock_(clock), timer_(events, [this] {
-        if (!writes_) step([this](Now now, Outbox& out) { core_.tick(now, out); });
+    : settings_(std::move(settings)),
+      core_(core),
+      events_(events),
+      clock_(clock),
+      timer_(events,
+             [this] {
+               if (!writes_) step([this](Now now, Outbox& out) { core_.tick(now, out); });
+             }),
+      commit_timer_(events, [this] {
+        if (journal_.due()) commit({});
       }) {}
 
 void CoreProcess::welcome(const NodeIdentity& node) {
@@ -16,18 +24,30 @@ void CoreProcess::take(const Inbound& message) {
 }
 
 void CoreProcess::step(const std::function<void(Now now, Outbox& out)>& call) {
+  const Now now = clock_.now();
   Outbox out;
-  call(clock_.now(), out);
+  call(now, out);
   if (settings_.inspect) settings_.inspect(out);
   if (out.journal.empty()) return send(out);
+  if (journal_.add(std::move(out.journal), now.mono)) return commit(std::move(out));
+  commit_timer_.set(journal_.due());
+  end_step(out);
+}
+
+void CoreProcess::commit(Outbox out) {
+  out.journal = journal_.take();
   if (settings_.commit == nullptr) return write(out);
   writes_ = true;
   events_.after(*settings_.commit, life_, [this, out = std::move(out)] { write(out); });
 }
 
-/// The step's end. Nothing of this object is used behind on_crash.
 void CoreProcess::write(const Outbox& out) {
   if (settings_.store) settings_.store(out.journal);
+  end_step(out);
+}
+
+/// Nothing of this object is used behind on_crash.
+void CoreProcess::end_step(const Outbox& out) {
   CrashPoint* const crash = settings_.crash;
   const bool crashes = crash != nullptr && ++crash->commits == crash->at;
   if (!crashes || crash->after_sends) send(out);

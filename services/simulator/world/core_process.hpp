@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "common/actor/core.hpp"
+#include "common/actor/journal_queue.hpp"
 #include "services/simulator/world/clock.hpp"
 #include "services/simulator/world/events.hpp"
 
@@ -17,7 +18,7 @@ namespace trb::world {
 
 /// Where a process ends by itself. It outlives the process.
 struct CrashPoint {
-  std::size_t commits = 0;   ///< steps that have written something
+  std::size_t commits = 0;   ///< steps that have recorded something; what may wait is lost if it ends the process
   std::size_t at = 0;        ///< ends the process at this one; 0: never
   bool after_sends = false;  ///< of that step; otherwise they are lost
 };
@@ -52,7 +53,9 @@ class CoreProcess {
   }
 
  private:
+  void commit(Outbox out);
   void write(const Outbox& out);
+  void end_step(const Outbox& out);
   void send(const Outbox& out);
   void take_waiting();
 
@@ -62,6 +65,8 @@ class CoreProcess {
   const Clock& clock_;
   std::shared_ptr<char> life_ = std::make_shared<char>();
   Timer timer_;
+  JournalQueue journal_;
+  Timer commit_timer_;
   std::deque<Events::What> waiting_;
   bool writes_ = false;
 };
