@@ -101,6 +101,23 @@ TEST_CASE("the peers of the last run are dialled at the start, and gathered for 
   check_linked(fleet, "ant", "bee");
 }
 
+TEST_CASE("given a hint whose peer is met, then it is gone, and the peer is dialled again at its own address") {
+  TestFleet fleet;
+  fleet.start("bee", {.beacon = false});
+  TestNode& ant = fleet.start("ant", {.beacon = false, .known = {"bee", "cat"}});
+  CHECK(std::as_const(*ant.core).table().seeds().size() == 2);
+  fleet.run(Seconds(1));
+  check_linked(fleet, "ant", "bee");
+  const auto& seeds = std::as_const(*ant.core).table().seeds();
+  REQUIRE(seeds.size() == 1);
+  CHECK(seeds[0].key == fleet.keys("cat").link.public_key);
+  fleet.stop("bee");
+  fleet.run(Seconds(1));
+  fleet.start("bee", {.boot = 2, .beacon = false});
+  fleet.run(Seconds(5));
+  check_linked(fleet, "ant", "bee");
+}
+
 TEST_CASE("a hint that leads nowhere is dialled ever more seldom") {
   TestFleet fleet;
   TestNode& ant = fleet.start("ant", {.beacon = false, .known = {"bee"}});

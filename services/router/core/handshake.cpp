@@ -257,6 +257,7 @@ std::optional<Carried> Handshake::carry(Link& link, const Hello& hello, Now now,
   const bool new_address = peer.address != hello.address || link.dialled;
   note(link, peer, hello);
   errors_.note_up(link, hello, now);
+  table_.forget_hints(link.key);
   out.log(LogLevel::info, "peer_joined",
           peer.id + " at " + peer.address + ", boot " + std::to_string(peer.boot) +
               (link.dialled ? ", dialled by this node" : ", dialled by it"));

@@ -47,6 +47,10 @@ bool PeerTable::is_expected(BytesView key) const {
          std::any_of(seeds_.begin(), seeds_.end(), [&](const Seed& seed) { return seed.key == key; });
 }
 
+void PeerTable::forget_hints(BytesView key) {
+  std::erase_if(seeds_, [&](const Seed& seed) { return seed.hint && seed.key == key; });
+}
+
 bool PeerTable::has_room_for(std::string_view id) const {
   return peers_.size() < kMaxPeers || peers_.count(id) != 0;
 }

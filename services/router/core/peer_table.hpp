@@ -17,7 +17,7 @@ namespace trb::router {
 
 class PeerTable {
  public:
-  /// The seeds of node.json, and the hints of the previous run whose key no seed has.
+  /// The seeds of node.json, and the hints of the previous run whose key no seed has, until their peer is met.
   explicit PeerTable(const RouterConfig& config);
 
   using Peers = std::map<std::string, Peer, std::less<>>;
@@ -48,6 +48,8 @@ class PeerTable {
   /// computer: it gets a number of its own.
   Peer& learn(const Certificate& certificate, const SignedRecord& record);
   void forget(const std::string& id);
+  /// The owner of this key is linked: what the previous run knew of its address is of no use any more.
+  void forget_hints(BytesView key);
   /// How many were forgotten.
   [[nodiscard]] std::uint64_t forgotten() const { return forgotten_; }
 
