@@ -84,7 +84,7 @@ void RobotSchedule::update_due(Run& run, Step step) const {
   if (!goes_on) timers.drop_all_due();
   // No fact of the run says that a task has begun.
   timers.drop_due_if([&](TaskIndex task) { return run.reports().is_under_way(task) || is_doing(run, task); });
-  if (!timers.take_version(run.version() + run.deliveries().pending().changes())) return;
+  if (!timers.take_version(run.timers_version())) return;
   const bool has_to_sign = run.orders().is_open() && !run.open_tasks().own_are_final();
   if (has_to_sign && has_other_keys(run)) withhold_unsigned(run, step);
   std::vector<TaskIndex> unpassed;
@@ -158,8 +158,8 @@ RobotSchedule::Allowed RobotSchedule::allowed(const Run& run, const AttemptKey& 
 
 /// The higher priority first; of two alike the one whose task this robot began longest ago, so that no run starves the
 /// younger ones; then the older.
-std::vector<Run*> RobotSchedule::by_turn() const {
-  std::vector<Run*> out = runs_.runs();
+std::vector<const Run*> RobotSchedule::by_turn() const {
+  std::vector<const Run*> out(runs_.runs().begin(), runs_.runs().end());
   constexpr MonotonicTime kNever{std::numeric_limits<std::int64_t>::min()};
   const auto turn = [&](const Run* run) {
     return std::pair(kMaxPriority - run->definition().start().priority, run->work().served().value_or(kNever));
@@ -173,8 +173,9 @@ void RobotSchedule::start_next(Step step) {
   resume_attempt();
   if (executor_.attempt() || lost_.open()) return;
   const bool is_blocked = !executor_.obstacle({}).empty();
-  for (Run* run : by_turn()) {
-    if (run->may_start(step.steady) && start_of(*run, is_blocked, step)) return;
+  for (const Run* run : by_turn()) {
+    const bool may_start = run->may_start(step.steady) && !run->open_tasks().startable().empty();
+    if (may_start && start_of(*runs_.find(run->id()), is_blocked, step)) return;
   }
 }
 

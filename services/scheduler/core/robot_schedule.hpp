@@ -50,7 +50,7 @@ class RobotSchedule {
   /// Why it did not begin, for a person.
   [[nodiscard]] std::string late_text(const Run& run, TaskIndex task) const;
   [[nodiscard]] Allowed allowed(const Run& run, const AttemptKey& key, Step step) const;
-  [[nodiscard]] std::vector<Run*> by_turn() const;
+  [[nodiscard]] std::vector<const Run*> by_turn() const;
   /// True if the robot has got its next task.
   [[nodiscard]] bool is_surely_new(Run& run, TaskIndex task, UtcTime now) const;
   /// `is_blocked`: the robot can begin no skill at all.

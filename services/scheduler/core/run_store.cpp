@@ -77,7 +77,8 @@ Result<HeldResult> RunStore::received_result(const Run& run, const SignedRecord&
   if (!held) return held;
   const std::string& robot = held->result.robot;
   const std::size_t size = record.payload.bytes.size();
-  if (bytes_left(robot) >= size || run.results().bytes_of(robot) + size <= free_bytes(run, robot)) return held;
+  // Its share is a sum over all runs: few results need it.
+  if (run.results().bytes_of(robot) + size <= free_bytes(run, robot) || bytes_left(robot) >= size) return held;
   if (!run.results().grows_by(*run.index_of(held->result.key.task), *held)) return held;
   return fail(Errc::queue_full,
               "run " + run.id() + ": '" + robot + "' has its share of the " + std::to_string(most_bytes_ >> 20U) +
@@ -87,10 +88,24 @@ Result<HeldResult> RunStore::received_result(const Run& run, const SignedRecord&
 
 Run* RunStore::find(const std::string& run) const {
   const auto found = runs_.find(run);
-  return found == runs_.end() ? nullptr : found->second.get();
+  if (found == runs_.end()) return nullptr;
+  found->second->next_visit().touch();
+  return found->second.get();
 }
 
-Run* RunStore::find_by_tag(BytesView tag) const {
+const std::vector<Run*>& RunStore::touch_all() const {
+  for (Run* run : by_age_) run->next_visit().touch();
+  return by_age_;
+}
+
+std::vector<Run*> RunStore::due(Clock clock) const {
+  std::vector<Run*> out;
+  std::ranges::copy_if(by_age_, std::back_inserter(out),
+                       [&](const Run* run) { return run->next_visit().is_due(clock.mono, clock.steady); });
+  return out;
+}
+
+const Run* RunStore::find_by_tag(BytesView tag) const {
   const auto found = std::ranges::find_if(by_age_, [&](const Run* one) { return one->definition().tag() == tag; });
   return found == by_age_.end() ? nullptr : *found;
 }

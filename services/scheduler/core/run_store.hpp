@@ -9,6 +9,7 @@
 
 #include "services/scheduler/core/journal_records.hpp"
 #include "services/scheduler/core/run/run.hpp"
+#include "services/scheduler/core/step.hpp"
 
 namespace trb::scheduler {
 
@@ -47,11 +48,16 @@ class RunStore {
   [[nodiscard]] std::size_t bytes_left(const std::string& node) const;
   /// Run::received_result; and queue_full, if the robot has more than kFreeBytes in that run and its share is used up.
   [[nodiscard]] Result<HeldResult> received_result(const Run& run, const SignedRecord& record) const;
+  /// The run may be changed: the end of the step looks at it.
   [[nodiscard]] Run* find(const std::string& run) const;
   /// By RunDefinition::tag; the oldest of those that bear it.
-  [[nodiscard]] Run* find_by_tag(BytesView tag) const;
-  /// Oldest first.
-  [[nodiscard]] const std::vector<Run*>& runs() const { return by_age_; }
+  [[nodiscard]] const Run* find_by_tag(BytesView tag) const;
+  /// Oldest first; to change one: find().
+  [[nodiscard]] std::span<const Run* const> runs() const { return by_age_; }
+  /// All of them may be changed: the end of the step looks at each. Oldest first.
+  const std::vector<Run*>& touch_all() const;
+  /// Those at which the end of a step has to look (NextVisit), oldest first.
+  [[nodiscard]] std::vector<Run*> due(Clock clock) const;
 
   /// The run is over.
   void remove(const std::string& run);

@@ -41,6 +41,29 @@ TEST_CASE("one robot's results take a quarter of the room that the others leave,
   CHECK(sharing.known.runs.bytes_left("conveyor") > kRoom / 8);
 }
 
+TEST_CASE("a run is due once it was touched, and when its time has come") {
+  const KnownRun known(chain({"drone"}));
+  const Clock clock{known.now.mono, known.now.utc};
+  NextVisit& visit = known.run().next_visit();
+  CHECK(known.runs.due(clock).size() == 1);
+  visit.set(false, {}, {});
+  CHECK(known.runs.due(clock).empty());
+  CHECK(known.runs.runs().size() == 1);  // who only reads touches nothing
+  CHECK(known.runs.due(clock).empty());
+  for (const bool all : {false, true}) {
+    visit.set(false, {}, {});
+    all ? (void)known.runs.touch_all() : (void)known.runs.find(kKnownRun);
+    CHECK(known.runs.due(clock).size() == 1);
+  }
+  visit.set(true, {}, {});
+  CHECK(known.runs.due(clock).size() == 1);
+  visit.set(false, clock.mono + seconds(1), clock.steady + seconds(2));
+  CHECK(known.runs.due(clock).empty());
+  CHECK(known.runs.due({clock.mono + seconds(1), clock.steady}).size() == 1);
+  CHECK(known.runs.due({clock.mono, clock.steady + seconds(1)}).empty());
+  CHECK(known.runs.due({clock.mono, clock.steady + seconds(2)}).size() == 1);
+}
+
 TEST_CASE("a small result is taken however much its robot has elsewhere") {
   const KnownRun known(chain({"drone", "drone"}), "ur3", 1);
   const SignedRecord small = known.result("task-0", "drone", TaskOutcome::finished);

@@ -23,6 +23,16 @@ bool offer_to(Handler& handler, const Inbound& message, Step step) {
   return taken;
 }
 
+/// The run of a record that this node has requested the signature of. Errors: bad_value, malformed.
+Result<std::string> run_that_signs(const SignedRecord& record) {
+  if (record.kind == kSignedResult) return run_inside<TaskResult>(record);
+  if (record.kind == kSignedChoice) return run_inside<Choice>(record);
+  if (record.kind == kSignedRunAbort) return run_inside<AbortOrder>(record);
+  if (record.kind == kSignedRunPause) return run_inside<PauseOrder>(record);
+  if (record.kind == kSignedRunEnd) return run_inside<RunEnd>(record);
+  return fail(Errc::bad_value, "a '" + record.kind + "' is nothing that a scheduler has signed");
+}
+
 }  // namespace
 
 SchedulerCore::SchedulerCore(SchedulerSettings settings, const Archive& archive)
@@ -71,7 +81,7 @@ void SchedulerCore::on_welcome(const NodeIdentity& node, Now now, Outbox& out) {
             "the router is node '" + node.id + "', the keys are '" + settings_.node + "'");
     return;
   }
-  for (Run* run : runs_.runs()) {
+  for (Run* run : runs_.touch_all()) {
     run->deliveries().pending().restart();
     run->work().restart(now);
   }
@@ -115,9 +125,9 @@ void SchedulerCore::dispatch(const Inbound& message, Step step) {
 void SchedulerCore::handle_signed(const SignedRecord& record, const Inbound& from, Step step) {
   if (from.source != settings_.node) return refuse(from, not_own(from), step);
   if (robot_.keep_signed(record, from, step)) return;
-  for (Run* run : runs_.runs()) {
-    if (keep_signed(*run, record, step)) return;
-  }
+  const auto id = run_that_signs(record);
+  Run* run = id ? runs_.find(*id) : nullptr;
+  if (run != nullptr && keep_signed(*run, record, step)) return;
   step.out.count("late.signed_record");
 }
 
@@ -128,19 +138,27 @@ bool SchedulerCore::keep_signed(Run& run, const SignedRecord& record, Step step)
 }
 
 void SchedulerCore::advance(Step step) {
-  if (!last_) return;  // not yet welcome: nothing can be sent
+  if (!last_) return;                                 // not yet welcome: nothing can be sent
+  if (step.steady < last_steady_) runs_.touch_all();  // what was past its time may not be
   last_ = step.now;
   last_steady_ = step.steady;
   keep_time(step);
   if (lost_.open()) report_lost_journal(step);
   lost_.watch_clock(step.now, step.out);
+  touch_attempted();
   archive_runs(step);
-  for (Run* run : runs_.runs()) schedule_.update_due(*run, step);
+  for (Run* run : runs_.due(step.clock())) schedule_.update_due(*run, step);
   schedule_.permit_attempt(step);
   executor_.tick(step.now, step.out);
   if (settings_.has_robot) schedule_.start_next(step);
+  touch_attempted();
   schedule_.notify_wait(step);
-  for (Run* run : runs_.runs()) advance(*run, step);
+  for (Run* run : runs_.due(step.clock())) {
+    advance(*run, step);
+    plan_visit(*run);
+    ++visits_;
+  }
+  next_of_runs_ = next_visit();
   lookup_.refuse_late(step);
   if (!watchers_.empty()) queries_.notify_watchers(step);
 }
@@ -161,8 +179,7 @@ void SchedulerCore::advance(Run& run, Step step) {
 }
 
 void SchedulerCore::archive_runs(Step step) {
-  const std::vector<Run*> runs = runs_.runs();  // a copy: what is over leaves the store
-  for (Run* run : runs) {
+  for (Run* run : runs_.due(step.clock())) {
     aborts_.give_up_revoked(*run, step);
     if (run->is_open(step.steady)) {
       run->work().stay();
@@ -191,17 +208,31 @@ std::optional<MonotonicTime> SchedulerCore::next_deadline() const {
   if (!last_) return std::nullopt;
   std::optional<MonotonicTime> out = earlier(executor_.next_deadline(), lookup_.next());
   out = earlier(earlier(out, steady_.next()), lost_.next());
-  for (const Run* run : runs_.runs()) out = earlier(out, next_deadline_of(*run));
-  return out;
+  return earlier(out, next_of_runs_);
 }
 
-std::optional<MonotonicTime> SchedulerCore::next_deadline_of(const Run& run) const {
-  std::optional<MonotonicTime> out = earlier(run.deliveries().pending().next(), run.work().next());
-  out = earlier(out, RobotSchedule::next_late(run, last_->mono));
-  if (const auto end = run.definition().next_end(last_steady_)) {
-    out = earlier(out, last_->mono + Duration{end->ns - last_steady_.ns});
+/// Its state follows the robot's, of which no fact of the run says anything.
+void SchedulerCore::touch_attempted() {
+  if (executor_.attempt()) (void)runs_.find(executor_.attempt()->execute.key.run);
+}
+
+void SchedulerCore::plan_visit(Run& run) const {
+  std::optional<MonotonicTime> at = earlier(run.deliveries().pending().next(), run.work().next());
+  at = earlier(at, RobotSchedule::next_late(run, last_->mono));
+  // What its visit has changed, its timers follow from the next step on.
+  const bool again = !run.work().timers().are_of(run.timers_version());
+  run.next_visit().set(again, at, run.definition().next_end(last_steady_));
+}
+
+std::optional<MonotonicTime> SchedulerCore::next_visit() const {
+  std::optional<MonotonicTime> out;
+  std::optional<UtcTime> end;
+  for (const Run* run : runs_.runs()) {
+    out = earlier(out, run->next_visit().at());
+    const auto& ends = run->next_visit().end();
+    if (ends && (!end || *ends < *end)) end = ends;
   }
-  return out;
+  return end ? earlier(out, last_->mono + Duration{end->ns - last_steady_.ns}) : out;
 }
 
 }  // namespace trb

@@ -67,6 +67,8 @@ class SchedulerCore : public Core {
   void on(const Inbound& message, Now now, Outbox& out) override;
   void tick(Now now, Outbox& out) override;
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const override;
+  /// At how many runs the ends of its steps have looked.
+  [[nodiscard]] std::uint64_t visits() const { return visits_; }
 
  private:
   using Run = scheduler::Run;
@@ -86,7 +88,9 @@ class SchedulerCore : public Core {
   void keep_time(Step step);
   void report_lost_journal(Step step);
   void archive_runs(Step step);
-  [[nodiscard]] std::optional<MonotonicTime> next_deadline_of(const Run& run) const;
+  void touch_attempted();
+  void plan_visit(Run& run) const;
+  [[nodiscard]] std::optional<MonotonicTime> next_visit() const;
 
   SchedulerSettings settings_;
   SteadyTime steady_;
@@ -116,6 +120,8 @@ class SchedulerCore : public Core {
 
   std::optional<Now> last_;  ///< of the last step since the welcome
   UtcTime last_steady_{};
+  std::optional<MonotonicTime> next_of_runs_;
+  std::uint64_t visits_ = 0;
   std::optional<MonotonicTime> keep_time_at_;
 };
 

@@ -65,6 +65,30 @@ TEST_CASE("the demonstration passes from robot to robot and each task is done on
   CHECK(view.tasks[8].duration_s == doctest::Approx(1));
 }
 
+TEST_CASE("the end of a step looks at the run that its message is about, however many are open") {
+  Fleet fleet;
+  add_demonstration(fleet);
+  fleet["ur3"].adapter.skill_time = seconds(1000);
+  std::string run;
+  for (int number = 10; number < 30; ++number) {
+    run = std::string(30, 'a') + std::to_string(number);
+    fleet.ask("cloud", MessageType::command,
+              RunSubmit{fleet.make_start(chain({"ur3", "drone"}), "cloud", seconds(3600), run)});
+  }
+  fleet.pass(seconds(45));
+  const auto visits = [&](const std::string& node, const Body& body) {
+    const std::uint64_t before = fleet[node].core->visits();
+    fleet.hear(node, node == "cloud" ? "ur3" : "cloud", MessageType::information, body);
+    return fleet[node].core->visits() - before;
+  };
+  const BatonJournaled late{run, 1, {1}, true};
+  CHECK(visits("cloud", late) == 1);
+  CHECK(visits("ur3", late) == 2);  // and at the run of the attempt
+  const AttemptKey key{run, "task-0", 1, 1};
+  CHECK(visits("cloud", TaskProgress{key, "ur3", TaskState::running, ""}) == 1);
+  CHECK(fleet.view("cloud", run).tasks[0].state == TaskState::running);
+}
+
 TEST_CASE("that a delivery was acknowledged costs no commit of its own") {
   Fleet fleet;
   add_demonstration(fleet);

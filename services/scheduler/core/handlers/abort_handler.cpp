@@ -52,14 +52,14 @@ void AbortHandler::handle(const AbortConfirmed& body, const Inbound& from, Step 
 
 void AbortHandler::handle(const PeerExpired& body, const Inbound& from, Step step) {
   if (from.source != node_) return refuse(from, not_own(from), step);
-  if (body.reason.starts_with(errc_name(Errc::cert_revoked))) revoked_.insert(body.id);
+  if (body.reason.starts_with(errc_name(Errc::cert_revoked)) && revoked_.insert(body.id).second) runs_.touch_all();
 }
 
 void AbortHandler::handle(const PeerJoined& body, const Inbound& from, Step step) {
   if (from.source != node_) return refuse(from, not_own(from), step);
   if (revoked_.erase(body.id) == 0) return;
   // Its journal may still hold open what it was not told of.
-  for (Run* run : runs_.runs()) {
+  for (Run* run : runs_.touch_all()) {
     const bool owed = run->orders().is_aborted() && run->members().contains(body.id);
     if (owed) run->deliveries().pending().owe(DeliveryKind::abort, body.id, {});
   }

@@ -27,14 +27,14 @@ void match_inquiries(Run& run, const std::vector<TaskIndex>& tasks, const std::s
 }  // namespace
 
 void ConditionHandler::on_routes(const RouteTable& table, Step step) const {
-  for (Run* run : runs_.runs()) {
+  for (Run* run : runs_.touch_all()) {
     for (Inquiry& inquiry : run->work().inquiries()) inquiry.on(table, step.now, step.out);
   }
 }
 
 void ConditionHandler::handle(const SensorReading& body, const Inbound& from, Step step) {
   bool used = false;
-  for (Run* run : runs_.runs()) {
+  for (Run* run : runs_.touch_all()) {
     for (Inquiry& inquiry : run->work().inquiries()) {
       if (!inquiry.on(body, from.source, step.now)) continue;
       choose(body, from.source, *run, inquiry, step);
@@ -45,7 +45,7 @@ void ConditionHandler::handle(const SensorReading& body, const Inbound& from, St
 }
 
 void ConditionHandler::on_refusal(const Nack& nack, const Inbound& from, Step step) {
-  for (Run* run : runs_.runs()) {
+  for (Run* run : runs_.touch_all()) {
     for (Inquiry& inquiry : run->work().inquiries()) inquiry.on_refusal(nack, from.source, step.now);
   }
 }

@@ -1,6 +1,6 @@
 #include "services/scheduler/core/handlers/query_handler.hpp"
 
-#include <algorithm>
+#include <ranges>
 
 #include "services/scheduler/core/refusal.hpp"
 #include "services/scheduler/core/signed_records.hpp"
@@ -13,9 +13,8 @@ constexpr std::size_t kMaxNamed = 8;
 constexpr std::uint32_t kMaxPage = 500;
 constexpr std::size_t kMaxAborted = 128;  ///< the newest of them: with every run that is open they fit into a message
 
-std::vector<Run*> newest_first(std::vector<Run*> runs) {
-  std::ranges::reverse(runs);
-  return runs;
+auto newest_first(std::span<const Run* const> runs) {
+  return std::views::reverse(runs);
 }
 
 Error ambiguous(const std::string& beginning, const std::vector<std::string>& matches) {
@@ -29,7 +28,7 @@ Error ambiguous(const std::string& beginning, const std::vector<std::string>& ma
 
 Result<std::string> QueryHandler::newest() const {
   const ArchivePage page = archive_.page("", 1);
-  const std::vector<Run*>& open = runs_.runs();
+  const std::span<const Run* const> open = runs_.runs();
   if (open.empty() && page.runs.empty()) return fail(Errc::unknown_run, "no run is known here", "trb scenario run");
   const bool is_open =
       page.runs.empty() || (!open.empty() && open.back()->definition().start().created >= page.runs[0].created);

@@ -14,6 +14,7 @@
 #include "services/scheduler/core/run/epochs.hpp"
 #include "services/scheduler/core/run/facts.hpp"
 #include "services/scheduler/core/run/members.hpp"
+#include "services/scheduler/core/run/next_visit.hpp"
 #include "services/scheduler/core/run/open_tasks.hpp"
 #include "services/scheduler/core/run/orders.hpp"
 #include "services/scheduler/core/run/pending_work.hpp"
@@ -50,6 +51,8 @@ class Run {
   [[nodiscard]] Deliveries& deliveries() { return deliveries_; }
   [[nodiscard]] const PendingWork& work() const { return work_; }
   [[nodiscard]] PendingWork& work() { return work_; }
+  [[nodiscard]] const NextVisit& next_visit() const { return next_visit_; }
+  [[nodiscard]] NextVisit& next_visit() { return next_visit_; }
 
   // What is journaled: the same when it happens and when it is restored. Errors (of a journal that was not written by
   // this service): bad_value, conflict.
@@ -92,6 +95,8 @@ class Run {
   [[nodiscard]] bool is_idle() const;
   /// Rises with every fact, and with what others report anew.
   [[nodiscard]] std::uint64_t version() const { return version_ + reports_.changes(); }
+  /// Rises also with what is owed: its tasks' timers follow from all that.
+  [[nodiscard]] std::uint64_t timers_version() const { return version() + deliveries_.pending().changes(); }
 
  private:
   Run(RunDefinition definition, Members members, const std::shared_ptr<Certificates>& certificates,
@@ -101,6 +106,7 @@ class Run {
   [[nodiscard]] std::vector<bool> reported_final() const;
   void adopt(const SignedRecord& record, const Decision& decision);
 
+  NextVisit next_visit_;
   std::shared_ptr<Certificates> certificates_;
   RunDefinition definition_;
   Members members_;

@@ -22,6 +22,8 @@ class TaskTimers {
 
   /// True once for each new version of the facts: what is due is worked out anew only then.
   bool take_version(std::uint64_t version);
+  /// It was the last one that was taken.
+  [[nodiscard]] bool are_of(std::uint64_t version) const { return version_ == version; }
   /// Exactly these are due; those that were before keep their time.
   void set_due(std::vector<TaskIndex> tasks, MonotonicTime now);
   template <class Match>
