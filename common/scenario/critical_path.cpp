@@ -13,7 +13,7 @@ class Waits {
  public:
   explicit Waits(const std::vector<PlayedTask>& tasks) : tasks_(tasks), out_(tasks.size()) {
     for (std::size_t i = 0; i < tasks.size(); ++i) {
-      by_id_.emplace(tasks[i].id, i);
+      by_id_[tasks[i].id].push_back(i);
       by_robot_[tasks[i].robot].push_back(i);
     }
   }
@@ -36,14 +36,20 @@ class Waits {
   /// Predecessors first: of two that end together, the one that the scenario names is the reason.
   void find_holder(std::size_t task) {
     for (const std::string& before : tasks_[task].after) {
-      if (const auto at = by_id_.find(before); at != by_id_.end()) consider(task, at->second, false);
+      if (const auto at = by_id_.find(before); at != by_id_.end()) {
+        for (const std::size_t attempt : at->second) consider(task, attempt, false);
+      }
+    }
+    for (const std::size_t attempt : by_id_[tasks_[task].id]) {
+      if (tasks_[attempt].has_failed) consider(task, attempt, false);
     }
     for (const std::size_t other : by_robot_[tasks_[task].robot]) consider(task, other, true);
   }
 
   void mark_critical() {
-    const auto last = std::ranges::max_element(tasks_, {}, &PlayedTask::end_s);
-    if (last == tasks_.end()) return;
+    const auto known_end = [](const PlayedTask& one) { return one.is_open ? -1 : one.end_s; };
+    const auto last = std::ranges::max_element(tasks_, {}, known_end);
+    if (last == tasks_.end() || last->is_open) return;
     std::optional<std::size_t> at = static_cast<std::size_t>(last - tasks_.begin());
     while (at && !out_[*at].is_critical) {
       out_[*at].is_critical = true;
@@ -53,7 +59,7 @@ class Waits {
 
   const std::vector<PlayedTask>& tasks_;
   std::vector<TaskWait> out_;
-  std::map<std::string, std::size_t> by_id_;
+  std::map<std::string, std::vector<std::size_t>> by_id_;
   std::map<std::string, std::vector<std::size_t>> by_robot_;
 };
 

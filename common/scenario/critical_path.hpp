@@ -8,7 +8,7 @@
 
 namespace trb {
 
-/// An attempt that has ended.
+/// An attempt of a task.
 struct PlayedTask {
   std::string id;
   std::string robot;
@@ -16,15 +16,18 @@ struct PlayedTask {
   double end_s = 0;
   std::vector<std::string> after;  ///< the tasks that come before it
   bool has_failed = false;         ///< at `end_s`; else it was done
+  bool is_open = false;            ///< it has no end: `end_s` is infinite
+  bool is_dropped = false;         ///< another attempt of the task counts: it was done, or failed later
 };
 
 struct TaskWait {
-  std::optional<std::size_t> holder{};  ///< the task whose end it waited for last; nullopt: it waited for none
+  std::optional<std::size_t> holder{};  ///< the attempt whose end it waited for last, of its own task if that one had
+                                        ///< failed; nullopt: it waited for none
   bool is_robot_busy = false;           ///< the holder is no predecessor: the robot had it to do
   bool is_critical = false;             ///< had it been shorter, the run would have been shorter
 };
 
-/// For each task, in the order given. Tasks that are not among them held nothing up.
+/// For each attempt, in the order given. Tasks that are not among them held nothing up.
 std::vector<TaskWait> waits_of(const std::vector<PlayedTask>& tasks);
 
 }  // namespace trb

@@ -46,3 +46,17 @@ TEST_CASE("a predecessor that is not known held nothing up; no tasks have no pat
   CHECK(waits[0].is_critical);
   CHECK(waits_of({{"a", "x", 0, 1, {"a"}}, {"a", "x", 1, 2, {"a"}}}).size() == 2);
 }
+
+TEST_CASE("an attempt waits for the one of its task that failed before it; what has no end ends no path") {
+  std::vector<PlayedTask> tasks{{"b", "old", 0, 8, {}, true},
+                                {"a", "cart", 0, 5, {}},
+                                {"b", "cart", 8.1, 18, {}},
+                                {"c", "arm", 18.1, 1e9, {"b"}}};
+  tasks[3].is_open = true;
+  const auto waits = waits_of(tasks);
+  CHECK_FALSE(waits[0].holder);
+  CHECK(waits[2].holder == 0);
+  CHECK_FALSE(waits[2].is_robot_busy);
+  CHECK(waits[3].holder == 2);
+  CHECK(critical(tasks) == "b b ");
+}

@@ -1,6 +1,7 @@
 #include "common/scenario/played_tasks.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <map>
 #include <optional>
 #include <set>
@@ -17,36 +18,36 @@ bool is_number(const Value* value) {
   return value != nullptr && value->is_number();
 }
 
-/// Of one attempt that was done, or has failed.
 std::optional<PlayedTask> attempt_of(const Value& one, const Scenario& scenario) {
   if (!one.is_object()) return std::nullopt;
-  const Value *id = one.find("id"), *robot = one.find("robot"), *begin = one.find("begin_s"), *end = one.find("end_s");
-  const bool has_failed = end == nullptr;
-  if (has_failed) end = one.find("failed_s");
-  if (!is_text(id) || !is_text(robot) || !is_number(begin) || !is_number(end)) return std::nullopt;
+  const Value *id = one.find("id"), *robot = one.find("robot"), *begin = one.find("begin_s");
+  if (!is_text(id) || !is_text(robot) || !is_number(begin)) return std::nullopt;
   if (std::ranges::find(scenario.tasks, id->text(), &Task::id) == scenario.tasks.end()) return std::nullopt;
-  return PlayedTask{id->text(), robot->text(), begin->number(), end->number(), {}, has_failed};
+  const Value *done = one.find("end_s"), *failed = one.find("failed_s");
+  const Value* end = done != nullptr ? done : failed;
+  if (end != nullptr && !is_number(end)) return std::nullopt;
+  return PlayedTask{.id = id->text(),
+                    .robot = robot->text(),
+                    .begin_s = begin->number(),
+                    .end_s = end != nullptr ? end->number() : std::numeric_limits<double>::infinity(),
+                    .after = {},
+                    .has_failed = done == nullptr && failed != nullptr,
+                    .is_open = end == nullptr};
 }
 
-/// Those that were done; of a task that never was, its last one.
-std::vector<PlayedTask> attempts_that_count(const Value::List& tasks, const Scenario& scenario) {
-  std::vector<PlayedTask> out;
-  std::map<std::string, PlayedTask> failed;
+/// Those that were done count; of a task that never was, its last one that has failed.
+void drop_others(std::vector<PlayedTask>& attempts) {
+  std::map<std::string, PlayedTask*> failed;
   std::set<std::string> done;
-  for (const Value& one : tasks) {
-    auto attempt = attempt_of(one, scenario);
-    if (!attempt) continue;
-    if (attempt->has_failed) {
-      failed.insert_or_assign(attempt->id, std::move(*attempt));
-    } else {
-      done.insert(attempt->id);
-      out.push_back(std::move(*attempt));
-    }
+  for (PlayedTask& one : attempts) {
+    if (one.has_failed) failed[one.id] = &one;
+    if (!one.has_failed && !one.is_open) done.insert(one.id);
   }
-  for (auto& [id, attempt] : failed) {
-    if (!done.contains(id)) out.push_back(std::move(attempt));
+  for (PlayedTask& one : attempts) {
+    const auto at = failed.find(one.id);
+    const bool is_last = at != failed.end() && at->second == &one;
+    one.is_dropped = one.is_open || (one.has_failed && (done.contains(one.id) || !is_last));
   }
-  return out;
 }
 
 /// What comes before each task, among those that were played: who comes behind one that was skipped waits for what
@@ -86,8 +87,12 @@ class Before {
 std::vector<PlayedTask> played_tasks(const Value& answer, const Scenario& scenario) {
   const Value* tasks = answer.is_object() ? answer.find("tasks") : nullptr;
   if (tasks == nullptr || !tasks->is_list()) return {};
-  std::vector<PlayedTask> out = attempts_that_count(tasks->list(), scenario);
+  std::vector<PlayedTask> out;
+  for (const Value& one : tasks->list()) {
+    if (auto attempt = attempt_of(one, scenario)) out.push_back(std::move(*attempt));
+  }
   std::ranges::stable_sort(out, {}, &PlayedTask::begin_s);
+  drop_others(out);
   const Before before(scenario, out);
   const double first = out.empty() ? 0 : out.front().begin_s;
   for (PlayedTask& one : out) {
@@ -101,11 +106,13 @@ Value waits_value(const std::vector<PlayedTask>& tasks) {
   const std::vector<TaskWait> waits = waits_of(tasks);
   Value::List out;
   for (std::size_t i = 0; i < tasks.size(); ++i) {
+    if (tasks[i].is_dropped) continue;
     const auto& holder = waits[i].holder;
     out.push_back(Value{Value::Object{{"task", Value{tasks[i].id}},
                                       {"waited_for", Value{holder ? tasks[*holder].id : std::string()}},
                                       {"robot_busy", Value{waits[i].is_robot_busy}},
-                                      {"critical", Value{waits[i].is_critical}}}});
+                                      {"critical", Value{waits[i].is_critical}},
+                                      {"tried_again", Value{holder && tasks[*holder].id == tasks[i].id}}}});
   }
   return Value{std::move(out)};
 }

@@ -34,25 +34,31 @@ std::vector<PlayedTask> played(const std::string& answer) {
 
 }  // namespace
 
-TEST_CASE("the attempts that were done count from the first one's begin") {
+TEST_CASE("times count from the begin of the first attempt of all, whatever became of it") {
   const auto tasks = played(R"({"tasks": [
     {"id": "take", "robot": "arm", "begin_s": 6, "end_s": 8},
     {"id": "go", "robot": "old", "begin_s": 1},
     {"id": "go", "robot": "cart", "begin_s": 2, "end_s": 5.5}]})");
-  REQUIRE(tasks.size() == 2);
-  CHECK(tasks[0].id == "go");
-  CHECK(tasks[0].robot == "cart");
+  REQUIRE(tasks.size() == 3);
+  CHECK(tasks[0].robot == "old");
   CHECK(tasks[0].begin_s == 0);
-  CHECK(tasks[0].end_s == 3.5);
-  CHECK(tasks[1].begin_s == 4);
-  CHECK(tasks[1].after == std::vector<std::string>{"go"});
+  CHECK(tasks[0].is_open);
+  CHECK(tasks[0].is_dropped);
+  CHECK(tasks[1].id == "go");
+  CHECK(tasks[1].robot == "cart");
+  CHECK(tasks[1].begin_s == 1);
+  CHECK(tasks[1].end_s == 4.5);
+  CHECK_FALSE(tasks[1].is_dropped);
+  CHECK(tasks[2].begin_s == 5);
+  CHECK(tasks[2].after == std::vector<std::string>{"go"});
 }
 
 TEST_CASE("what each waited for, as JSON") {
   const auto tasks = played(R"({"tasks": [{"id": "go", "robot": "cart", "begin_s": 0, "end_s": 3},
                                           {"id": "take", "robot": "arm", "begin_s": 3.1, "end_s": 5}]})");
-  CHECK(dump_json(waits_value(tasks)) == R"([{"task":"go","waited_for":"","robot_busy":false,"critical":true},)"
-                                         R"({"task":"take","waited_for":"go","robot_busy":false,"critical":true}])");
+  CHECK(dump_json(waits_value(tasks)) ==
+        R"([{"task":"go","waited_for":"","robot_busy":false,"critical":true,"tried_again":false},)"
+        R"({"task":"take","waited_for":"go","robot_busy":false,"critical":true,"tried_again":false}])");
 }
 
 TEST_CASE("who comes behind a task that was skipped waited for what that task waited for") {
@@ -78,26 +84,36 @@ TEST_CASE("who comes behind a task that has failed waited until it had failed") 
     {"id": "go", "robot": "cart", "begin_s": 2, "failed_s": 7},
     {"id": "take", "robot": "arm", "begin_s": 7.1, "end_s": 9}]})";
   const auto tasks = played(played_to_failure);
-  REQUIRE(tasks.size() == 2);
-  CHECK(tasks[0].robot == "cart");
-  CHECK(tasks[0].has_failed);
-  CHECK(tasks[0].end_s == 5);
-  CHECK_FALSE(tasks[1].has_failed);
-  CHECK(waits_text(tasks) == "go< take<go");
+  REQUIRE(tasks.size() == 3);
+  CHECK(tasks[0].is_dropped);
+  CHECK(tasks[1].robot == "cart");
+  CHECK(tasks[1].has_failed);
+  CHECK(tasks[1].end_s == 7);
+  CHECK_FALSE(tasks[1].is_dropped);
+  CHECK_FALSE(tasks[2].has_failed);
+  CHECK(waits_text(tasks) == "go< go<go take<go");
 }
 
-TEST_CASE("of a task that was done in the end its failures are left out") {
+TEST_CASE("of a task that was done in the end a failure is an attempt, too; the JSON has those that count alone") {
   const auto tasks = played(R"({"tasks": [
-    {"id": "go", "robot": "old", "begin_s": 0, "failed_s": 1},
-    {"id": "go", "robot": "cart", "begin_s": 2, "end_s": 5},
-    {"id": "take", "robot": "arm", "begin_s": 5.1, "end_s": 7}]})");
-  REQUIRE(tasks.size() == 2);
-  CHECK(tasks[0].robot == "cart");
-  CHECK(tasks[0].begin_s == 0);
+    {"id": "go", "robot": "old", "begin_s": 10, "failed_s": 18},
+    {"id": "go", "robot": "cart", "begin_s": 20, "end_s": 30},
+    {"id": "take", "robot": "arm", "begin_s": 30.1, "end_s": 40}]})");
+  REQUIRE(tasks.size() == 3);
+  CHECK(tasks[0].robot == "old");
+  CHECK(tasks[0].end_s == 8);
+  CHECK(tasks[2].end_s == 30);  // the makespan
+  const Value waits = waits_value(tasks);
+  REQUIRE(waits.list().size() == 2);
+  CHECK(waits.list()[0].find("waited_for")->text() == "go");
+  CHECK(waits.list()[0].find("tried_again")->boolean());
+  CHECK(waits.list()[1].find("task")->text() == "take");
+  CHECK_FALSE(waits.list()[1].find("tried_again")->boolean());
 }
 
 TEST_CASE("what is no attempt of the scenario's is left out") {
   for (const char* text : {R"({})", R"([])", R"({"tasks": 7})", R"({"tasks": [7, {}, {"id": 1}]})",
+                           R"({"tasks": [{"id": "go", "robot": "cart", "begin_s": 0, "end_s": "1"}]})",
                            R"({"tasks": [{"id": "x", "robot": "cart", "begin_s": 0, "end_s": 1}]})",
                            R"({"tasks": [{"id": "go", "robot": "cart", "begin_s": "0", "end_s": 1}]})"}) {
     CAPTURE(text);

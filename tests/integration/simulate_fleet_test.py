@@ -1,6 +1,7 @@
 """`trb simulate --fleet DIR --scenario FILE`: a fleet's own folders and a scenario, played before anything is started."""
 import json
 import pathlib
+import re
 import shutil
 import subprocess
 import tempfile
@@ -115,6 +116,21 @@ class AFleetAsItIs(unittest.TestCase):
         refused = self.simulate(scenario=scenario)
         self.assertEqual(refused.returncode, 1)
         self.assertIn("temperature of conveyor", refused.stderr)
+
+    def test_the_last_end_is_the_makespan_also_if_the_first_attempt_of_all_fails(self):
+        scenario = self.write("again.json", {"name": "again", "tasks": [
+            {"id": "b", "requires": ["mobile"], "skill": "go_to", "data": {"place": "ur3_front"}},
+            {"id": "c", "robot": "ridgeback", "skill": "go_to", "data": {"place": "ur3_front"}, "after": ["b"]}]})
+        faults = self.write("of-the-first.json", [{"at": 6, "kind": "fail", "node": "pioneer1"}])
+        words = ("--task-seconds", 10, "--faults", faults)
+        table = self.simulate(*words, scenario=scenario).stdout
+        self.assertRegex(table, r"b +pioneer1 +0\.0 +\d\.\d failed +-\n")
+        self.assertRegex(table, r"b +pioneer2 .* pioneer1, which failed at it")
+        last = re.search(r"c +ridgeback +\S+ +(\S+) +b", table)[1]
+        self.assertIn(f"2 tasks in {last} s", table)
+        found = self.answer(*words, scenario=scenario)
+        self.assertEqual([(row["task"], row["waited_for"], row["tried_again"]) for row in found["waits"]],
+                         [("b", "b", True), ("c", "b", False)])
 
     def test_one_seed_is_one_run(self):
         self.assertEqual(self.answer("--seed", 7), self.answer("--seed", 7))

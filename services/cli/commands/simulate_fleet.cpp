@@ -72,9 +72,15 @@ std::string seconds_text(double value) {
   return text;
 }
 
-std::string wait_text(const std::vector<PlayedTask>& tasks, const TaskWait& wait) {
+std::string end_text(const PlayedTask& of) {
+  if (of.is_open) return "-";
+  return seconds_text(of.end_s) + (of.has_failed ? " failed" : "");
+}
+
+std::string wait_text(const std::vector<PlayedTask>& tasks, const PlayedTask& of, const TaskWait& wait) {
   if (!wait.holder) return "-";
   const PlayedTask& holder = tasks[*wait.holder];
+  if (holder.id == of.id) return holder.robot + ", which failed at it";
   return wait.is_robot_busy ? holder.robot + ", which did " + holder.id : holder.id;
 }
 
@@ -83,7 +89,7 @@ void print_tasks(const std::vector<PlayedTask>& tasks) {
   const std::vector<TaskWait> waits = waits_of(tasks);
   for (std::size_t i = 0; i < tasks.size(); ++i) {
     rows.push_back({(waits[i].is_critical ? "* " : "  ") + tasks[i].id, tasks[i].robot, seconds_text(tasks[i].begin_s),
-                    seconds_text(tasks[i].end_s) + (tasks[i].has_failed ? " failed" : ""), wait_text(tasks, waits[i])});
+                    end_text(tasks[i]), wait_text(tasks, tasks[i], waits[i])});
   }
   print(format_table(rows));
   print_line("* the critical path: the run is shorter only if one of these is");
