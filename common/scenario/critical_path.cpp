@@ -19,7 +19,11 @@ class Waits {
   }
 
   std::vector<TaskWait> find() {
-    for (std::size_t i = 0; i < tasks_.size(); ++i) find_holder(i);
+    for (std::size_t i = 0; i < tasks_.size(); ++i) {
+      find_holder(i);
+      const double since_s = out_[i].holder ? tasks_[*out_[i].holder].end_s : 0;
+      out_[i].more_s = std::max(0.0, tasks_[i].begin_s - since_s);
+    }
     mark_critical();
     return std::move(out_);
   }
@@ -53,7 +57,7 @@ class Waits {
     std::optional<std::size_t> at = static_cast<std::size_t>(last - tasks_.begin());
     while (at && !out_[*at].is_critical) {
       out_[*at].is_critical = true;
-      at = out_[*at].holder;
+      at = out_[*at].more_s > kLongestHandOver_s ? std::nullopt : out_[*at].holder;
     }
   }
 

@@ -25,7 +25,13 @@ struct TaskWait {
                                         ///< failed; nullopt: it waited for none
   bool is_robot_busy = false;           ///< the holder is no predecessor: the robot had it to do
   bool is_critical = false;             ///< had it been shorter, the run would have been shorter
+  double more_s = 0;  ///< from the holder's end, or without one from time 0, to its begin: it waited for what is no
+                      ///< task's end, such as a result that was not here yet, a sensor's value, a decision
 };
+
+/// A hand-over and a decision of the cloud are no longer. Whether a wait beyond it hangs on the holder's end, as a slow
+/// link's, or on none, as a cut one's, the times do not say: the critical path begins behind it.
+constexpr double kLongestHandOver_s = 3;
 
 /// For each attempt, in the order given. Tasks that are not among them held nothing up.
 std::vector<TaskWait> waits_of(const std::vector<PlayedTask>& tasks);

@@ -60,3 +60,26 @@ TEST_CASE("an attempt waits for the one of its task that failed before it; what 
   CHECK(waits[3].holder == 2);
   CHECK(critical(tasks) == "b b ");
 }
+
+TEST_CASE("a long gap behind the last end is a wait of its own, and the critical path begins behind it") {
+  // c's result is behind a cut link until 60 s: that a and b were shorter would change nothing.
+  const std::vector<PlayedTask> tasks{{"a", "ur3", 0, 10, {}},
+                                      {"c", "pioneer", 0, 3, {}},
+                                      {"b", "ur3", 10.1, 20, {"a"}},
+                                      {"d", "ur3", 63, 65, {"b", "c"}},
+                                      {"e", "pioneer", 65.1, 67, {"d"}}};
+  const auto waits = waits_of(tasks);
+  CHECK(waits[0].more_s == 0);
+  CHECK(waits[2].more_s == doctest::Approx(0.1));
+  CHECK(waits[3].holder == 2);
+  CHECK(waits[3].more_s == 43);
+  CHECK(critical(tasks) == "d e ");
+}
+
+TEST_CASE("a task without anything before it that begins late has waited since the beginning") {
+  const auto waits = waits_of({{"a", "cart", 0, 5, {}}, {"b", "arm", 30, 31, {}}});
+  CHECK_FALSE(waits[1].holder);
+  CHECK(waits[1].more_s == 30);
+  CHECK(waits[1].is_critical);
+  CHECK_FALSE(waits[0].is_critical);
+}

@@ -1,6 +1,7 @@
 #include "common/scenario/played_tasks.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <map>
 #include <optional>
@@ -16,6 +17,10 @@ bool is_text(const Value* value) {
 
 bool is_number(const Value* value) {
   return value != nullptr && value->is_number();
+}
+
+double in_milliseconds(double time_s) {
+  return std::round(time_s * 1e3) / 1e3;
 }
 
 std::optional<PlayedTask> attempt_of(const Value& one, const Scenario& scenario) {
@@ -112,7 +117,8 @@ Value waits_value(const std::vector<PlayedTask>& tasks) {
                                       {"waited_for", Value{holder ? tasks[*holder].id : std::string()}},
                                       {"robot_busy", Value{waits[i].is_robot_busy}},
                                       {"critical", Value{waits[i].is_critical}},
-                                      {"tried_again", Value{holder && tasks[*holder].id == tasks[i].id}}}});
+                                      {"tried_again", Value{holder && tasks[*holder].id == tasks[i].id}},
+                                      {"more_s", Value{in_milliseconds(waits[i].more_s)}}}});
   }
   return Value{std::move(out)};
 }

@@ -15,8 +15,9 @@ namespace trb {
 /// scenario is left out.
 std::vector<PlayedTask> played_tasks(const Value& answer, const Scenario& scenario);
 
-/// [{"task", "waited_for", "robot_busy", "critical", "tried_again"}] of the attempts that count, in the order given;
-/// `waited_for` is empty if it waited for none; `tried_again`: it waited for an attempt of its own task, which failed.
+/// [{"task", "waited_for", "robot_busy", "critical", "tried_again", "more_s"}] of the attempts that count, in the order
+/// given; `waited_for` is empty if it waited for none; `tried_again`: it waited for an attempt of its own task, which
+/// failed; `more_s`: as in TaskWait, to the millisecond.
 Value waits_value(const std::vector<PlayedTask>& tasks);
 
 }  // namespace trb

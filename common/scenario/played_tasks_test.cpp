@@ -57,8 +57,8 @@ TEST_CASE("what each waited for, as JSON") {
   const auto tasks = played(R"({"tasks": [{"id": "go", "robot": "cart", "begin_s": 0, "end_s": 3},
                                           {"id": "take", "robot": "arm", "begin_s": 3.1, "end_s": 5}]})");
   CHECK(dump_json(waits_value(tasks)) ==
-        R"([{"task":"go","waited_for":"","robot_busy":false,"critical":true,"tried_again":false},)"
-        R"({"task":"take","waited_for":"go","robot_busy":false,"critical":true,"tried_again":false}])");
+        R"([{"task":"go","waited_for":"","robot_busy":false,"critical":true,"tried_again":false,"more_s":0.0},)"
+        R"({"task":"take","waited_for":"go","robot_busy":false,"critical":true,"tried_again":false,"more_s":0.1}])");
 }
 
 TEST_CASE("who comes behind a task that was skipped waited for what that task waited for") {

@@ -125,12 +125,26 @@ class AFleetAsItIs(unittest.TestCase):
         words = ("--task-seconds", 10, "--faults", faults)
         table = self.simulate(*words, scenario=scenario).stdout
         self.assertRegex(table, r"b +pioneer1 +0\.0 +\d\.\d failed +-\n")
-        self.assertRegex(table, r"b +pioneer2 .* pioneer1, which failed at it")
+        self.assertRegex(table, r"b +pioneer2 .* pioneer1, which failed at it; then 2\.\d s for something else")
         last = re.search(r"c +ridgeback +\S+ +(\S+) +b", table)[1]
         self.assertIn(f"2 tasks in {last} s", table)
         found = self.answer(*words, scenario=scenario)
         self.assertEqual([(row["task"], row["waited_for"], row["tried_again"]) for row in found["waits"]],
                          [("b", "b", True), ("c", "b", False)])
+
+    def test_what_is_behind_a_cut_link_holds_a_task_up_and_the_critical_path_begins_there(self):
+        go = {"skill": "go_to", "data": {"place": "ur3_front"}}
+        scenario = self.write("cut.json", {"name": "cut", "tasks": [
+            {"id": "a", "robot": "ridgeback", **go}, {"id": "b", "robot": "ridgeback", **go, "after": ["a"]},
+            {"id": "c", "robot": "pioneer1", **go}, {"id": "d", "robot": "ridgeback", **go, "after": ["b", "c"]}]})
+        faults = self.write("cut-and-healed.json", [{"at": 2, "kind": "cut", "node": "pioneer1"}, {"at": 60, "kind": "heal", "node": "pioneer1"}])
+        words = ("--faults", faults)
+        waits = {row["task"]: row for row in self.answer(*words, scenario=scenario)["waits"]}
+        self.assertGreater(waits["d"]["more_s"], 50)
+        self.assertEqual([task for task, row in waits.items() if row["critical"]], ["d"])
+        table = self.simulate(*words, scenario=scenario).stdout
+        self.assertRegex(table, r"\* d +ridgeback .* b; then 5\d\.\d s for something else")
+        self.assertIn(", or waits less for something else", table)
 
     def test_one_seed_is_one_run(self):
         self.assertEqual(self.answer("--seed", 7), self.answer("--seed", 7))

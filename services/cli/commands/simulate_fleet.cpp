@@ -1,5 +1,6 @@
 #include "services/cli/commands/simulate_fleet.hpp"
 
+#include <algorithm>
 #include <cstdio>
 
 #include "common/scenario/played_tasks.hpp"
@@ -77,11 +78,29 @@ std::string end_text(const PlayedTask& of) {
   return seconds_text(of.end_s) + (of.has_failed ? " failed" : "");
 }
 
-std::string wait_text(const std::vector<PlayedTask>& tasks, const PlayedTask& of, const TaskWait& wait) {
-  if (!wait.holder) return "-";
+constexpr double kShown_s = 0.5;  ///< a hand-over is shorter
+
+std::string holder_text(const std::vector<PlayedTask>& tasks, const PlayedTask& of, const TaskWait& wait) {
+  if (!wait.holder) return "";
   const PlayedTask& holder = tasks[*wait.holder];
   if (holder.id == of.id) return holder.robot + ", which failed at it";
   return wait.is_robot_busy ? holder.robot + ", which did " + holder.id : holder.id;
+}
+
+std::string wait_text(const std::vector<PlayedTask>& tasks, const PlayedTask& of, const TaskWait& wait) {
+  const std::string holder = holder_text(tasks, of, wait);
+  if (wait.more_s < kShown_s) return holder.empty() ? "-" : holder;
+  return (holder.empty() ? "" : holder + "; then ") + seconds_text(wait.more_s) + " s for something else";
+}
+
+/// What the table cannot say.
+void print_key(const std::vector<TaskWait>& waits) {
+  const auto is_shown = [](const TaskWait& wait) { return wait.more_s >= kShown_s; };
+  const auto is_on_path = [&](const TaskWait& wait) { return wait.is_critical && is_shown(wait); };
+  print_line(std::string("* the critical path: the run is shorter only if one of these is") +
+             (std::ranges::any_of(waits, is_on_path) ? ", or waits less for something else" : ""));
+  if (std::ranges::any_of(waits, is_shown))
+    print_line("something else: no task's end, but a result that was not there yet, a sensor's value, a decision");
 }
 
 void print_tasks(const std::vector<PlayedTask>& tasks) {
@@ -92,7 +111,7 @@ void print_tasks(const std::vector<PlayedTask>& tasks) {
                     end_text(tasks[i]), wait_text(tasks, tasks[i], waits[i])});
   }
   print(format_table(rows));
-  print_line("* the critical path: the run is shorter only if one of these is");
+  print_key(waits);
 }
 
 /// What one robot less would change: a row for each.
