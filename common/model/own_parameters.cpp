@@ -20,6 +20,23 @@ struct Passed {
   std::string to;
 };
 
+/// From when on a robot knows that it has something to do, until it has done it.
+struct Work {
+  double from_s = 0, end_s = 0;
+};
+
+/// How often a robot without work asks for the run's end in so long a time. A handover takes a moment more than none: a
+/// question at the very end is sent.
+std::uint64_t questions_in(double idle_s) {
+  std::uint64_t out = 0;
+  double at_s = kAsksEndAfter_s;
+  for (double wait_s = 2 * kAsksEndAfter_s; at_s <= idle_s; wait_s = std::min(2 * wait_s, kAsksEndEach_s)) {
+    ++out;
+    at_s += wait_s;
+  }
+  return out;
+}
+
 /// Plays the scenario: what begins when, where batons go, whom the run controls.
 class Schedule {
  public:
@@ -58,6 +75,21 @@ class Schedule {
     for (const auto& [robot, spells] : spells_) out += spells.size();
     return out;
   }
+  /// A robot's own tasks are all done, and the run is not over. That it will be given one that names none it does not
+  /// know before.
+  [[nodiscard]] std::uint64_t end_asked() const {
+    std::uint64_t out = 0;
+    for (auto [robot, works] : works_) {
+      std::ranges::sort(works, {}, &Work::from_s);
+      double free_s = works.front().from_s;
+      for (const Work& work : works) {
+        if (work.from_s > free_s) out += questions_in(work.from_s - free_s);
+        free_s = std::max(free_s, work.end_s);
+      }
+      if (free_s < end_s_) out += questions_in(end_s_ - free_s);
+    }
+    return out;
+  }
   /// Batons that reach a robot under control.
   [[nodiscard]] std::uint64_t kept() const {
     return static_cast<std::uint64_t>(std::ranges::count_if(passed_, [&](const Passed& one) {
@@ -88,6 +120,8 @@ class Schedule {
     ready_.erase(task);
     const double begin = begin_of(task), end = begin + task_s_[task];
     control(robots_[task], begin, end);
+    // One that names it, it knows from the start.
+    works_[robots_[task]].push_back({is_late(task) ? ready_s_[task] : 0, end});
     free_s_[robots_[task]] = end;
     end_s_ = std::max(end_s_, end);
     std::set<std::string> to;
@@ -153,6 +187,7 @@ class Schedule {
   std::set<TaskIndex> ready_, done_;
   std::map<std::string, double> free_s_;
   std::map<std::string, std::vector<Spell>> spells_;
+  std::map<std::string, std::vector<Work>> works_;  ///< by robot
   std::vector<Passed> passed_;
   std::uint64_t to_decider_ = 0;
   std::uint64_t resumed_ = 0;
@@ -210,6 +245,7 @@ OwnParameters own_parameters_of(const Scenario& scenario, const std::vector<std:
   p.kept = schedule.kept();
   p.twice = schedule.twice();
   p.resumed = schedule.resumed();
+  p.end_asked = schedule.end_asked();
   p.remote_requests = remote_requests(scenario, robots);
   p.bound = static_cast<std::uint64_t>(
       std::ranges::count_if(scenario.tasks, [](const Task& task) { return task.robot.empty(); }));

@@ -84,3 +84,15 @@ TEST_CASE(
   CHECK(batons(to_b) == 7);
   CHECK(own_parameters_of(scenario, {}, 1).robots == 3);
 }
+
+TEST_CASE("a robot whose tasks are all done asks for the run's end after 30 s, and then ever more seldom") {
+  CHECK(own_parameters_of(tasks_in_turn(4, 20), {}, 30).end_asked == 4);  // 90 s before it two, 60 s one, 30 s one
+  CHECK(own_parameters_of(tasks_in_turn(5, 5), {}, 15).end_asked == 3);
+  CHECK(own_parameters_of(tasks_in_turn(2, 2), {}, 29).end_asked == 0);
+  CHECK(own_parameters_of(tasks_in_turn(2, 2), {}, 1000).end_asked == 5);  // at 30, 90, 210, 450, 930 s
+  // The cloud gives a another task when it is due: a does not know before.
+  Scenario late = scenario_of({task_of("a"), task_of("b", {0}), task_of("", {1})});
+  CHECK(own_parameters_of(late, {"", "", "a"}, 40).end_asked == 2);  // of a while b works, of b while a does
+  late.tasks[2].robot = "a";
+  CHECK(own_parameters_of(late, {}, 40).end_asked == 1);
+}

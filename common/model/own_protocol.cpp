@@ -29,7 +29,8 @@ void check_sizes(const OwnParameters& p, Checks& checks) {
                  {p.sensors, "P (--sensors)"},
                  {p.remote_requests, "R (--remote-requests)"},
                  {p.states, "V (--states)"},
-                 {p.asked, "A (--asked)"}});
+                 {p.asked, "A (--asked)"},
+                 {p.end_asked, "W (--end-asked)"}});
   checks.updates(p.updates, "x (--rate)", p.seconds, "T (--seconds)", "x T (--rate, --seconds)");
 }
 
@@ -53,6 +54,8 @@ void check_run(const OwnParameters& p, Checks& checks) {
                  "A (--asked): nobody is asked if no robot fails and every task names its robot",
                  "use --faulty or --bound");
   at_most(p.bound, p.tasks, "Q (--bound)", tasks);
+  checks.require(p.members > 0 || p.end_asked == 0, Errc::bad_value,
+                 "W (--end-asked): no robot has work in the run, and so none asks for its end", "use --members");
 }
 
 constexpr std::array kTerms{
@@ -76,12 +79,13 @@ constexpr std::array kTerms{
     OwnTerm{"decision_journaled", "M(F + Q)", decisions_journaled},
     OwnTerm{"task_progress", "2(N + F)", progress},
     OwnTerm{"run_over", "M", ends},
-    OwnTerm{"ack", "F", acknowledgements},
+    OwnTerm{"need_end", "W", requests_for_end},
+    OwnTerm{"ack", "F + W", acknowledgements},
     OwnTerm{"goodbye", "2D", goodbyes},
     OwnTerm{"keep_alive", "n(n + 1)(T / 2.5 - 1/2)", keep_alives, true},
     OwnTerm{"seal",
-            "keep_alive + hello + L + J + n(P + 2S + F + V) + B + K + G + 2N + M - 1 + F(3M + 4) + Q(2M - 1) + A + 2R "
-            "+ x T",
+            "keep_alive + hello + L + J + n(P + 2S + F + V) + B + K + G + 2N + M - 1 + F(3M + 4) + Q(2M - 1) + A + 2W "
+            "+ 2R + x T",
             seals, true},
 };
 
@@ -174,8 +178,12 @@ double ends(const OwnParameters& p) {
   return count_of(p.members);
 }
 
+double requests_for_end(const OwnParameters& p) {
+  return count_of(p.end_asked);
+}
+
 double acknowledgements(const OwnParameters& p) {
-  return releases(p);
+  return releases(p) + requests_for_end(p);
 }
 
 double goodbyes(const OwnParameters& p) {
@@ -194,7 +202,7 @@ double seals(const OwnParameters& p) {
   const double decided = count_of(p.faulty) * (3 * count_of(p.members) + 4) +
                          count_of(p.bound) * (2 * count_of(p.members) - 1) + count_of(p.asked);
   const double sensors = count_of(2 * p.remote_requests) + p.updates * p.seconds;
-  return keep_alives(p) + hellos(p) + told + run + decided + sensors;
+  return keep_alives(p) + hellos(p) + told + run + decided + 2 * requests_for_end(p) + sensors;
 }
 
 std::span<const OwnTerm> own_terms() {

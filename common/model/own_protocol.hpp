@@ -30,17 +30,21 @@ struct OwnParameters {
   std::uint64_t faulty = 0;  ///< F: robots that break, with the policy to decide, their tasks taken over
   std::uint64_t bound = 0;   ///< Q: tasks that name no robot: the cloud decides when they are due
   std::uint64_t asked = 0;   ///< A: values that robots are asked for before such decisions
-  double updates = 0;        ///< x: of all watched sensors, 1/s
-  double seconds = 0;        ///< T: how long the links are up, s
+  std::uint64_t end_asked =
+      0;               ///< W: how often a robot whose tasks are all done asks the cloud whether the run is over
+  double updates = 0;  ///< x: of all watched sensors, 1/s
+  double seconds = 0;  ///< T: how long the links are up, s
   bool operator==(const OwnParameters&) const = default;
 };
 
 /// What follows for a fleet. Errors: bad_value or too_large, naming the variable and `trb model`'s option.
 Status check(const OwnParameters& parameters);
 
-constexpr double kKeepAlive_s = 2.5;  ///< router::Timing::keep_alive
-constexpr double kBeacon_s = 5;       ///< router::Timing::beacon
-constexpr double kControl_s = 10;     ///< a robot is let go so long after its last command's end
+constexpr double kAsksEndAfter_s = 30;  ///< scheduler::Pace: then after twice that, and so on
+constexpr double kAsksEndEach_s = 600;  ///< at most
+constexpr double kKeepAlive_s = 2.5;    ///< router::Timing::keep_alive
+constexpr double kBeacon_s = 5;         ///< router::Timing::beacon
+constexpr double kControl_s = 10;       ///< a robot is let go so long after its last command's end
 
 /// The functions expect parameters that have passed check(). Unit: messages.
 
@@ -89,7 +93,9 @@ double decisions_journaled(const OwnParameters& p);
 double progress(const OwnParameters& p);
 /// M: that the run is over, to each robot at work.
 double ends(const OwnParameters& p);
-/// F: one for each release.
+/// W.
+double requests_for_end(const OwnParameters& p);
+/// F + W: one for each release, and one for each such question: it is not over.
 double acknowledgements(const OwnParameters& p);
 /// 2 D: each end closes the second connection. On a slow link fewer: one is closed before the other end has said a
 /// word.

@@ -69,6 +69,15 @@ TEST_CASE("a task that names no robot costs the cloud's decision") {
   CHECK(value_of("robot_state", p) == 6);
 }
 
+TEST_CASE("a robot that waits for the run's end asks for it, and hears that it is not over") {
+  OwnParameters p = kInTurn;
+  p.end_asked = 3;
+  REQUIRE(check(p).ok());
+  CHECK(value_of("need_end", p) == 3);
+  CHECK(value_of("ack", p) == 3);
+  CHECK(value_of("seal", p) == value_of("seal", kInTurn) + 6);
+}
+
 TEST_CASE("sensors: each that is plugged in is told, a request has an answer, updates go by time") {
   OwnParameters p = kInTurn;
   p.sensors = 2;
@@ -110,6 +119,7 @@ TEST_CASE("bad parameters are refused by name") {
            Case{{.robots = 2, .faulty = 1}, "--faulty"},
            Case{{.robots = 2, .tasks = 3, .asked = 2}, "--asked"},
            Case{{.robots = 2, .tasks = 3, .bound = 4}, "--bound"},
+           Case{{.robots = 2, .end_asked = 1}, "--end-asked"},
            Case{{.seconds = -1}, "--seconds"},
            Case{{.updates = 1e300, .seconds = 1}, "--rate"},
            Case{{.updates = 1e8, .seconds = 1e8}, "--rate"},

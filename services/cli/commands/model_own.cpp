@@ -47,7 +47,9 @@ constexpr std::array kCounts{
     CountOption{"F", "--faulty", "", &OwnParameters::faulty},
     CountOption{"V", "--states", "changes of robots' values, V (0)", &OwnParameters::states},
     CountOption{"Q", "--bound", "tasks that name no robot, Q", &OwnParameters::bound},
-    CountOption{"A", "--asked", "values that robots are asked for before a decision, A (0)", &OwnParameters::asked}};
+    CountOption{"A", "--asked", "values that robots are asked for before a decision, A (0)", &OwnParameters::asked},
+    CountOption{"W", "--end-asked", "questions of robots whose tasks are all done whether the run is over, W",
+                &OwnParameters::end_asked}};
 
 constexpr std::array<const char*, 5> kPaperAlone{"--direct", "--interpreted", "--blocks", "--block-tasks",
                                                  "--local-requests"};

@@ -145,7 +145,8 @@ TEST_CASE("own model and counts agree term by term: tasks in turn") {
     const char* link;
   };
   for (const Case& one : {Case{1, 4, 3, "lan"}, Case{2, 3, 3, "wifi"}, Case{3, 9, 3, "lan"}, Case{4, 16, 2.7, "lan"},
-                          Case{5, 9, 3, "lan"}, Case{6, 6, 4, "lan"}, Case{8, 12, 1.7, "lan"}}) {
+                          Case{5, 9, 3, "lan"}, Case{6, 6, 4, "lan"}, Case{8, 12, 1.7, "lan"}, Case{5, 5, 15, "lan"},
+                          Case{4, 20, 30, "lan"}}) {
     CAPTURE(one.robots);
     CAPTURE(one.tasks);
     WorldPlan plan;
