@@ -54,8 +54,13 @@ void check_run(const OwnParameters& p, Checks& checks) {
                  "A (--asked): nobody is asked if no robot fails and every task names its robot",
                  "use --faulty or --bound");
   at_most(p.bound, p.tasks, "Q (--bound)", tasks);
+  at_most(p.crossed, static_cast<std::uint64_t>(std::min(pairs(p), 1e18)), "D (--crossed)",
+          "the pairs of " + std::to_string(p.robots + 1) + " nodes");
   checks.require(p.members > 0 || p.end_asked == 0, Errc::bad_value,
                  "W (--end-asked): no robot has work in the run, and so none asks for its end", "use --members");
+  checks.require(p.tasks > 0, Errc::bad_value, "N (--tasks): there is no task", "use at least 1");
+  checks.require(p.members > 0, Errc::bad_value, "M (--members): no robot has work in the run, which has " + tasks,
+                 "use at least 1");
 }
 
 constexpr std::array kTerms{

@@ -67,4 +67,16 @@ ScenarioParameters parameters_of(const Scenario& scenario, const std::set<std::s
   return out;
 }
 
+Status check_named(const Scenario& scenario, std::uint64_t robots) {
+  std::set<std::string> named;
+  for (const Task& task : scenario.tasks) {
+    if (!task.robot.empty()) named.insert(task.robot);
+  }
+  if (named.size() <= robots) return Done{};
+  return fail(Errc::bad_value,
+              "n (--robots): the scenario names " + counted(named.size(), "robot", "robots") + ", not " +
+                  std::to_string(robots),
+              "use at least " + std::to_string(named.size()) + ", or leave it out");
+}
+
 }  // namespace trb::model

@@ -1,10 +1,12 @@
 // The paper's variables, read off a scenario.
 #pragma once
 
+#include <cstdint>
 #include <set>
 #include <string>
 #include <vector>
 
+#include "common/base/result.hpp"
 #include "common/model/paper.hpp"
 #include "proto/bodies/run.hpp"
 
@@ -22,5 +24,8 @@ struct ScenarioParameters {
 /// (chooser_of): local if its sensor is at that robot, or there is no other. delta_t, sum_x and N_f are no part of a
 /// scenario and stay 0; k is 1 for one robot's tasks. The scenario must have passed check_graph.
 ScenarioParameters parameters_of(const Scenario& scenario, const std::set<std::string>& interpreted);
+
+/// A fleet has the robots that the scenario names. Errors: bad_value, naming `trb model`'s option.
+Status check_named(const Scenario& scenario, std::uint64_t robots);
 
 }  // namespace trb::model

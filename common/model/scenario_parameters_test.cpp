@@ -71,3 +71,17 @@ TEST_CASE("a condition is a request of the robot that evaluates it: local if the
   REQUIRE(anywhere.assumed.size() == 1);
   CHECK(anywhere.assumed[0] == "1 condition names no node of its sensor: each counts as a remote request");
 }
+
+TEST_CASE("a fleet has at least the robots that the scenario names") {
+  Scenario scenario;
+  for (const char* robot : {"a", "b", "", "a"}) {
+    Task task;
+    task.robot = robot;
+    scenario.tasks.push_back(task);
+  }
+  CHECK(check_named(scenario, 2).ok());
+  const Status few = check_named(scenario, 1);
+  REQUIRE_FALSE(few.ok());
+  CHECK(few.error().what.find("--robots") != std::string::npos);
+  CHECK(few.error().hint.find('2') != std::string::npos);
+}

@@ -52,6 +52,7 @@ class Model(unittest.TestCase):
                               (("--robots", 2, "--direct", 3, "--faulty", 2), "N_f (--faulty)"),
                               (("--robots", 2, "--direct", 3, "--seconds", "-1"), "--seconds"),
                               (("--scenario", "/nowhere.json"), "/nowhere.json"),
+                              (("--scenario", SCENARIO, "--robots", 2), "n (--robots)"),
                               (("--scenario", SCENARIO, "--interpreted", "ridgeback,urr3"), "'urr3'")):
             with self.subTest(words):
                 done = trb("model", *words)
@@ -98,6 +99,9 @@ class OwnModel(unittest.TestCase):
     def test_what_cannot_be_is_refused_by_name(self):
         for words, wanted in ((("--robots", 0), "--robots"), (("--members", 9), "M (--members)"), (("--blocks", 2), "--blocks"),
                               (("--task-seconds", "-1"), "--task-seconds"), (("--tasks", 1001), "--tasks"),
+                              (("--task-seconds", 0), "--task-seconds"), (("--tasks", 0), "N (--tasks)"),
+                              (("--members", 0), "M (--members)"), (("--robots", 3, "--crossed", 99), "D (--crossed)"),
+                              (("--scenario", SCENARIO, "--robots", 2), "n (--robots)"),
                               (("--scenario", "/nowhere.json"), "/nowhere.json")):
             with self.subTest(words):
                 done = trb(*self.OWN, *words)

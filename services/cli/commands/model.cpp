@@ -101,9 +101,10 @@ int run_paper_model(const Arguments& given) {
   Arguments arguments = given;
   PaperParameters p;
   std::vector<std::string> notes;
+  Scenario scenario;
   if (arguments.has("--scenario")) {
     ConfigFaults faults;
-    const Scenario scenario = read_file_scenario(arguments.get("--scenario"), faults);
+    scenario = read_file_scenario(arguments.get("--scenario"), faults);
     if (!faults.empty()) return print_faults(arguments, faults);
     const std::set<std::string> interpreted = split(arguments.get("--interpreted"));
     if (const Status known = check_robots(scenario, interpreted); !known) return print_error(arguments, known.error());
@@ -113,6 +114,7 @@ int run_paper_model(const Arguments& given) {
     notes = found.assumed;
   }
   Status status = read_parameters(arguments, p);
+  if (status) status = model::check_named(scenario, p.n);
   if (status) status = model::check(p);
   if (!status) return print_error(arguments, status.error());
   for (const std::string& note : notes_of(p)) notes.push_back(note);

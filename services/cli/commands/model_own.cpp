@@ -7,6 +7,7 @@
 #include "common/base/files.hpp"
 #include "common/fleet/object_reader.hpp"
 #include "common/model/own_parameters.hpp"
+#include "common/model/scenario_parameters.hpp"
 #include "services/cli/commands/model_terms.hpp"
 #include "services/cli/commands/scenario_check.hpp"
 #include "services/cli/core/table.hpp"
@@ -179,10 +180,15 @@ int run_own_model(const Arguments& arguments) {
   double task_s = 3;
   reader.read("--task-seconds", task_s);
   if (!reader.status()) return print_error(arguments, reader.status().error());
+  if (!kSeconds.holds(task_s)) {
+    return print_error(arguments, fail(Errc::bad_value, "--task-seconds: is no time that a task takes",
+                                       "write seconds, more than 0 and at most a week"));
+  }
   OwnParameters p;
+  Scenario scenario;
   if (arguments.has("--scenario")) {
     ConfigFaults faults;
-    const Scenario scenario = read_file_scenario(arguments.get("--scenario"), faults);
+    scenario = read_file_scenario(arguments.get("--scenario"), faults);
     if (!faults.empty()) return print_faults(arguments, faults);
     auto found = of_file(arguments, scenario, task_s);
     if (!found) return print_error(arguments, found.error());
@@ -193,6 +199,7 @@ int run_own_model(const Arguments& arguments) {
     p = *found;
   }
   Status status = read_parameters(arguments, p);
+  if (status) status = model::check_named(scenario, p.robots);
   if (status) status = model::check(p);
   if (!status) return print_error(arguments, status.error());
   arguments.has("--json") ? print_json(own_value(p)) : print_terms(p);
