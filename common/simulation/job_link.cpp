@@ -35,6 +35,15 @@ void read_delay(ObjectReader& reader, LinkKind& out) {
   out.deviation = seconds(reader.number("deviation_s", Need::optional, {0, mean_s}).value_or(0));
 }
 
+/// In millionths.
+std::uint32_t read_loss(ObjectReader& reader) {
+  const double loss = reader.number("loss", Need::optional, kLoss).value_or(0);
+  const auto millionths = static_cast<std::uint32_t>(kMillion * loss);
+  if (loss > 0 && millionths == 0)
+    reader.faults().add(reader.path("loss"), "is less than one packet in a million", "use 0, or 0.000001 or more");
+  return millionths;
+}
+
 }  // namespace
 
 LinkKind read_link(ObjectReader& of) {
@@ -43,7 +52,7 @@ LinkKind read_link(ObjectReader& of) {
   ObjectReader reader(*json, "link", of.faults());
   LinkKind out;
   read_delay(reader, out);
-  out.loss = static_cast<std::uint32_t>(kMillion * reader.number("loss", Need::optional, kLoss).value_or(0));
+  out.loss = read_loss(reader);
   out.bytes_a_second =
       static_cast<std::uint64_t>(reader.integer("bytes_a_second", Need::optional, kLeastBytes, kMostBytes)
                                      .value_or(static_cast<std::int64_t>(out.bytes_a_second)));

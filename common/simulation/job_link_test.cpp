@@ -30,6 +30,8 @@ TEST_CASE("a link has a name, or is described") {
   CHECK(own.delay == std::chrono::milliseconds(20));
   CHECK(own.deviation == std::chrono::milliseconds(5));
   CHECK(own.loss == 1000);
+  CHECK(read(R"({"delay_s": 0, "loss": 1e-6})").link.loss == 1);
+  CHECK(read(R"({"delay_s": 0, "loss": 0})").faults.empty());
   CHECK(own.bytes_a_second == 5000);
   CHECK(read(R"({"delays_s": [0.01, 0.4]})").link.longest() == std::chrono::milliseconds(400));
 }
@@ -44,7 +46,7 @@ TEST_CASE("what is wrong with a link is named") {
         Case{R"({"delay_s": 11})", "link.delay_s"}, Case{R"({"delay_s": 0.1, "deviation_s": 0.2})", "link.deviation_s"},
         Case{R"({"delays_s": []})", "link.delays_s"}, Case{R"({"delays_s": [0.1, -1]})", "link.delays_s[1]"},
         Case{R"({"delays_s": [0.1], "delay_s": 0.1})", "link.delay_s"},
-        Case{R"({"delay_s": 0.1, "loss": 0.6})", "link.loss"},
+        Case{R"({"delay_s": 0.1, "loss": 0.6})", "link.loss"}, Case{R"({"delay_s": 0.1, "loss": 9e-7})", "link.loss"},
         Case{R"({"delay_s": 0.1, "bytes_a_second": 1})", "link.bytes_a_second"}}) {
     CAPTURE(one.link);
     const ConfigFaults faults = read(one.link).faults;
