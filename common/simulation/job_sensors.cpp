@@ -20,7 +20,15 @@ constexpr Range kTimes{0, kMaxUntil};
 
 Measured measured_of(const ObjectReader& reader, const Value& value) {
   if (value.is_number() && kNumbers.holds(value.number())) return value.number();
+  if (value.is_number()) {
+    reader.faults().add(reader.path("value"), "is too large", "write a number from -1e12 to 1e12");
+    return {};
+  }
   if (value.is_text() && value.text().size() <= kMaxText) return value.text();
+  if (value.is_text()) {
+    reader.faults().add(reader.path("value"), "is too long", "write a text of 255 bytes at most");
+    return {};
+  }
   if (!value.is_null()) {
     reader.faults().add(reader.path("value"), "is no value", "write a number, a text, or null: it cannot be read");
   }

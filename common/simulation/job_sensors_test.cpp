@@ -133,3 +133,14 @@ TEST_CASE("a node tells of its sensor in place of the one of that name") {
   CHECK(profiles.at("arm").plugged[0].unit == "K");
   CHECK(profiles.at("belt").plugged.size() == 1);
 }
+
+TEST_CASE("a value beyond its bound is refused with that bound") {
+  for (const auto& [value, bound] : {std::pair{std::string("1e15"), "1e12"}, std::pair{std::string("-2e12"), "1e12"},
+                                     std::pair{'"' + std::string(256, 'x') + '"', "255"}}) {
+    CAPTURE(value);
+    const ConfigFaults faults = read(R"({"node": "arm", "name": "t", "value": )" + value + "}").faults;
+    REQUIRE(faults.size() == 1);
+    CHECK(faults[0].key == "sensor_values[0].value");
+    CHECK(faults[0].hint.find(bound) != std::string::npos);
+  }
+}

@@ -112,6 +112,12 @@ class OwnModel(unittest.TestCase):
 
 
 class Simulate(unittest.TestCase):
+    def test_a_seed_of_63_bits_is_taken_and_a_larger_one_refused_with_the_range(self):
+        words = ("simulate", "--protocol", "talkrobots", "--robots", 1, "--tasks", 1, "--seed")
+        self.assertEqual(answer_of(*words, 2**63 - 1)["world"]["state"], "FINISHED")
+        self.assertIn(f"from 0 to {2**63 - 1}", trb(*words, 2**63).stderr)
+        self.assertIn(f"from 0 to {2**63 - 1}", trb(*words, 10**25).stderr)
+
     def test_what_is_counted_is_what_the_equations_say(self):
         for robots, tasks, interpreted in ((1, 1, 0), (1, 7, 1), (5, 9, 2), (50, 100, 0), (200, 60, 100)):
             with self.subTest(robots=robots, tasks=tasks):

@@ -4,16 +4,23 @@
 
 namespace trb::cli {
 
-void OptionReader::refuse(const std::string& option, const std::string& wanted) {
+namespace {
+
+constexpr std::uint64_t kMostWhole = INT64_MAX;  ///< a job's numbers are signed
+
+}  // namespace
+
+void OptionReader::refuse(const std::string& option, const std::string& wanted, const std::string& hint) {
   if (!status_.ok()) return;
-  status_ = fail(Errc::bad_value, option + ": '" + arguments_.get(option) + "' is no " + wanted, "use 0 or more");
+  status_ = fail(Errc::bad_value, option + ": '" + arguments_.get(option) + "' is no " + wanted, hint);
 }
 
 void OptionReader::read(const std::string& option, std::uint64_t& into) {
   if (!arguments_.has(option)) return;
   const std::string text = arguments_.get(option);
-  const bool digits = !text.empty() && text.size() <= 10 && text.find_first_not_of("0123456789") == std::string::npos;
-  if (!digits) return refuse(option, "whole number");
+  const bool digits = !text.empty() && text.size() <= 19 && text.find_first_not_of("0123456789") == std::string::npos;
+  if (!digits || std::stoull(text) > kMostWhole)
+    return refuse(option, "whole number that is taken", "use one from 0 to " + std::to_string(kMostWhole));
   into = std::stoull(text);
 }
 
@@ -22,7 +29,8 @@ void OptionReader::read(const std::string& option, double& into) {
   const std::string text = arguments_.get(option);
   char* end = nullptr;
   const double number = std::strtod(text.c_str(), &end);
-  if (text.empty() || *end != '\0' || !std::isfinite(number) || number < 0) return refuse(option, "number from 0");
+  if (text.empty() || *end != '\0' || !std::isfinite(number) || number < 0)
+    return refuse(option, "number from 0", "use 0 or more");
   into = number;
 }
 

@@ -22,7 +22,7 @@ class OptionReader {
   [[nodiscard]] const Status& status() const { return status_; }
 
  private:
-  void refuse(const std::string& option, const std::string& wanted);
+  void refuse(const std::string& option, const std::string& wanted, const std::string& hint);
 
   const Arguments& arguments_;
   Status status_ = Done{};
