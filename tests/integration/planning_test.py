@@ -112,6 +112,10 @@ class OwnModel(unittest.TestCase):
 
 
 class Simulate(unittest.TestCase):
+    def test_bytes_a_second_are_those_of_a_run_of_less_than_a_second_too(self):
+        words = ("simulate", "--robots", 1, "--tasks", 1, "--task-seconds", 0.1)
+        self.assertIn(f"0.100 s, {answer_of(*words)['bytes'] * 10} bytes/s", trb(*words).stdout)
+
     def test_a_seed_of_63_bits_is_taken_and_a_larger_one_refused_with_the_range(self):
         words = ("simulate", "--protocol", "talkrobots", "--robots", 1, "--tasks", 1, "--seed")
         self.assertEqual(answer_of(*words, 2**63 - 1)["world"]["state"], "FINISHED")
@@ -218,8 +222,17 @@ class Simulate(unittest.TestCase):
             robots = {node["id"]: node.get("robot") for node in state["nodes"]}
             self.assertEqual(robots["r1"], "broken")
             self.assertRegex(trb("simulate", "--replay", path, "--until", broken).stdout, r"r1 +3 +OPEN +\d+ +broken")
-            # Another job's messages are not the trace's.
             lines = path.read_text().splitlines()
+            self.assertNotIn("cut off", chart.stdout)
+            self.assertEqual(json.loads(lines[-1]), {"complete": True, "messages": len(lines) - 2})
+            # Without its last line, as those of versions before it, and cut off.
+            for part in (lines[:-1], lines[:200]):
+                path.write_text("\n".join(part) + "\n")
+                told = trb("simulate", "--replay", path)
+                self.assertEqual(told.returncode, 0, told.stderr)
+                self.assertIn("may be cut off", told.stdout)
+                self.assertFalse(answer_of("simulate", "--replay", path)["complete"])
+            # Another job's messages are not the trace's.
             path.write_text("\n".join([lines[0].replace('"tasks":4', '"tasks":5'), *lines[1:]]) + "\n")
             other = trb("simulate", "--replay", path, "--until", broken)
             self.assertEqual(other.returncode, 1)

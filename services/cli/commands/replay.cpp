@@ -20,6 +20,7 @@ constexpr std::size_t kMostValues = 1'000'000;   // of a job, as the simulator t
 struct KeptTrace {
   Value job;
   std::vector<Value> messages;
+  bool is_whole = false;  ///< up to the event; if unknown, false
 };
 
 Error no_trace(const std::string& file, std::size_t line) {
@@ -37,6 +38,12 @@ bool is_message(const Value& line) {
   return texts && has("at_s", &Value::is_number) && has("event", &Value::is_integer);
 }
 
+/// The last line: {"complete", "messages"}.
+bool is_end(const Value& line) {
+  const Value *complete = line.find("complete"), *messages = line.find("messages");
+  return complete != nullptr && complete->is_bool() && messages != nullptr && messages->is_integer();
+}
+
 /// `until` 0: all of it.
 Result<KeptTrace> read_trace(const std::string& file, std::uint64_t until) {
   const auto text = read_file(file, kMostBytes);
@@ -46,11 +53,19 @@ Result<KeptTrace> read_trace(const std::string& file, std::uint64_t until) {
   std::getline(lines, line);
   const auto first = parse_json(line, {.bytes = kMostBytes, .values = kMostValues});
   if (!first || !first->is_object() || first->find("job") == nullptr) return no_trace(file, 1);
-  KeptTrace out{*first->find("job"), {}};
+  KeptTrace out{*first->find("job"), {}, false};
   for (std::size_t number = 2; std::getline(lines, line); ++number) {
     auto message = parse_json(line);
+    if (message && message->is_object() && is_end(*message)) {
+      out.is_whole = message->find("complete")->boolean() &&
+                     message->find("messages")->integer() == static_cast<std::int64_t>(out.messages.size());
+      break;
+    }
     if (!message || !message->is_object() || !is_message(*message)) return no_trace(file, number);
-    if (until != 0 && static_cast<std::uint64_t>(message->find("event")->integer()) > until) break;
+    if (until != 0 && static_cast<std::uint64_t>(message->find("event")->integer()) > until) {
+      out.is_whole = true;
+      break;
+    }
     out.messages.push_back(std::move(*message));
   }
   return out;
@@ -76,6 +91,13 @@ void print_chart(const std::vector<Value>& messages, bool all) {
              " messages within computers and of upkeep are left out; --all prints them");
 }
 
+void print_note(const KeptTrace& trace) {
+  if (trace.is_whole) return;
+  print_line(
+      "The trace may be cut off: its last line, which says that it is complete, is missing or does not fit. "
+      "Traces of versions before it have none");
+}
+
 /// What was sent up to the event is what the trace has of it. Errors: conflict.
 Status check_same(const KeptTrace& trace, const Value& state) {
   const bool none = trace.messages.empty();
@@ -83,7 +105,8 @@ Status check_same(const KeptTrace& trace, const Value& state) {
                     (none || state.find("digest")->text() == trace.messages.back().find("digest")->text());
   if (same) return Done{};
   return fail(Errc::conflict, "the replay sends other messages than the trace has up to that event",
-              "make the trace anew with this version's trb-simulator");
+              trace.is_whole ? "make the trace anew with this version's trb-simulator"
+                             : "it may be cut off before that event: make the trace anew");
 }
 
 void print_state(const Value& state, const Value& answer) {
@@ -133,8 +156,13 @@ int run_replay(const Arguments& arguments) {
   if (!trace) return print_error(arguments, trace.error());
   const bool json = arguments.has("--json");
   if (until == 0) {
-    json ? print_json(Value{Value::Object{{"job", trace->job}, {"messages", Value{trace->messages}}}})
-         : print_chart(trace->messages, arguments.has("--all"));
+    if (json) {
+      print_json(Value{Value::Object{
+          {"job", trace->job}, {"messages", Value{trace->messages}}, {"complete", Value{trace->is_whole}}}});
+      return kGood;
+    }
+    print_chart(trace->messages, arguments.has("--all"));
+    print_note(*trace);
     return kGood;
   }
   const auto answer = answer_at(*trace, until);
@@ -144,6 +172,7 @@ int run_replay(const Arguments& arguments) {
     return kGood;
   }
   print_chart(trace->messages, arguments.has("--all"));
+  print_note(*trace);
   print_state(*answer->find("state"), *answer);
   return kGood;
 }

@@ -83,7 +83,7 @@ void print_simulation(const Value& answer, const PaperParameters& p) {
   print(format_table(rows));
   const double seconds = answer.find("seconds")->number();
   print_line("\n" + shown_number(seconds) + " s, " +
-             shown_number(answer.find("bytes")->number() / std::max(seconds, 1.0)) +
+             shown_number(seconds > 0 ? answer.find("bytes")->number() / seconds : 0) +
              " bytes/s; tasks one after the other");
 }
 

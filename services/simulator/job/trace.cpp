@@ -66,8 +66,12 @@ void Trace::on(const world::World& world, const world::Sending& sending, CostPha
   text_ += dump_json(line) + "\n";
 }
 
-Status Trace::write(const std::string& path) const {
-  return is_too_long() ? too_long() : write_whole(path, text_);
+Status Trace::write(const std::string& path) {
+  if (is_too_long()) return too_long();
+  text_ += dump_json(Value{
+               Value::Object{{"complete", Value{true}}, {"messages", Value{static_cast<std::int64_t>(count_)}}}}) +
+           "\n";
+  return write_whole(path, text_);
 }
 
 Status check_traced(std::uint64_t messages) {

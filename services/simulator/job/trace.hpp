@@ -10,15 +10,16 @@ namespace trb::simulator {
 
 constexpr std::uint64_t kMaxTraced = 1'000'000;
 
-/// Lines of JSON: first {"job"}, which plays the same again, then a message each. `digest`, of all messages so far,
-/// tells whether another run is the same up to there.
+/// Lines of JSON: first {"job"}, which plays the same again, then a message each, and once it is written {"complete":
+/// true, "messages": how many}. `digest`, of all messages so far, tells whether another run is the same up to there.
 class Trace {
  public:
   explicit Trace(const std::string& job_text, std::uint64_t most = kMaxTraced);
 
   void on(const world::World& world, const world::Sending& sending, CostPhase phase);
-  /// All of it or nothing, also when a person interrupts. Errors: too_large (over a million messages), of the file.
-  [[nodiscard]] Status write(const std::string& path) const;
+  /// All of it or nothing, also when a person interrupts; the last thing that is done with it. Errors: too_large (over
+  /// a million messages), of the file.
+  [[nodiscard]] Status write(const std::string& path);
   /// It has more messages than a trace may have: it cannot be written any more.
   [[nodiscard]] bool is_too_long() const { return count_ > most_; }
   [[nodiscard]] const Bytes& text() const { return text_; }

@@ -2,8 +2,13 @@
 
 #include <doctest/doctest.h>
 
+#include <unistd.h>
+
 #include <algorithm>
+#include <filesystem>
 #include <sstream>
+
+#include "common/base/files.hpp"
 
 using namespace trb;
 using namespace trb::simulator;
@@ -78,6 +83,20 @@ TEST_CASE("the state at an event says what each robot does") {
   CHECK(before.find("nodes")->list()[0].find("run")->text() == "OPEN");
   const Value during = state_at(kept.job, event + 100);
   CHECK(during.find("nodes")->list()[1].find("robot")->text() == "works on t0");
+}
+
+TEST_CASE("a trace that is written has a last line, which says that it is complete") {
+  Trace trace("{}");
+  ConfigFaults faults;
+  world::World world(*read_job(kTracedJob + "}", faults).world);
+  trace.on(world, {0, "r0", "cloud", "baton", 1, true}, CostPhase::forward);
+  CHECK(trace.text().find("complete") == Bytes::npos);
+  const auto file = std::filesystem::temp_directory_path() / ("trb-trace-" + std::to_string(::getpid()));
+  REQUIRE(trace.write(file.string()).ok());
+  const auto text = read_file(file.string());
+  std::filesystem::remove(file);
+  REQUIRE(text.ok());
+  CHECK(text->ends_with("}\n{\"complete\":true,\"messages\":1}\n"));
 }
 
 TEST_CASE("a trace is full behind its last message") {
