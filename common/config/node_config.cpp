@@ -15,6 +15,7 @@
 #include "common/config/ports.hpp"
 #include "common/config/readers.hpp"
 #include "common/config/resilience_file.hpp"
+#include "common/config/robot_auth.hpp"
 #include "common/config/sensor_files.hpp"
 #include "common/fleet/description_parts.hpp"
 #include "common/fleet/did_you_mean.hpp"
@@ -51,6 +52,7 @@ class NodeChecker {
     read_cloud_file(out_.config.dir, out_.faults);
     read_hall_picture(out_.config.dir, out_.faults);
     read_metrics_file(out_.config.dir, out_.faults);
+    if (out_.config.has_service("mode-adapter")) check_robot_auth(out_.config.dir, out_.faults);
     if (node.usable) keys(running);
     if (!out_.config.bus.empty()) check_bus_keys(out_.config.dir, bus_names(out_.config), out_.faults);
     if (!running) ports();

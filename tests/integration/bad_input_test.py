@@ -46,6 +46,9 @@ FAULTS = {
     "a place without x": (changed("places.json", "places", "dock", "x", None), "places.json", "places.dock.x", "is missing", ""),
     "a skill without an end": (changed("robots/ur3.json", "skills", "pick", "end", None), "robots/ur3.json", "skills.pick.end", "has no end", ""),
     "a readable key": (lambda folder: (folder / "keys/link.key").chmod(0o644), "keys", "", "others may read this secret key", "chmod 600"),
+    "a readable sign-in": (lambda folder: (written("keys/robot.auth", "basic a:b\n")(folder), (folder / "keys/robot.auth").chmod(0o644)),
+                           "keys/robot.auth", "", "others may read it", "chmod 600"),
+    "a folder as sign-in": (lambda folder: (folder / "keys/robot.auth").mkdir(), "keys/robot.auth", "", "is no file", "remove it"),
     "another id than the certificate's": (changed("node.json", "id", "ur4"), "keys/certificate.json", "id", "is for 'ur3', node.json says 'ur4'", "trb fleet sign"),
     "another role than the certificate's": (
         all_of(changed("node.json", "role", "cloud"), changed("node.json", "services", ["router"]),
@@ -84,6 +87,12 @@ class Files(Case):
     def test_no_folder(self):
         for command in ("check", "up", "reload"):
             self.assert_fault(self.faults_of(command, "/nowhere/at/all"), "/nowhere/at/all", "", "is no folder", "node.json")
+
+    def test_a_reload_is_refused_before_a_service_takes_the_sign_in(self):
+        folder = self.copy()
+        written("keys/robot.auth", "distributor:abc\n")(folder)
+        (folder / "keys/robot.auth").chmod(0o600)
+        self.assert_fault(self.faults_of("reload", folder), "keys/robot.auth", "", "is no sign-in", "basic USER:PASSWORD")
 
     def test_a_port_in_use(self):
         with socket.create_server((self.fleet.address("ur3"), 45000)):

@@ -1,13 +1,13 @@
 #include "services/mode-adapter/io/start.hpp"
 
 #include "common/config/node_config.hpp"
+#include "common/config/robot_auth.hpp"
 #include "common/drivers/modbus/syntax.hpp"
 #include "common/drivers/registry.hpp"
 #include "services/mode-adapter/io/fault_port.hpp"
 #include "services/mode-adapter/io/fence_file.hpp"
 #include "services/mode-adapter/io/modbus_io.hpp"
 #include "services/mode-adapter/io/out_of_use_file.hpp"
-#include "services/mode-adapter/io/robot_auth.hpp"
 #include "services/mode-adapter/io/robot_io.hpp"
 
 namespace trb::adapter {
