@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t kMost = 4096;
 constexpr const char* kName = "keys/robot.auth";
-constexpr const char* kLine = "write one line: basic USER:PASSWORD, or bearer TOKEN";
+const std::string kLine = std::string("write ") + kSignInLine;
 
 std::string path_in(const std::string& node_dir) {
   return node_dir + "/" + kName;
@@ -52,7 +52,7 @@ Result<std::string> read(const std::string& path) {
                 "let the services' user own the folder: chown");
   }
   // A pipe in its place would keep the reader waiting.
-  if (!S_ISREG(is.st_mode)) return fail(Errc::malformed, "is no file", std::string("remove it, then ") + kLine);
+  if (!S_ISREG(is.st_mode)) return fail(Errc::malformed, "is no file", "remove it, then " + kLine);
   if ((is.st_mode & 0777U) != 0600) return fail(Errc::not_permitted, "others may read it", "chmod 600 " + path);
   auto text = read_file(path, kMost);
   if (text) return header_of(std::move(*text));

@@ -79,6 +79,10 @@ struct Stopped {        ///< every stop up to this ticket is confirmed
   Token ticket = 0;
   bool by_robot = true;  ///< false: the robot cannot confirm, it was only sent the order
 };
+struct NotStopped {  ///< the robot refuses every stop up to this ticket; its motion may go on
+  Token ticket = 0;
+  Error error;
+};
 struct Released {
   Token ticket = 0;
 };
@@ -87,7 +91,7 @@ struct LinkDown {
   std::string reason;
 };
 using DriverEvent = std::variant<HandedOver, Started, Ended, Halted, Refused, Said, FaultSaid, FaultOver, ValuesHeard,
-                                 Stopped, Released, LinkUp, LinkDown>;
+                                 Stopped, NotStopped, Released, LinkUp, LinkDown>;
 
 class Driver;
 struct EventFrom {

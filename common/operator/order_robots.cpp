@@ -7,8 +7,9 @@
 namespace trb::op {
 namespace {
 
-/// It may have arrived. not_confirmed: a relay has it, and its link was lost before the robot's node answered.
-constexpr Errc kPerhapsReached[] = {Errc::timeout, Errc::robot_offline, Errc::not_confirmed};
+/// It may have arrived. not_confirmed: a relay has it, and its link was lost before the robot's node answered;
+/// robot_error: the robot has refused it.
+constexpr Errc kPerhapsReached[] = {Errc::timeout, Errc::robot_offline, Errc::not_confirmed, Errc::robot_error};
 
 /// What a router refuses before it delivers.
 constexpr Errc kNotDelivered[] = {Errc::queue_full,     Errc::peer_unreachable, Errc::peer_expired,

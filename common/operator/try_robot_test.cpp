@@ -284,6 +284,23 @@ TEST_CASE("a value that is no number, a request that nobody answers, a stop that
   CHECK(trial.step("release").state == TryState::good);
 }
 
+TEST_CASE("a robot that refuses the sign-in: what to put right is the sign-in, not the words for the order") {
+  Trial trial;
+  trial.begin();
+  trial.table();
+  trial.position();
+  trial.node.take<Stop>("cart");
+  trial.node.refuse(Errc::robot_error,
+                    "the robot refused to stop: PUT /status was answered with 401, the robot refuses "
+                    "the sign-in");
+  trial.node.take<Release>("cart");
+  trial.node.answer(Ack{"released", ""});
+  trial.table();
+  CHECK(trial.step("stop").text.starts_with("sent: robot_error"));
+  CHECK(trial.step("stop").cure.find("commands.json") == std::string::npos);
+  CHECK(trial.step("stop").cure.find("sha256sum") != std::string::npos);
+}
+
 TEST_CASE("a robot that only stands needs no position; one that is reached field by field has its own program") {
   Trial trial;
   trial.row.profile.capabilities = {"carry"};

@@ -164,10 +164,11 @@ void HttpJsonDriver::on_refused(const Job& job, Error error, const DriverOut& ou
   if (job.done > 0) error.what += "; the " + std::to_string(job.done) + " requests before it were answered well";
   if (job.purpose == Purpose::command) return out.emit(Refused{job.token, std::move(error)});
   out.refuse("robot_error", error.text());
+  if (job.purpose == Purpose::stop) out.emit(NotStopped{job.token, error});
   stops(job) ? report_not_stopped(job, error, out) : report_not_going_on(error, out);
 }
 
-/// Its requester is notified at its deadline that nothing was confirmed; all others must know at once.
+/// Not only its requester must know at once.
 void HttpJsonDriver::report_not_stopped(const Job& job, const Error& error, const DriverOut& out) {
   std::string text = "the robot refused to stop: " + error.what;
   if (job.purpose == Purpose::halt) {

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "common/config/robot_auth.hpp"
+
 namespace trb::drivers {
 namespace {
 
@@ -18,12 +20,11 @@ std::optional<double> number_of(const Value& value, const HttpQuestion::Part& pa
 
 Error http_refusal(const std::string& what, const HttpAnswer& answer) {
   constexpr std::size_t kMost = 160;
+  const bool refuses_sign_in = answer.status == 401 || answer.status == 403;
   std::string text = what + " was answered with " + std::to_string(answer.status);
+  if (refuses_sign_in) text += std::string(", the robot ") + kSignInRefused;
   if (!answer.body.empty()) text += ": " + cut_utf8(answer.body, kMost);
-  if (answer.status == 401 || answer.status == 403) {
-    return fail(Errc::robot_error, text,
-                "write keys/robot.auth in the node's folder, mode 0600: \"basic USER:PASSWORD\" or \"bearer TOKEN\"");
-  }
+  if (refuses_sign_in) return fail(Errc::robot_error, text, kSignInCure);
   return fail(Errc::robot_error, text, "compare commands.json with the maker's description of the interface");
 }
 

@@ -176,6 +176,7 @@ void ModeAdapterCore::on_event(Driver& mode, const DriverEvent& event, Now now, 
                    hand_.on_stopped(mode);
                    stops_.on_stopped(&mode, stopped, out);
                  },
+                 [&](const NotStopped& refused) { stops_.on_not_stopped(&mode, refused, out); },
                  [&](const Released& released) {
                    hand_.on_stopped(mode);
                    stops_.on_released(&mode, released, out);

@@ -79,6 +79,19 @@ void StopControl::on_stopped(const Driver* mode, const Stopped& stopped, Outbox&
   confirm(mode, stopped.ticket, false, stopped.by_robot, out);
 }
 
+void StopControl::on_not_stopped(const Driver* mode, const NotStopped& refused, Outbox& out) {
+  for (Pending& pending : pending_) {
+    const bool waits = !pending.release && std::ranges::any_of(pending.told, [&](const Told& told) {
+      return told.mode == mode && told.ticket <= refused.ticket && !told.confirmed;
+    });
+    if (!waits) continue;
+    pending.refused =
+        fail(Errc::robot_error, "the node is fenced, but the robot refused to stop: " + refused.error.what,
+             std::string(kLookAtRobot) + "; then " + refused.error.hint);
+  }
+  answer_ready(out);
+}
+
 void StopControl::on_released(const Driver* mode, const Released& released, Outbox& out) {
   confirm(mode, released.ticket, true, true, out);
 }

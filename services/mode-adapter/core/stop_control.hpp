@@ -17,6 +17,8 @@ class StopControl {
   void on_release(const Inbound& message, Now now, Outbox& out);
 
   void on_stopped(const Driver* mode, const Stopped& stopped, Outbox& out);
+  /// Who waits for that stop is told at once, not when its time is over.
+  void on_not_stopped(const Driver* mode, const NotStopped& refused, Outbox& out);
   void on_released(const Driver* mode, const Released& released, Outbox& out);
   /// A robot that reconnects gets again what it may have missed.
   void on_link_up(Driver& mode, Now now, Outbox& out);
@@ -35,7 +37,7 @@ class StopControl {
     bool release = false;
     MonotonicTime deadline;
     std::vector<Told> told;
-    std::optional<Error> refused;  ///< the robot cannot be reached
+    std::optional<Error> refused;  ///< the robot cannot be reached, or refuses
     bool by_robot = true;
   };
 

@@ -72,8 +72,29 @@ TEST_CASE("http: what the robot refuses is told with its words; a sign-in that i
   fixture.answer_with(401);
   const auto faults = fixture.told<RobotFault>();
   REQUIRE(faults.size() == 2);  // a value each
-  CHECK(get<RobotFault>(faults[0].body).text.find("keys/robot.auth") != std::string::npos);
+  const std::string said = get<RobotFault>(faults[0].body).text;
+  CHECK(said.find("keys/robot.auth") != std::string::npos);
+  CHECK(said.find("for a MiR the SHA-256 of the password in its place: echo -n PASSWORD | sha256sum") !=
+        std::string::npos);
   CHECK(fixture.answer(fixture.send(MessageType::request, "battery", "")).starts_with("nack"));
+}
+
+TEST_CASE("http: who gave a stop that the robot refuses is told so at once, with the robot's words") {
+  OnlineMir fixture;
+  const auto stop = fixture.deliver(MessageType::command, Stop{"a person is in the way"});
+  CHECK(fixture.asked() == R"(PUT /status {"state_id": 4})");
+  fixture.answer_with(403, "no right");
+  fixture.wait(0);
+  const Nack nack = fixture.nack_of(stop);
+  CHECK(nack.code == "robot_error");
+  CHECK(nack.what ==
+        "the node is fenced, but the robot refused to stop: PUT /status was answered with 403, the robot refuses the "
+        "sign-in: no right");
+  CHECK(nack.hint.starts_with("look at the robot, and use its emergency stop if it moves; then write keys/robot.auth"));
+  // The next one waits for an answer of its own.
+  const auto again = fixture.deliver(MessageType::command, Stop{"still there"});
+  fixture.serve();
+  CHECK(fixture.answer(again) == "ack stopped");
 }
 
 TEST_CASE("http: a robot that ends each connection is there all the same, and its answers may have no length") {
