@@ -14,6 +14,7 @@
 #include "common/base/ids.hpp"
 #include "common/base/printable.hpp"
 #include "common/base/saturate.hpp"
+#include "common/base/test/closed_folder.hpp"
 #include "common/base/test/temporary_folder.hpp"
 #include "common/base/time.hpp"
 
@@ -185,5 +186,28 @@ TEST_CASE("a private folder, and all that is or comes to be in it, is its user's
   std::ofstream(log + "/new.log") << "words";
   CHECK(mode_of(log + "/new.log") == 0600);
   CHECK(make_private_dir(outside + "/log").error().code == Errc::io_error);
+  ::umask(022);
+}
+
+TEST_CASE("a folder that may not be looked into is told as such, and not as missing") {
+  Folder folder;
+  const std::string inner = folder.path + "/inner";
+  REQUIRE(make_dir(inner));
+  REQUIRE(write_file(inner + "/file", "words"));
+  CHECK(look_for(inner + "/file").ok());
+  CHECK(look_for(inner + "/none").error().code == Errc::missing);
+  CHECK(look_for(inner + "/file/none").error().code == Errc::missing);
+  const ClosedFolder closed(folder.path);
+  const auto is_told = [](const Error& why) {
+    CAPTURE(why.text());
+    CHECK(why.code == Errc::io_error);
+    CHECK(why.what.ends_with(": Permission denied"));
+    CHECK(why.hint.find("run it as the user of the services") == 0);
+  };
+  is_told(look_for(inner + "/file").error());
+  is_told(read_file(inner + "/file").error());
+  is_told(write_file(inner + "/file", "new").error());
+  is_told(make_dir(inner + "/further").error());
+  is_told(make_private_dir(inner + "/further").error());
   ::umask(022);
 }

@@ -14,8 +14,10 @@
 namespace trb {
 namespace {
 
-Error io_fault(const std::string& path, const std::string& doing) {
-  return fail(Errc::io_error, path + ": cannot " + doing + ": " + std::strerror(errno));
+Error io_fault(const std::string& path, const std::string& doing, int reason = errno) {
+  const bool refused = reason == EACCES || reason == EPERM;
+  return fail(Errc::io_error, path + ": cannot " + doing + ": " + std::strerror(reason),
+              refused ? "run it as the user of the services, or who else may (namei -l " + path + ")" : "");
 }
 
 bool write_all(int fd, BytesView bytes) {
@@ -99,7 +101,7 @@ Status overwrite_file(const std::string& path, BytesView bytes) {
 Status make_dir(const std::string& path, unsigned mode) {
   std::error_code problem;
   std::filesystem::create_directories(path, problem);
-  if (problem) return fail(Errc::io_error, path + ": cannot make the folder: " + problem.message());
+  if (problem) return io_fault(path, "make the folder", problem.value());
   if (::chmod(path.c_str(), mode) != 0) return io_fault(path, "set the mode of");
   return Done{};
 }
@@ -109,10 +111,10 @@ Status make_private_dir(const std::string& path) {
   ::umask(077);
   std::error_code problem;
   fs::create_directories(path, problem);
-  if (!fs::is_directory(path, problem))
-    return fail(Errc::io_error, path + ": cannot make the folder: " + problem.message());
-  ::chmod(path.c_str(), 0700);
   std::error_code ignored;
+  // Why it was not made, and not that it is not there.
+  if (!fs::is_directory(path, ignored)) return io_fault(path, "make the folder", problem ? problem.value() : ENOTDIR);
+  ::chmod(path.c_str(), 0700);
   for (fs::recursive_directory_iterator at(path, ignored), end; at != end; at.increment(ignored)) {
     if (ignored) break;
     close_to_others(*at);
@@ -120,8 +122,15 @@ Status make_private_dir(const std::string& path) {
   return Done{};
 }
 
+Status look_for(const std::string& path) {
+  struct stat facts {};
+  if (::stat(path.c_str(), &facts) == 0) return Done{};
+  if (errno == ENOENT || errno == ENOTDIR) return fail(Errc::missing, path + ": no such file");
+  return io_fault(path, "look for it");
+}
+
 bool file_exists(const std::string& path) {
-  return ::access(path.c_str(), F_OK) == 0;
+  return look_for(path).ok();
 }
 
 }  // namespace trb

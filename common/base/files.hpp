@@ -27,6 +27,11 @@ Status make_dir(const std::string& path, unsigned mode = 0755);
 /// becomes 077. Errors: io_error if it does not exist and cannot be made.
 Status make_private_dir(const std::string& path);
 
+/// Whether something is there under this name. Errors: missing; io_error if that cannot be known, as in a folder that
+/// this user may not look into.
+Status look_for(const std::string& path);
+
+/// False also if it cannot be known; who says "missing" to a person asks look_for.
 bool file_exists(const std::string& path);
 
 }  // namespace trb

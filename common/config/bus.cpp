@@ -53,7 +53,10 @@ std::string read_bus_key(ObjectReader& reader) {
 
 Result<std::string> read_bus(const std::string& node_dir) {
   auto text = read_file(node_dir + "/node.json");
-  if (!text) return fail(text.error().code, text.error().what, "name a node's folder");
+  if (!text) {
+    const bool missing = text.error().code == Errc::missing;
+    return fail(text.error().code, text.error().what, missing ? "name a node's folder" : text.error().hint);
+  }
   auto json = parse_json(*text);
   if (!json) return fail(json.error().code, node_dir + "/node.json: " + json.error().what, json.error().hint);
   ConfigFaults faults;

@@ -5,12 +5,16 @@
 namespace trb {
 
 std::optional<Value> load_json(const std::string& path, const std::string& hint, const FileFaults& faults) {
-  if (hint.empty() && !file_exists(path)) return std::nullopt;
+  if (hint.empty()) {
+    const Status there = look_for(path);
+    if (!there && there.error().code == Errc::missing) return std::nullopt;
+  }
   const auto bytes = read_file(path);
   if (!bytes) {
     const bool missing = bytes.error().code == Errc::missing;
-    faults.add("", missing ? "there is no such file: " + path : bytes.error().what,
-               missing ? hint : "it must be a readable file of at most 1 MiB");
+    const std::string cure =
+        bytes.error().hint.empty() ? "it must be a readable file of at most 1 MiB" : bytes.error().hint;
+    faults.add("", missing ? "there is no such file: " + path : bytes.error().what, missing ? hint : cure);
     return std::nullopt;
   }
   auto json = parse_json(*bytes);

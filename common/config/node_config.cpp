@@ -36,6 +36,11 @@ class NodeChecker {
   NodeChecker(const std::string& dir, const Transports& known) : known_(known) { out_.config.dir = absolute(dir); }
 
   NodeCheck check(bool running) && {
+    const Status there = look_for(out_.config.dir + "/node.json");
+    if (!there && there.error().code != Errc::missing) {
+      sink("node.json").add("", there.error().what, there.error().hint);
+      return std::move(out_);
+    }
     std::error_code problem;
     if (!std::filesystem::is_directory(out_.config.dir, problem)) {
       sink(out_.config.dir).add("", "is no folder", "give the folder that holds node.json");

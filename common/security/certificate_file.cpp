@@ -100,7 +100,9 @@ Result<CertificateFile> certificate_file_from_json(std::string_view text) {
 Result<CertificateFile> read_certificate_file(const std::string& path) {
   auto text = read_file(path);
   if (!text) {
-    return fail(text.error().code, text.error().what, "run trb fleet sign with this node's keys/request.json");
+    const bool missing = text.error().code == Errc::missing;
+    return fail(text.error().code, text.error().what,
+                missing ? "run trb fleet sign with this node's keys/request.json" : text.error().hint);
   }
   auto file = certificate_file_from_json(*text);
   if (!file) return fail(file.error().code, path + ": " + file.error().what, file.error().hint);

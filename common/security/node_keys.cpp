@@ -22,9 +22,13 @@ std::string keys_dir(const std::string& node_dir) {
 
 /// A secret key: raw bytes, as hexadecimal text, in a file that only its owner may read.
 Result<Bytes> read_secret_key(const std::string& path, std::size_t size) {
+  // Of a folder that may not be read nobody says that its keys are missing: who made new ones would lose the good ones.
+  if (const Status there = look_for(path); !there) {
+    if (there.error().code != Errc::missing) return there.error();
+    return fail(Errc::missing, there.error().what, "run trb fleet request NODE_DIR");
+  }
   struct stat facts {};
-  if (::stat(path.c_str(), &facts) != 0)
-    return fail(Errc::missing, path + ": no such file", "run trb fleet request NODE_DIR");
+  if (::stat(path.c_str(), &facts) != 0) return fail(Errc::io_error, path + ": is gone meanwhile", "try again");
   if ((facts.st_mode & 077U) != 0) {
     return fail(Errc::not_permitted, path + ": others may read this secret key", "run chmod 600 " + path);
   }

@@ -4,6 +4,7 @@
 #include <sys/stat.h>
 
 #include "common/base/hex.hpp"
+#include "common/base/test/closed_folder.hpp"
 #include "common/security/test_hall.hpp"
 
 using namespace trb;
@@ -161,4 +162,16 @@ TEST_CASE("trb check names the fault of a folder once, and the last moment of a 
   REQUIRE(faults("nowhere", kNow).size() == 1);
   CHECK(faults("nowhere", kNow)[0].file == "keys");
   CHECK(faults("nowhere", kNow)[0].hint.find("trb fleet request") != std::string::npos);
+}
+
+TEST_CASE("keys that this user may not read are not told as missing: nobody shall make new ones") {
+  Late hall;
+  const ClosedFolder closed(hall.keys_of("ur3"));
+  ::chmod(hall.root.c_str(), 0755);
+  ConfigFaults faults;
+  check_node_keys(hall.root + "/ur3", "ur3", kNow, faults);
+  REQUIRE(faults.size() == 1);
+  CHECK(faults[0].what.find("Permission denied") != std::string::npos);
+  CHECK(faults[0].hint.find("run it as the user of the services") == 0);
+  CHECK(load_node_certificate(hall.root + "/ur3").error().hint.find("run it as the user of the services") == 0);
 }

@@ -232,6 +232,38 @@ class Folder(unittest.TestCase):
         subprocess.run([support.PROGRAMS / "trb", "cloud", "password", cloud], capture_output=True, timeout=60)
         self.assertEqual({path.lstat().st_uid for path in (outside, *outside.rglob("*"))}, {0})
 
+    def test_what_this_user_may_not_read_is_not_told_as_missing(self):
+        node = self.folder / "cloud"
+        self.assertEqual(self.new(node, "--cloud", "cloud", "--network", "127.0.210.9").returncode, 0)
+        other = []
+        if os.geteuid() == 0:
+            other = ["setpriv", "--reuid", str(NOBODY), "--regid", str(NOBODY), "--clear-groups"]
+            if subprocess.run([*other, support.PROGRAMS / "trb", "version"], capture_output=True, timeout=60).returncode != 0:
+                self.skipTest(f"another user cannot start {support.PROGRAMS / 'trb'}")
+
+        def told(closed, *words):
+            closed.chmod(0)
+            try:
+                done = subprocess.run([*other, support.PROGRAMS / "trb", *words], capture_output=True, text=True, timeout=60)
+            finally:
+                closed.chmod(0o755)
+            self.assertNotEqual(done.returncode, 0, words)
+            said = done.stdout + done.stderr
+            self.assertIn("Permission denied", said, words)
+            self.assertIn("run it as the user of the services", said, words)
+            self.assertNotIn("no such", said.lower(), words)
+            self.assertNotIn("fleet request", said, words)
+
+        self.folder.chmod(0o755)
+        for path in (node, *node.rglob("*")):
+            path.chmod(0o755 if path.is_dir() else 0o644)
+        told(node / "keys", "check", node)
+        for words in (["check", node], ["up", node], ["reload", node], ["down", node], ["robot", "list", "--node", node],
+                      ["cloud", "password", node], ["fleet", "request", node], ["node", "backup", node, self.folder / "backup"],
+                      ["node", "new", node / "inner", *self.good()[1:]]):
+            with self.subTest(words):
+                told(node, *words)
+
     def test_a_folder_that_cannot_be_written_leaves_nothing(self):
         (self.folder / "file").touch()
         done = self.new(self.folder / "file" / "arm", *self.good()[1:])

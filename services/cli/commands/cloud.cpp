@@ -9,6 +9,7 @@
 #include "common/security/user_name.hpp"
 #include "services/cli/commands/command.hpp"
 #include "services/cli/io/folder_owner.hpp"
+#include "services/cli/io/node_folder.hpp"
 #include "services/cli/io/print.hpp"
 
 namespace trb::cli {
@@ -28,7 +29,7 @@ std::string new_password() {
 /// Errors: missing (no node's folder), bad_value (a node without a gateway, no name of a user).
 Status check_words(const std::string& dir, const std::vector<std::string>& services, const std::string& user) {
   constexpr const char* kFolder = "give the folder of the cloud node";
-  if (!file_exists(dir + "/node.json")) return fail(Errc::missing, dir + ": no node.json", kFolder);
+  if (Status there = find_node_json(dir, kFolder); !there) return there;
   if (std::ranges::find(services, "cloud-gateway") == services.end()) {
     return fail(Errc::bad_value, dir + R"(/node.json: "services" has no cloud-gateway: nobody signs in there)",
                 std::string(kFolder) + ", or add cloud-gateway (trb node new --cloud NAME --page HOST:PORT makes one)");
@@ -52,7 +53,8 @@ int run_password(const Arguments& arguments) {
   const std::string user = arguments.get("--user", "admin");
   const NodeCheck node = check_node_dir(dir, true);
   const bool unread = node.config.services.empty() && !node.faults.empty();
-  if (unread && file_exists(dir + "/node.json")) return print_faults(arguments, node.faults);
+  const Status there = find_node_json(dir, "");
+  if (unread && (there || there.error().code != Errc::missing)) return print_faults(arguments, node.faults);
   if (Status good = check_words(dir, node.config.services, user); !good) return print_error(arguments, good.error());
   const std::string password = new_password();
   const std::string hash = hash_password(password);

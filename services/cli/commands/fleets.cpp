@@ -58,9 +58,12 @@ int run_fleet_request(const Arguments& arguments) {
   init_crypto();
   const std::string dir = arguments.words[0];
   auto file = read_file(dir + "/node.json");
-  if (!file)
-    return print_error(
-        arguments, fail(file.error().code, file.error().what, "write node.json first: its id goes into the request"));
+  if (!file) {
+    const bool missing = file.error().code == Errc::missing;
+    return print_error(arguments,
+                       fail(file.error().code, file.error().what,
+                            missing ? "write node.json first: its id goes into the request" : file.error().hint));
+  }
   auto json = parse_json(*file);
   if (!json)
     return print_error(arguments, fail(json.error().code, dir + "/node.json: " + json.error().what, json.error().hint));

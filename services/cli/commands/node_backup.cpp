@@ -61,8 +61,7 @@ bool router_listens(const std::string& dir) {
 }
 
 Result<supervisor::NodeLock> lock_stopped(const std::string& dir) {
-  if (!file_exists(dir + "/node.json"))
-    return fail(Errc::missing, dir + "/node.json: no such file", "name a node's folder");
+  if (Status there = find_node_json(dir, "name a node's folder"); !there) return there.error();
   if (router_listens(dir)) {
     return fail(
         Errc::conflict, dir + " is up: its router answers",

@@ -151,9 +151,9 @@ int run_join(const Arguments& arguments) {
                                        "write it as 10.0.0.1:45000"));
   const auto code = read_join_code(code_text(arguments));
   if (!code) return print_error(arguments, code.error());
-  if (code->role == Role::robot && !file_exists(dir + "/node.json")) {
-    return print_error(arguments, fail(Errc::missing, dir + ": no node.json there, and the code is a robot's",
-                                       "make the folder first: trb node new " + dir));
+  if (const Status there = find_node_json(dir, "the code is a robot's, so make the folder first: trb node new " + dir);
+      !there && (code->role == Role::robot || there.error().code != Errc::missing)) {
+    return print_error(arguments, there.error());
   }
   const auto nobody = arguments.number("--timeout", kNobody_s);
   if (!nobody) return print_error(arguments, nobody.error());

@@ -21,6 +21,7 @@
 #include "common/supervisor/supervisor.hpp"
 #include "services/cli/commands/command.hpp"
 #include "services/cli/core/wire.hpp"
+#include "services/cli/io/node_folder.hpp"
 #include "services/cli/io/print.hpp"
 #include "services/cli/io/ready.hpp"
 
@@ -192,10 +193,9 @@ int run_reload(const Arguments& arguments) {
 int run_down(const Arguments& arguments) {
   const std::string dir = absolute(arguments.words[0]);
   // A node's folder, or that of a demonstration.
-  if (!file_exists(dir + "/node.json") && !file_exists(dir + "/demo.json") && !file_exists(dir + "/state/up.lock")) {
-    return print_error(arguments,
-                       fail(Errc::missing, dir + ": no node.json there", "name a node's folder, or that of trb demo"));
-  }
+  const Status there = find_node_json(dir, "name a node's folder, or that of trb demo");
+  if (!there && !file_exists(dir + "/demo.json") && !file_exists(dir + "/state/up.lock"))
+    return print_error(arguments, there.error());
   const auto pid = NodeLock::holder(dir);
   if (!pid && pid.error().code == Errc::missing && file_exists(dir + "/demo.json"))
     return print_error(arguments, fail(Errc::missing, pid.error().what, "start it: trb demo " + dir));

@@ -16,6 +16,7 @@
 #include "services/cli/commands/command.hpp"
 #include "services/cli/commands/relay_right.hpp"
 #include "services/cli/io/fleet_lock.hpp"
+#include "services/cli/io/node_folder.hpp"
 #include "services/cli/io/passphrase.hpp"
 #include "services/cli/io/print.hpp"
 #include "services/cli/io/probe.hpp"
@@ -167,8 +168,9 @@ Result<std::vector<Certificate>> chosen_certificates(Authority& authority, const
 /// Before anything is signed: of a mistyped folder nothing is learnt, and nothing is handed on by it. Errors: missing.
 Status check_via(const Arguments& arguments) {
   const std::string via = arguments.get("--via");
-  if (via.empty() || is_file(via + "/node.json")) return Done{};
-  return fail(Errc::missing, "--via " + via + ": no node.json there", "name the folder of a node that is up");
+  if (via.empty()) return Done{};
+  const Status there = find_node_json(via, "name the folder of a node that is up");
+  return there ? there : fail(there.error().code, "--via " + there.error().what, there.error().hint);
 }
 
 /// Errors: those of reading, but missing: such a node knows nothing.

@@ -24,6 +24,7 @@ Result<std::string> text_in(const Value& json, const std::string& key, const std
 
 Result<Value> node_json(const std::string& dir, const JoinOffer& invited) {
   const auto text = read_file(dir + "/node.json");
+  if (!text && text.error().code != Errc::missing) return text.error();
   if (!text) {
     return fail(
         Errc::missing, dir + ": no node.json there",

@@ -55,6 +55,12 @@ Result<std::string> config_dir() {
               "install the package talkrobots, or name their folder in TRB_CONFIG");
 }
 
+Status find_node_json(const std::string& dir, const std::string& hint) {
+  const Status there = look_for(dir + "/node.json");
+  if (there || there.error().code != Errc::missing) return there;
+  return fail(Errc::missing, dir + ": no node.json there", hint);
+}
+
 Status copy_examples(const std::string& config, const std::vector<std::string>& names, const std::string& dir) {
   for (const std::string& name : names) {
     const auto text = read_file(config + "/" + name);

@@ -14,6 +14,10 @@ namespace trb::cli {
 /// Errors: missing.
 Result<std::string> config_dir();
 
+/// Whether the folder is a node's, or may be one. Errors: missing, with `hint`; io_error if this user may not look into
+/// it.
+Status find_node_json(const std::string& dir, const std::string& hint);
+
 /// These files of the folder of examples, under the same names. Errors: missing, io_error.
 Status copy_examples(const std::string& config, const std::vector<std::string>& names, const std::string& dir);
 

@@ -6,6 +6,7 @@
 
 #include "common/base/files.hpp"
 #include "common/fleet/did_you_mean.hpp"
+#include "services/cli/io/node_folder.hpp"
 #include "services/cli/io/print.hpp"
 
 namespace trb::cli {
@@ -46,8 +47,7 @@ Result<std::string> find_node(const Arguments& arguments) {
   if (dir.empty() && file_exists("node.json")) return std::string(1, '.');
   if (dir.empty())
     return fail(Errc::missing, "which node?", "give --node NODE_DIR, set TRB_NODE, or go into a node's folder");
-  if (!file_exists(dir + "/node.json"))
-    return fail(Errc::missing, dir + ": no node.json there", "name a node's folder");
+  if (const Status there = find_node_json(dir, "name a node's folder"); !there) return there.error();
   return dir;
 }
 
