@@ -228,8 +228,10 @@ Status refuse_keys_of_another(const Authority& authority, const Certificate& wan
     const bool shared = other.identity_key == wanted.identity_key || other.link_key == wanted.link_key;
     if (!shared || other.id == wanted.id || find_living(authority, other.id, now) != &other) continue;
     return fail(Errc::conflict, "a key in the request of '" + wanted.id + "' is that of '" + other.id + "'",
-                "give each node its own keys: remove identity.key and link.key from the keys folder of '" + wanted.id +
-                    "' and run trb fleet request again");
+                "if it is the node '" + other.id + "' itself: correct \"id\" in its node.json to '" + other.id +
+                    "', and sign nothing; if not, each node has its own keys: remove identity.key and link.key from "
+                    "the keys folder of '" +
+                    wanted.id + "' and run trb fleet request again");
   }
   return Done{};
 }

@@ -142,7 +142,10 @@ void check_node_keys(const std::string& node_dir, const std::string& id, UtcTime
   }
   if (certificate->id != id) {
     faults.push_back({file, "id", "is for '" + certificate->id + "', node.json says '" + id + "'",
-                      "run trb fleet request and trb fleet sign for this node"});
+                      "correct \"id\" in node.json to '" + certificate->id + "'; or, if it shall be '" + id +
+                          "' from now on: rm keys/identity.key keys/link.key, trb fleet request and trb fleet sign for "
+                          "this node, then trb fleet revoke FLEET_DIR " +
+                          certificate->id});
   }
   if (now.ns >= certificate->not_after) {
     faults.push_back({file, "not_after", "ended " + to_iso8601({certificate->not_after}),

@@ -162,6 +162,10 @@ TEST_CASE("trb check names the fault of a folder once, and the last moment of a 
   REQUIRE(faults("nowhere", kNow).size() == 1);
   CHECK(faults("nowhere", kNow)[0].file == "keys");
   CHECK(faults("nowhere", kNow)[0].hint.find("trb fleet request") != std::string::npos);
+  // First the cure of a slip; a signed request would be a second member with the same keys.
+  REQUIRE(faults("ur5", kNow).size() == 1);
+  CHECK(faults("ur5", kNow)[0].hint.find("correct \"id\" in node.json to 'ur5'; or, if it shall be 'ur3'") == 0);
+  CHECK(hall.ask("ur5", "wrogn").error().hint.find("correct \"id\" in its node.json to 'ur5'") != std::string::npos);
 }
 
 TEST_CASE("keys that this user may not read are not told as missing: nobody shall make new ones") {

@@ -49,7 +49,8 @@ FAULTS = {
     "a readable sign-in": (lambda folder: (written("keys/robot.auth", "basic a:b\n")(folder), (folder / "keys/robot.auth").chmod(0o644)),
                            "keys/robot.auth", "", "others may read it", "chmod 600"),
     "a folder as sign-in": (lambda folder: (folder / "keys/robot.auth").mkdir(), "keys/robot.auth", "", "is no file", "remove it"),
-    "another id than the certificate's": (changed("node.json", "id", "ur4"), "keys/certificate.json", "id", "is for 'ur3', node.json says 'ur4'", "trb fleet sign"),
+    "another id than the certificate's": (changed("node.json", "id", "ur4"), "keys/certificate.json", "id", "is for 'ur3', node.json says 'ur4'",
+                                         "correct \"id\" in node.json to 'ur3'"),
     "another role than the certificate's": (
         all_of(changed("node.json", "role", "cloud"), changed("node.json", "services", ["router"]),
                *(changed("node.json", key, None) for key in ("framework", "description", "robot"))),
