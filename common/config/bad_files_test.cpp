@@ -293,27 +293,53 @@ TEST_CASE("the ros mode: its service, topics, types, data, and ends that it can 
 }
 
 TEST_CASE("commands.json: values") {
-  check_changes("ur",
-                {{"commands.json", R"("stop": "stop program", )", "", "ur.commands.stop",
-                  "every vendor must say how it is stopped"},
-                 {"commands.json", R"("stop program")", R"("")", "ur.commands.stop", "no words"},
-                 {"commands.json", R"("port": 30002, )", "", "ur.port", "is missing"},
-                 {"commands.json", "30002", "99999", "ur.port", "out of range"},
-                 {"commands.json", "ur-primary", "ur-rtde", "ur.monitor.protocol", "'ur-rtde'"},
-                 {"commands.json", R"("language")", R"("rtde_port": 0, "language")", "ur.rtde_port", "out of range"},
-                 {"commands.json", R"("language")", R"("rtde_hz": 500, "language")", "ur.rtde_hz", "out of range"},
-                 {"commands.json", "urscript-program", "program", "ur.wrap", "'program'"},
-                 {"commands.json", R"("language": "urscript")", R"("language": "plain")", "ur.wrap", "wraps URScript"},
-                 {"commands.json", R"("port": 30002)", R"("port": 30002, "transport": "lines")", "ur.transport",
-                  "is of the interpreter mode"},
-                 {"commands.json", R"("port": 30002)", R"("port": 30002, "transport": "tcp")", "ur.transport", "'tcp'"},
-                 {"commands.json", R"("port": 30002)", R"("prt": 1, "port": 30002)", "ur.prt", "no key"},
-                 {"commands.json", "{data}", "{joints}", "ur.commands.move", "no placeholder"},
-                 {"commands.json", R"("go":)", R"("goo":)", "ur.commands.go", "skill 'go' sends it"},
-                 {"commands.json", R"("go":)", R"("go": 1, "go2":)", "ur.commands.go", "whole number"},
-                 {"commands.json", R"("monitor": {"protocol": "ur-primary", "port": 30001},)", "", "ur.requests",
-                  "no monitor is configured"},
-                 {"commands.json", R"("ur":)", R"("kuka":)", "ur", "needs the vendor's words"}});
+  check_changes(
+      "ur",
+      {{"commands.json", R"("stop": "stop program", )", "", "ur.commands.stop",
+        "every vendor must say how it is stopped"},
+       {"commands.json", R"("stop program")", R"("")", "ur.commands.stop", "no words"},
+       {"commands.json", R"("port": 30002, )", "", "ur.port", "is missing"},
+       {"commands.json", "30002", "99999", "ur.port", "out of range"},
+       {"commands.json", "ur-primary", "ur-rtde", "ur.monitor.protocol", "'ur-rtde'"},
+       {"commands.json", R"("language")", R"("rtde_port": 0, "language")", "ur.rtde_port", "out of range"},
+       {"commands.json", R"("language")", R"("rtde_port": 30004, "rtde_hz": 500, "language")", "ur.rtde_hz",
+        "out of range"},
+       {"commands.json", "urscript-program", "program", "ur.wrap", "'program'"},
+       {"commands.json", R"("language": "urscript")", R"("language": "plain")", "ur.wrap", "wraps URScript"},
+       {"commands.json", R"("language")", R"("rtde_hz": 50, "language")", "ur.rtde_hz", "without \"rtde_port\""},
+       {"commands.json", R"("language")", R"("values": {"a": "b"}, "language")", "ur.values", "is no part of tcp-text"},
+       {"commands.json", R"("joints")", R"("joint")", "ur.requests.position", "is not one of the values"},
+       {"commands.json", R"("port": 30002)", R"("port": 30002, "transport": "lines")", "ur.transport",
+        "is of the interpreter mode"},
+       {"commands.json", R"("port": 30002)", R"("port": 30002, "transport": "tcp")", "ur.transport", "'tcp'"},
+       {"commands.json", R"("port": 30002)", R"("prt": 1, "port": 30002)", "ur.prt", "no key"},
+       {"commands.json", "{data}", "{joints}", "ur.commands.move", "no placeholder"},
+       {"commands.json", R"("go":)", R"("goo":)", "ur.commands.go", "skill 'go' sends it"},
+       {"commands.json", R"("go":)", R"("go": 1, "go2":)", "ur.commands.go", "whole number"},
+       {"commands.json", R"("monitor": {"protocol": "ur-primary", "port": 30001},)", "", "ur.requests",
+        "no monitor is configured"},
+       {"commands.json", R"("ur":)", R"("kuka":)", "ur", "needs the vendor's words"}});
+}
+
+TEST_CASE("a UR's skill ends by a value that its monitor tells, by its name or by its request's") {
+  const NodeFolder folder("ur");
+  const std::string end = R"({"kind": "acknowledgement"})";
+  const auto end_by = [&](const std::string& state) {
+    return R"({"kind": "state", "state": ")" + state + R"(", "equals": 0})";
+  };
+  folder.change("robots/r.json", end, end_by("program_runing"));
+  const ConfigFault fault = only_fault(folder);
+  CHECK(fault.key == "ur.monitor");
+  CHECK(fault.what == "does not tell 'program_runing', by which the end of skill 'go' is seen");
+  CHECK(fault.hint == "did you mean 'program_running'?");
+  folder.change("robots/r.json", "program_runing", "program_running");
+  CHECK(without_keys(folder.check().faults).empty());
+  folder.change("robots/r.json", "program_running", "position");
+  CHECK(without_keys(folder.check().faults).empty());
+  folder.change("robots/r.json", end_by("position"), R"({"kind": "position", "value": "flange", "target": "place"})");
+  const ConfigFaults faults = without_keys(folder.check().faults);
+  REQUIRE_MESSAGE(!faults.empty(), "flange");
+  CHECK(faults.back().what.starts_with("does not tell 'flange'"));
 }
 
 TEST_CASE("places and descriptions: the fault names the file as node.json does") {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/config/node_config.hpp"
@@ -9,7 +10,8 @@
 
 namespace trb::drivers {
 
-/// A fault of each request that names none of the `known` values.
-void check_requests(const NodeConfig& config, const std::vector<std::string>& known, const FileFaults& faults);
+/// A fault of each request that names none of the `known` values. `otherwise`: the cure, which the known ones follow.
+void check_requests(const NodeConfig& config, const std::vector<std::string>& known, const FileFaults& faults,
+                    std::string_view otherwise = "add it to \"values\", or use one of");
 
 }  // namespace trb::drivers

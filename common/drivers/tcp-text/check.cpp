@@ -1,6 +1,7 @@
 // What the transport tcp-text requires of commands.json.
 #include "common/config/described_names.hpp"
 #include "common/config/transports.hpp"
+#include "common/drivers/tcp-text/monitored_names.hpp"
 #include "common/drivers/tcp-text/reach.hpp"
 #include "common/drivers/tcp-text/ur_rtde.hpp"
 
@@ -43,6 +44,10 @@ void read_tcp_text_keys(ObjectReader& vendor, VendorCommands& into) {
   if (vendor.value("rtde_port", Need::optional) != nullptr) {
     into.data_port = static_cast<std::uint16_t>(vendor.integer("rtde_port", Need::optional, 1, 65535).value_or(0));
   }
+  if (vendor.value(kRtdeRate, Need::optional) != nullptr && !into.data_port) {
+    vendor.faults().add(vendor.path(kRtdeRate), "is the rate of RTDE, which is not used without \"rtde_port\"",
+                        R"(add "rtde_port": 30004, or remove "rtde_hz")");
+  }
   into.numbers[kRtdeRate] = vendor.number("rtde_hz", Need::optional, {1, kFastestRtde}).value_or(kUsualRtde);
   if (into.wrap.empty() || into.language == "urscript") return;
   vendor.faults().add(vendor.path("wrap"), "wraps URScript, but \"language\" is '" + into.language + "'",
@@ -55,6 +60,7 @@ void check_tcp_text(const NodeConfig& config, const FileFaults& faults) {
   require_port(config, faults, "30002 for a Universal Robot");
   check_words(vendor, name, faults);
   check_monitor(vendor, name, faults);
+  check_monitored_names(config, faults);
   check_reach(config, faults);
   check_skills(config, faults);
 }

@@ -1,6 +1,7 @@
 // Text lines over TCP, and a Universal Robot's monitor beside them.
 #include "common/drivers/registry.hpp"
 #include "common/drivers/tcp-text/driver.hpp"
+#include "common/drivers/tcp-text/monitored_names.hpp"
 
 namespace trb::drivers {
 
@@ -15,8 +16,7 @@ DriverRow tcp_text_row() {
                         .monitors = {"ur-primary"},
                         .languages = {"urscript"},
                         .wraps = {"urscript-program"},
-                        .monitored_values = {"joints", "robot_mode", "safety", "program_running", "power", "tool",
-                                             "speed", "reach"}},
+                        .monitored_values = ur_monitored_values()},
           .wire = Wire::stream,
           .make = [](const DriverSettings& settings) -> Result<std::unique_ptr<Driver>> {
             return std::unique_ptr<Driver>(
