@@ -28,6 +28,16 @@ void PolledCheck::check_names() const {
   for (const Skill& skill : config_.description.skills) check_skill(skill);
 }
 
+void PolledCheck::check_waited(const std::function<std::optional<Error>(const WaitedValue&)>& never) const {
+  for (const WaitedValue& one : waited_values(config_)) {
+    const auto why = never(one);
+    if (!why) continue;
+    add("values." + one.name,
+        "is never " + text_of_wanted(one.wanted) + ", for which " + one.by + " of the description waits: " + why->what,
+        why->hint);
+  }
+}
+
 void PolledCheck::check_skill(const Skill& skill) const {
   const VendorCommands& vendor = config_.commands;
   const bool spoken = check_skill_command(config_, skill, faults_, examples_.command);

@@ -1,9 +1,13 @@
 // What commands.json must have for a driver that polls the robot's values, whatever its own notation is.
 #pragma once
 
+#include <functional>
+#include <optional>
 #include <string>
 
+#include "common/base/result.hpp"
 #include "common/config/transports.hpp"
+#include "common/drivers/waited_values.hpp"
 
 namespace trb::drivers {
 
@@ -27,6 +31,8 @@ class PolledCheck {
   void check_foreign_keys() const;
   /// Checks that requests name values, and that skills have commands, and values that show their ends.
   void check_names() const;
+  /// A fault of each value that the description waits for in vain. `never`: why the value is never that, with the cure.
+  void check_waited(const std::function<std::optional<Error>(const WaitedValue&)>& never) const;
 
  private:
   void check_skill(const Skill& skill) const;

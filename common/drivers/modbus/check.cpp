@@ -10,6 +10,22 @@ constexpr int kMostUnits = 247;
 constexpr Range kPoll{0.005, 1, false};
 constexpr Range kTimeout{0.05, 2, false};
 
+/// A coil is true or false, as 1 or 0, a register a number; neither is ever a text.
+std::optional<Error> never(const VendorCommands& vendor, const WaitedValue& one) {
+  const auto words = vendor.values.find(one.name);
+  if (words == vendor.values.end()) return std::nullopt;
+  const auto place = read_modbus_place(words->second);
+  if (!place) return std::nullopt;  // that is a fault of its own
+  const bool bit = place->type == ModbusType::boolean;
+  if (one.wanted.is_text()) {
+    return fail(Errc::bad_value, to_text(*place) + (bit ? " is true or false" : " is a number"),
+                bit ? "write true or false there, without quotes" : "write a number there, without quotes");
+  }
+  const double number = one.wanted.is_bool() ? double(one.wanted.boolean()) : one.wanted.number();
+  if (Status held = modbus_holds(*place, number); !held) return held.error();
+  return std::nullopt;
+}
+
 }  // namespace
 
 void read_modbus_keys(ObjectReader& vendor, VendorCommands& into) {
@@ -46,6 +62,7 @@ void check_modbus(const NodeConfig& config, const FileFaults& faults) {
   check_words(vendor, config.framework, faults);
   read_modbus_commands(vendor, std::move(values), vendor_faults);
   check.check_names();
+  check.check_waited([&](const WaitedValue& one) { return never(vendor, one); });
 }
 
 }  // namespace trb::drivers

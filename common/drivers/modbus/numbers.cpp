@@ -112,6 +112,16 @@ Result<std::vector<std::uint16_t>> modbus_words(const ModbusPlace& place, double
   return place.low_word_first ? std::vector{low, high} : std::vector{high, low};
 }
 
+Status modbus_holds(const ModbusPlace& place, double number) {
+  const double raw = (number - place.offset) / place.factor;
+  const double whole = place.type == ModbusType::float32 ? raw : std::nearbyint(raw);
+  const Bounds bounds = bounds_of(place.type);
+  if (whole >= bounds.from && whole <= bounds.to) return Done{};
+  return fail(Errc::bad_value,
+              text_of(number) + " does not fit " + to_text(place) + ", a " + std::string(name_of(place.type)),
+              place.type == ModbusType::boolean ? "give true, false, 1 or 0" : "give " + range_text(place));
+}
+
 Result<double> modbus_number(const ModbusPlace& place, const std::vector<std::uint16_t>& words) {
   if (words.size() != place.size()) return fail(Errc::bad_value, "the answer has another size than asked for");
   const bool swapped = place.low_word_first && words.size() == 2;

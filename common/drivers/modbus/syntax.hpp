@@ -74,6 +74,9 @@ std::string to_text(const ModbusPlace& place);
 /// The words to write for that value. Errors: bad_value (the type cannot hold it).
 Result<std::vector<std::uint16_t>> modbus_words(const ModbusPlace& place, double number);
 
+/// Whether the type can hold that number, or the nearest one. Errors: bad_value.
+Status modbus_holds(const ModbusPlace& place, double number);
+
 /// The value of size() words. Errors: bad_value (a float32 that is not a number).
 Result<double> modbus_number(const ModbusPlace& place, const std::vector<std::uint16_t>& words);
 

@@ -179,6 +179,35 @@ TEST_CASE("modbus: a conveyor's folder is good, and its settings are read") {
   CHECK(modbus_settings(check.config.commands).timeout_s == 0.5);
 }
 
+TEST_CASE("modbus: a fault that waits for what a coil or a register never is") {
+  const auto faults_of = [](const std::string& value, const std::string& wanted) {
+    const Conveyor folder;
+    folder.change("robots/r.json", R"("skills")",
+                  R"("faults": {"f": {"value": ")" + value + R"(", "equals": )" + wanted +
+                      R"(, "severity": "CRITICAL"}}, "skills")");
+    return without_keys(folder.check().faults);
+  };
+  const ConfigFaults coil = faults_of("running", "\"true\"");
+  REQUIRE(coil.size() == 1);
+  CHECK(coil[0].key == "ur.values.running");
+  CHECK(coil[0].what ==
+        "is never \"true\", for which faults.f.equals of the description waits: coil 0 is true or false");
+  CHECK(coil[0].hint == "write true or false there, without quotes");
+  const ConfigFaults text = faults_of("speed", "\"three\"");
+  REQUIRE(text.size() == 1);
+  CHECK(text[0].hint == "write a number there, without quotes");
+  const ConfigFaults far = faults_of("speed", "100");
+  REQUIRE(far.size() == 1);
+  CHECK(far[0].hint == "give 0 to 65.535");
+  CHECK(faults_of("running", "2").size() == 1);
+  for (const auto& [value, wanted] : std::vector<std::pair<std::string, std::string>>{
+           {"running", "true"}, {"running", "0"}, {"speed", "65.535"}, {"speed", "0.0005"}, {"speed", "true"}}) {
+    CAPTURE(wanted);
+    const ConfigFaults none = faults_of(value, wanted);
+    CHECK_MESSAGE(none.empty(), to_text(none));
+  }
+}
+
 TEST_CASE("modbus: each mistake in commands.json is one fault, with its key") {
   struct Change {
     std::string from, to, key, what;
