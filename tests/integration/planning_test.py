@@ -246,6 +246,26 @@ class Simulate(unittest.TestCase):
                     self.assertIn(wanted, refused.stderr)
             self.assertIn("--replay", trb("simulate", "--until", 5).stderr)
 
+    def test_a_run_that_is_not_finished_is_no_good_end_and_says_what_it_waits_for(self):
+        words = ("simulate", "--protocol", "talkrobots")
+        with tempfile.TemporaryDirectory() as folder:
+            faults = pathlib.Path(folder) / "faults.json"
+            faults.write_text('[{"at": 2, "kind": "fail", "node": "r0"}]')
+            waits = trb(*words, "--robots", 1, "--tasks", 2, "--faults", faults)
+            self.assertEqual(waits.returncode, 1, waits.stdout)
+            self.assertRegex(waits.stdout, r"An alert waits for a person, .*: r0 \(robot_fault.*\), task t0")
+            self.assertNotIn("--seconds plays more", waits.stdout)
+            self.assertEqual(trb(*words, "--robots", 1, "--tasks", 2, "--faults", faults, "--json").returncode, 1)
+            faults.write_text('[{"at": 1, "kind": "kill", "node": "cloud"}]')
+            still = trb(*words, "--robots", 3, "--tasks", 4, "--faults", faults)
+            self.assertEqual(still.returncode, 1, still.stdout)
+            self.assertRegex(still.stdout, r"It stands still: nothing has moved for [\d.]+ s, .*not over at cloud, r0, r1, r2; off: cloud")
+            self.assertNotIn("BROKEN", still.stdout)
+            self.assertNotIn("--seconds plays more", still.stdout)
+        under_way = trb(*words, "--robots", 3, "--tasks", 4, "--seconds", 10)
+        self.assertEqual(under_way.returncode, 1, under_way.stdout)
+        self.assertIn("cut off before its end: --seconds plays more of it", under_way.stdout)
+
     def test_what_cannot_be_is_refused_by_name(self):
         for words, wanted in ((("--robots", 0), "robots"), (("--tasks", "many"), "--tasks: 'many'"), (("--faulty", 5), "faulty"),
                               (("--local-requests", 1), "sensors"), (("--trace", "/nowhere/x"), "/nowhere/x"), (("--link", "lan"), "--link"),

@@ -4,6 +4,7 @@
 #include "services/cli/commands/command.hpp"
 #include "services/cli/commands/job_file.hpp"
 #include "services/cli/commands/model_terms.hpp"
+#include "services/cli/commands/played_run.hpp"
 #include "services/cli/commands/replay.hpp"
 #include "services/cli/commands/simulate_fleet.hpp"
 #include "services/cli/core/table.hpp"
@@ -132,8 +133,7 @@ void print_world(const Value& answer) {
   print_line("\nThe run is " + world.find("state")->text() + ": " + number_of(world, "tasks_done") + " tasks in " +
              shown_number(world.find("makespan_s")->number()) + " s; all links were up after " +
              shown_number(world.find("linked_s")->number()) + " s, " + number_of(world, "events") + " events");
-  if (world.find("cut_off") != nullptr) print_line("It was cut off before its end: --seconds plays more of it");
-  for (const Value& broken : world.find("broken")->list()) print_line("BROKEN: " + broken.text());
+  print_run_end(answer);
 }
 
 void print_csv(const Value& answer) {
@@ -159,7 +159,7 @@ int run_world(const Arguments& arguments) {
   } else {
     arguments.has("--csv") ? print_csv(*answer) : print_world(*answer);
   }
-  return answer->find("world")->find("broken")->list().empty() ? kGood : kFailed;
+  return exit_code_of(*answer);
 }
 
 int run_simulate(const Arguments& arguments) {
@@ -206,7 +206,10 @@ const std::vector<Command> kSimulateCommands = {
       "it, over "
       "a\n"
       "simulated network; bytes are what ZMTP and CURVE put on the wire, without TCP and IP. What must hold is "
-      "checked.",
+      "checked.\n"
+      "A run that is not over says why: an alert waits for a person, it stands still, or its time was up. Exit status "
+      "0:\n"
+      "the run is FINISHED and nothing is BROKEN; else 1.",
       with_model_options(
           {"--robots N|robots of the fleet (5)",
            "--tasks N|tasks (9)",

@@ -9,6 +9,7 @@
 #include "services/cli/commands/job_file.hpp"
 #include "services/cli/commands/model_terms.hpp"
 #include "services/cli/commands/one_less.hpp"
+#include "services/cli/commands/played_run.hpp"
 #include "services/cli/commands/scenario_check.hpp"
 #include "services/cli/commands/sensor_values.hpp"
 #include "services/cli/core/table.hpp"
@@ -169,8 +170,7 @@ void print_run(const Value& answer, const std::vector<PlayedTask>& tasks, bool h
              std::to_string(between.find("bytes")->integer()) + " bytes between computers");
   if (has_faults)
     print_line("Who replaces whom is decided by the default criteria: the fleet's resilience.json is not read");
-  if (world.find("cut_off") != nullptr) print_line("It was cut off before its end: --seconds plays more of it");
-  for (const Value& broken : world.find("broken")->list()) print_line("BROKEN: " + broken.text());
+  print_run_end(answer);
 }
 
 }  // namespace
@@ -209,7 +209,7 @@ int run_simulate_fleet(const Arguments& arguments) {
     print_run(*answer, tasks, arguments.has("--faults"));
     if (!one_less.empty()) print_one_less(one_less);
   }
-  return answer->find("world")->find("broken")->list().empty() ? kGood : kFailed;
+  return exit_code_of(*answer);
 }
 
 }  // namespace trb::cli

@@ -159,18 +159,72 @@ TEST_CASE("a line of a trace names both ends") {
   CHECK(dump_json(line) == R"({"at_s":3.0,"phase":"forward","from":"middleware 2","to":"cloud","bytes":52})");
 }
 
-TEST_CASE("a run that `seconds` cut off is open and nothing is broken, and the answer says so") {
+TEST_CASE("a run that `seconds` cut off at work is open and nothing is broken, and the answer says so") {
   ConfigFaults faults;
   const Job job = read_job(R"({"protocol": "talkrobots", "robots": 2, "tasks": 3, "seconds": 12})", faults);
   REQUIRE(faults.empty());
-  CHECK_FALSE(job.world->must_end);
   const Value answer = world_value(world::World(*job.world).play());
   CHECK(answer.find("state")->text() == "OPEN");
   CHECK(answer.find("broken")->list().empty());
   REQUIRE(answer.find("cut_off"));
   CHECK(answer.find("cut_off")->boolean());
+  CHECK(answer.find("alerts")->list().empty());
+  CHECK(answer.find("at_work")->integer() == 1);
+  CHECK_FALSE(answer.find("stands_still_s"));
   const Job whole = read_job(R"({"protocol": "talkrobots", "robots": 2, "tasks": 3, "seconds": 120})", faults);
   CHECK_FALSE(world_value(world::World(*whole.world).play()).find("cut_off"));
+}
+
+namespace {
+
+Value world_of(const std::string& more) {
+  ConfigFaults faults;
+  const Job job = read_job(R"({"protocol": "talkrobots", )" + more + "}", faults);
+  REQUIRE_MESSAGE(faults.empty(), to_text(faults));
+  return world_value(world::World(*job.world).play());
+}
+
+}  // namespace
+
+TEST_CASE("a run that waits for a person says so, however long it is played") {
+  for (const char* const seconds : {"", R"("seconds": 3000, )"}) {
+    CAPTURE(seconds);
+    const Value world = world_of(seconds + std::string(R"("robots": 1, "tasks": 2,
+        "faults": [{"at": 2, "kind": "fail", "node": "r0"}])"));
+    CHECK(world.find("state")->text() == "OPEN");
+    CHECK(world.find("broken")->list().empty());
+    REQUIRE(world.find("alerts")->list().size() == 1);
+    const Value& alert = world.find("alerts")->list()[0];
+    CHECK(alert.find("robot")->text() == "r0");
+    CHECK(alert.find("cause")->text() == "robot_fault");
+    CHECK_FALSE(alert.find("tasks")->list().empty());
+    CHECK(world.find("stands_still_s")->number() > world::kStill_s);
+  }
+}
+
+TEST_CASE("a run that its plan keeps from its end stands still, and nothing is broken, however long it is played") {
+  const std::string dead = R"("robots": 3, "tasks": 4, "faults": [{"at": 1, "kind": "kill", "node": "cloud"}])";
+  const std::string ahead = R"("robots": 3, "tasks": 4, "faults": [{"kind": "clock", "node": "r1", "ahead_s": 1e8}])";
+  for (const std::string& more : {dead, ahead}) {
+    for (const char* const seconds : {"", R"("seconds": 3000, )"}) {
+      CAPTURE(more);
+      CAPTURE(seconds);
+      const Value world = world_of(seconds + more);
+      CHECK(world.find("state")->text() == "OPEN");
+      CHECK(world.find("broken")->list().empty());
+      REQUIRE(world.find("stands_still_s"));
+      CHECK(world.find("stands_still_s")->number() > world::kStill_s);
+      CHECK_FALSE(world.find("open_at")->list().empty());
+      CHECK(world.find("off")->list().size() == (more == dead ? 1 : 0));
+    }
+  }
+}
+
+TEST_CASE("nothing stands still before the last that is planned has come") {
+  const Value world = world_of(R"("robots": 1, "tasks": 2, "seconds": 300,
+      "faults": [{"at": 2, "kind": "fail", "node": "r0"}, {"at": 1000, "kind": "repair", "node": "r0"}])");
+  CHECK(world.find("cut_off")->boolean());
+  CHECK_FALSE(world.find("stands_still_s"));
 }
 
 TEST_CASE("an attempt that a robot has given up says when") {

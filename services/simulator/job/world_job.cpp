@@ -1,5 +1,6 @@
 #include "services/simulator/job/world_job.hpp"
 
+#include <algorithm>
 #include <cstdio>
 
 #include "common/simulation/job_faults.hpp"
@@ -23,6 +24,31 @@ simulation::JobNodes nodes_of(const world::WorldPlan& plan) {
   return fleet.empty() ? simulation::JobNodes(plan.robots) : simulation::JobNodes(std::move(fleet));
 }
 
+Value::List texts_of(const std::vector<std::string>& texts, std::size_t most) {
+  Value::List out;
+  for (std::size_t i = 0; i < std::min(texts.size(), most); ++i) out.push_back(Value{texts[i]});
+  return out;
+}
+
+Value alert_value(const Alert& alert) {
+  return Value{Value::Object{{"robot", Value{alert.robot}},
+                             {"cause", Value{alert.cause}},
+                             {"text", Value{alert.text}},
+                             {"tasks", Value{texts_of(alert.tasks, kMaxListedAlerts)}}}};
+}
+
+void add_standstill(const world::Standstill& is, Value::Object& out) {
+  Value::List alerts;
+  for (std::size_t i = 0; i < std::min(is.alerts.size(), kMaxListedAlerts); ++i) {
+    alerts.push_back(alert_value(is.alerts[i]));
+  }
+  out.emplace_back("alerts", Value{std::move(alerts)});
+  if (is.still_s > 0) out.emplace_back("stands_still_s", Value{is.still_s});
+  out.emplace_back("at_work", Value{static_cast<std::int64_t>(is.at_work)});
+  out.emplace_back("open_at", Value{texts_of(is.open_at, world::kMaxRobots + 1)});
+  out.emplace_back("off", Value{texts_of(is.off, world::kMaxRobots + 1)});
+}
+
 }  // namespace
 
 world::WorldPlan read_world(ObjectReader& reader) {
@@ -37,7 +63,6 @@ world::WorldPlan read_world(ObjectReader& reader) {
   }
   plan.task = simulation::read_usual_time(reader);
   plan.until_s = reader.number("seconds", Need::optional, {0, world::kMaxUntil}).value_or(0);
-  plan.must_end = plan.until_s <= 0;
   plan.seed = static_cast<std::uint64_t>(reader.integer("seed", Need::optional, 0, INT64_MAX).value_or(1));
   plan.link = simulation::read_link(reader);
   plan.until_event =
@@ -45,6 +70,7 @@ world::WorldPlan read_world(ObjectReader& reader) {
   const simulation::JobNodes nodes = nodes_of(plan);
   plan.faults = simulation::read_faults(reader, nodes);
   plan.relays = simulation::read_relays(reader, nodes);
+  plan.must_end = plan.faults.empty() && plan.sensors.empty() && !plan.link.name.empty();
   return plan;
 }
 
@@ -63,6 +89,7 @@ Value world_value(const world::Played& played) {
                     {"digest", Value{hex_of(played.digest)}},
                     {"broken", Value{std::move(broken)}}};
   if (played.cut_off) out.emplace_back("cut_off", Value{true});
+  if (played.standstill) add_standstill(*played.standstill, out);
   return Value{std::move(out)};
 }
 

@@ -12,7 +12,12 @@ namespace trb::simulator {
 /// `sensor_values`: see sensor_job.hpp.
 world::WorldPlan read_world(ObjectReader& reader);
 
-/// What the world adds to the answer; `cut_off`: true, if the time was up before the run was over.
+constexpr std::size_t kMaxListedAlerts = 100;  ///< and of each so many tasks
+
+/// What the world adds to the answer; `cut_off`: true, if the time was up before the run was over. Then also why:
+/// `alerts` that wait for a person ([{"robot", "cause", "text", "tasks"}]), `stands_still_s` (nothing has moved for so
+/// long, and nothing planned is to come; left out: something may move), `at_work` (robots at a task), `open_at` (nodes
+/// where it is not over), `off` (of these, whose processes do not run).
 Value world_value(const world::Played& played);
 
 }  // namespace trb::simulator

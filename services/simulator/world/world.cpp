@@ -15,8 +15,6 @@ namespace {
 constexpr double kLinksAtMost_s = 60;
 constexpr double kRest_s = 5;  ///< between the links and the submission, and behind the end
 constexpr double kSlow_s = 1800;
-constexpr double kStill_s =
-    120;  ///< nobody has begun or done a task for so long: it stands still (its end takes a minute)
 constexpr Duration kLook = std::chrono::milliseconds(100);
 constexpr Duration kUsualLife = std::chrono::hours(24);  ///< of a run
 constexpr double kBeyondTask_s = 60;                     ///< what a time-out has more than the longest task
@@ -152,6 +150,7 @@ Played World::play() {
   pass(plan_.limit_s());
   if (ended_) pass(events_.seconds_passed() + kRest_s);
   outcome_.cut_off = !ended_ && !is_stopped();
+  if (outcome_.cut_off) outcome_.standstill = standstill_of(*this, outcome_.submitted_s);
   if (is_cut_off_at_work()) leave_open();
   outcome_.over_everywhere = is_over_everywhere();
   if (const auto record = nodes_.at("cloud")->disk().archive.record(run_)) outcome_.state = record->view.state;
@@ -174,9 +173,8 @@ void World::pass(double limit_s) {
 /// Nobody can say that such a run would not have ended.
 bool World::is_cut_off_at_work() const {
   if (!outcome_.cut_off) return false;
-  if (!plan_.must_end || events_.seconds_passed() - witness_.moved_s() < kStill_s) return true;
-  return std::ranges::any_of(nodes_,
-                             [](const auto& one) { return one.second->robot() && one.second->robot()->works(); });
+  if (!plan_.must_end || outcome_.standstill->at_work > 0) return true;
+  return events_.seconds_passed() - witness_.moved_s() < kStill_s;
 }
 
 /// What was done a moment ago is on no disk yet.

@@ -7,6 +7,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,7 @@
 #include "services/simulator/world/faults.hpp"
 #include "services/simulator/world/node.hpp"
 #include "services/simulator/world/repeats.hpp"
+#include "services/simulator/world/standstill.hpp"
 #include "services/simulator/world/witness.hpp"
 
 namespace trb::world {
@@ -31,7 +33,7 @@ struct WorldPlan {
   SkillTime task;                            ///< of skills without a time of their own
   std::map<std::string, SkillTime> times{};  ///< by skill, or of one task: "task:ID"
   double until_s = 0;    ///< 0: as long as faults and sensors go on, then the tasks may take, and some minutes
-  bool must_end = true;  ///< false: that the run is open at `until_s` breaks nothing
+  bool must_end = true;  ///< false: what is planned may keep it from its end, and that it stands still breaks nothing
   LinkKind link = kLinkKinds[0];
   std::uint64_t seed = 1;
   std::uint64_t until_event = 0;  ///< it ends behind this event, whatever it is then; 0: it does not
@@ -59,11 +61,12 @@ struct Played {
   double seconds = 0;  ///< of virtual time
   std::size_t tasks_done = 0;
   std::uint64_t events = 0;
-  std::uint64_t digest = 0;         ///< of every message: two runs with one digest were the same
-  bool cut_short = false;           ///< by `until_event`: nobody asks then what must hold at the end
-  bool cut_off = false;             ///< the time was up before the run was over
-  bool left_open = false;           ///< and it was under way then, or nobody wanted more: that it is open is no fault
-  std::vector<std::string> broken;  ///< invariants that do not hold, as text
+  std::uint64_t digest = 0;              ///< of every message: two runs with one digest were the same
+  bool cut_short = false;                ///< by `until_event`: nobody asks then what must hold at the end
+  bool cut_off = false;                  ///< the time was up before the run was over
+  bool left_open = false;                ///< and it was under way then, or need not end: that it is open is no fault
+  std::optional<Standstill> standstill;  ///< why it is not over, if it was cut off
+  std::vector<std::string> broken;       ///< invariants that do not hold, as text
 };
 
 class World {
