@@ -42,3 +42,16 @@ TEST_CASE("a narrow link takes the time that the bytes need, and a lossy one sen
   CHECK(makespan_by(R"({"delay_s": 0.001, "bytes_a_second": 20000})") > wide + 0.05);
   CHECK(makespan_by(R"({"delay_s": 0.001, "loss": 0.3})") > wide + 0.1);
 }
+
+TEST_CASE("on a link so narrow that an acknowledgement comes late, what is sent again is no defect") {
+  ConfigFaults faults;
+  const Job job = read_job(R"({"protocol": "talkrobots", "robots": 3, "tasks": 4,
+      "link": {"delay_s": 0.01, "bytes_a_second": 5000}})",
+                           faults);
+  REQUIRE_MESSAGE(faults.empty(), to_text(faults));
+  world::World world(*job.world);
+  const world::Played played = world.play();
+  CHECK_FALSE(world.repeats().first().empty());
+  CHECK(played.broken.empty());
+  CHECK(played.state == RunState::finished);
+}

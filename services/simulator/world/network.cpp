@@ -143,6 +143,7 @@ MonotonicTime Network::arrival(Way& way, std::uint64_t bytes) {
   Duration late = delay();
   for (Duration wait = kResend; dice_.chance(kind_.loss) && wait < std::chrono::seconds(10); wait *= 2) late += wait;
   way.last = std::max(way.last, way.free + late);
+  slowest_ = std::max(slowest_, way.last - events_.now());
   return way.last;
 }
 

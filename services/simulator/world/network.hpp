@@ -65,6 +65,9 @@ class Network {
   void close(LinkId connection, const std::string& by);
   void broadcast(const std::string& from, const Bytes& plain);
 
+  /// What a message took at most that was sent and not lost: its delay, and what was before it on a narrow link.
+  [[nodiscard]] Duration slowest() const { return slowest_; }
+
   /// The world ends: nobody needs to learn who leaves.
   void stop() { over_ = true; }
 
@@ -130,6 +133,7 @@ class Network {
   std::map<std::string, Host*> hosts_;            ///< nullptr: away
   std::map<std::string, std::string> addresses_;  ///< HOST:PORT -> id
   std::unordered_map<LinkId, Connection> connections_;
+  Duration slowest_{0};
   bool over_ = false;
   std::set<std::pair<std::string, std::string>> cuts_;  ///< from, to
 };

@@ -92,6 +92,7 @@ class World {
   [[nodiscard]] const std::map<std::string, std::unique_ptr<Node>>& nodes() const { return nodes_; }
   [[nodiscard]] const Witness& witness() const { return witness_; }
   [[nodiscard]] const Repeats& repeats() const { return repeats_; }
+  [[nodiscard]] const Network& network() const { return network_; }
   [[nodiscard]] const WorldPlan& plan() const { return plan_; }
   [[nodiscard]] const std::string& run() const { return run_; }
   /// On that node's disk the run is not over yet.
