@@ -35,7 +35,7 @@ class PolledDriver : public CommandsDriver<Words> {
   }
 
   Result<Progress> hand_over(const Handover& message, Now now, const DriverOut& out) override {
-    if (!this->online()) return fail(Errc::robot_offline, wording_.offline, "look at its power, network and address");
+    if (!this->online()) return offline_error();
     if (queue_.full()) {
       return fail(Errc::queue_full, std::string("too many commands wait for the ") + wording_.robot, "send fewer");
     }
@@ -100,6 +100,10 @@ class PolledDriver : public CommandsDriver<Words> {
   virtual Result<std::vector<Step>> fill(std::string_view subtype, BytesView data) const = 0;
   /// Sends what may be sent now.
   virtual void pump(Now now, const DriverOut& out) = 0;
+  /// Why a command is refused while the robot is not online.
+  [[nodiscard]] virtual Error offline_error() const {
+    return fail(Errc::robot_offline, wording_.offline, "look at its power, network and address");
+  }
   /// True while a halt or a release may be sent.
   [[nodiscard]] virtual bool takes_orders() const = 0;
 

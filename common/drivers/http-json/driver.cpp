@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "common/config/robot_auth.hpp"
+
 namespace trb::drivers {
 namespace {
 
@@ -113,13 +115,40 @@ void HttpJsonDriver::on_answer(const HttpAnswer& answer, Now now, const DriverOu
   if (whose == Awaits::nothing) return out.refuse("bad_packet", "an answer that nobody has asked for");
   if (whose == Awaits::poll) on_poll(answer, now, out);
   if (whose == Awaits::job) on_step(answer, out);
-  if (!std::exchange(heard_, true)) out.emit(LinkUp{});
+  look_at_link(whose, answer, out);
   if (!answer.closes || !up_) return;
   // Nothing more is sent on it; the shell dials anew.
   up_ = false;
   lost_at_ = now.mono;
   lost_why_ = "the robot ends each connection";
   out.robot.close(Channel::command, lost_why_);
+}
+
+/// Only polls are counted: a command may need a right of its own.
+void HttpJsonDriver::look_at_link(Awaits whose, const HttpAnswer& answer, const DriverOut& out) {
+  const bool refused = poll_.refuses_sign_in(answer);
+  if (whose != Awaits::poll && (refused || sign_ins_refused_ > 0)) return;
+  if (whose == Awaits::poll && refused) {
+    if (++sign_ins_refused_ >= poll_.paths()) lose_sign_in(http_refusal("its poll", answer).what, out);
+    return;
+  }
+  sign_ins_refused_ = 0;
+  refused_why_.clear();
+  if (!std::exchange(heard_, true)) out.emit(LinkUp{});
+}
+
+/// A stop that waits is sent all the same; commands would only be refused, or come late.
+void HttpJsonDriver::lose_sign_in(std::string reason, const DriverOut& out) {
+  if (!refused_why_.empty()) return;
+  refused_why_ = std::move(reason);
+  heard_ = false;
+  for (const Job& job : queue_.drop_for_stop()) out.emit(Refused{job.token, offline_error()});
+  out.emit(LinkDown{refused_why_});
+}
+
+Error HttpJsonDriver::offline_error() const {
+  if (refused_why_.empty()) return PolledDriver::offline_error();
+  return fail(Errc::robot_offline, refused_why_, kSignInCure);
 }
 
 void HttpJsonDriver::on_poll(const HttpAnswer& answer, Now now, const DriverOut& out) {
@@ -213,6 +242,8 @@ void HttpJsonDriver::on_lost_job(const std::string& reason, const DriverOut& out
 
 void HttpJsonDriver::go_offline(const std::string& reason, const DriverOut& out) {
   heard_ = false;
+  sign_ins_refused_ = 0;
+  refused_why_.clear();
   for (const Job& job : queue_.clear()) {
     if (job.purpose != Purpose::command) continue;
     out.emit(Refused{job.token, fail(Errc::robot_offline, "the robot does not answer any more: " + reason,

@@ -33,7 +33,7 @@ class HttpJsonDriver : public PolledDriver<std::vector<HttpCall>, HttpStep, Http
   HttpJsonDriver(const DriverSettings& settings, HttpCommands commands);
 
   /// Connections come and go with HTTP: the robot is online if it has answered, until no connection can be made for
-  /// long, or none of them brings an answer.
+  /// long, or none of them brings an answer. One that refuses the sign-in for a whole round of polls is not online.
   [[nodiscard]] bool online() const override { return heard_; }
   /// An answer to each request of a halt, on one of three connections, and to the request that is under way.
   [[nodiscard]] Duration silence_bound() const override { return kMostRequests * timeout_; }
@@ -55,6 +55,9 @@ class HttpJsonDriver : public PolledDriver<std::vector<HttpCall>, HttpStep, Http
   void send(const HttpRequest& request, Awaits whose, Now now, const DriverOut& out);
   void on_answer(const HttpAnswer& answer, Now now, const DriverOut& out);
   void on_poll(const HttpAnswer& answer, Now now, const DriverOut& out);
+  void look_at_link(Awaits whose, const HttpAnswer& answer, const DriverOut& out);
+  void lose_sign_in(std::string reason, const DriverOut& out);
+  [[nodiscard]] Error offline_error() const override;
   void on_step(const HttpAnswer& answer, const DriverOut& out);
   Status remember(const HttpCall& words, const HttpAnswer& answer);
   void on_done(const Job& job, const DriverOut& out);
@@ -74,6 +77,8 @@ class HttpJsonDriver : public PolledDriver<std::vector<HttpCall>, HttpStep, Http
   MonotonicTime sent_at_{};
   std::optional<MonotonicTime> lost_at_;  ///< the last connection's end, until there is another one
   std::string lost_why_;
+  std::size_t sign_ins_refused_ = 0;  ///< polls in a row
+  std::string refused_why_;           ///< the robot does not accept this node's user; empty: it does
   std::size_t unanswered_ = 0;        ///< requests in a row whose connection ended before the answer
   MonotonicTime unanswered_since_{};  ///< when the first of them did
   Remembered remembered_;

@@ -20,6 +20,12 @@ class HttpPoll : public PolledValues {
   /// All are requested at once.
   void restart(Now now) { due_ = now.mono; }
   [[nodiscard]] MonotonicTime due() const { return due_; }
+  /// How many requests a whole round has.
+  [[nodiscard]] std::size_t paths() const { return groups_.size(); }
+  /// The robot does not accept the node's user. A probe's path may be one that this user only may not read.
+  [[nodiscard]] bool refuses_sign_in(const HttpAnswer& answer) const {
+    return answer.status == 401 || (answer.status == 403 && !groups_.front().values.empty());
+  }
   /// The next path of the round; empty: nothing more of the round can be requested yet, and it is over.
   std::optional<std::string> next(const Remembered& remembered, Now now);
   /// The answer to next().

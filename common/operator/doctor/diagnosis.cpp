@@ -4,6 +4,7 @@
 #include <set>
 
 #include "common/base/address.hpp"
+#include "common/config/robot_auth.hpp"
 #include "common/operator/doctor/causes.hpp"
 #include "common/operator/doctor/machine_findings.hpp"
 #include "common/operator/doctor/service_findings.hpp"
@@ -135,6 +136,9 @@ class Doctor {
     if (unreported) return;  // that is the cause, and has been told
     std::string what = "the robot is " + self->profile.robot;
     if (!self->profile.detail.empty()) what += ": " + self->profile.detail;
+    // Somebody answers there: its power and its cable are good.
+    if (what.find(kSignInRefused) != std::string::npos)
+      return problem("robot_silent", seen_.node, std::move(what), kSignInCure);
     std::string hint = "start its program that connects to TCP_PORT of this node";
     if (!seen_.robot.address.empty()) {
       const std::string at = seen_.robot.address;

@@ -222,6 +222,8 @@ TEST_CASE("on the node itself: no router, a socket that is gone, a service that 
   robot.seen.routes.routes[0].profile.detail = "connection refused";
   robot.seen.robot = {"192.168.1.20:30002", Port::refused};
   check_only(robot.seen, "robot_silent", "ant");
+  robot.seen.routes.routes[0].profile.detail = "its poll was answered with 401, the robot refuses the sign-in";
+  CHECK(diagnose(robot.seen).at(0).hint.find("sha256sum") != std::string::npos);
   robot.seen.services.services = {{"mode-adapter", "silent", 1, 1, "1.0", 5, 5, {}, {}}};
   check_only(robot.seen, "service_down", "mode-adapter");
 }

@@ -79,6 +79,29 @@ TEST_CASE("http: what the robot refuses is told with its words; a sign-in that i
   CHECK(fixture.answer(fixture.send(MessageType::request, "battery", "")).starts_with("nack"));
 }
 
+TEST_CASE("http: a robot that refuses the sign-in is not there, and is again once it accepts it") {
+  MirFixture fixture;
+  fixture.up(Channel::command);
+  for (int round = 0; round < 3; ++round) {
+    CHECK(fixture.asked() == "GET /status");
+    fixture.answer_with(401);
+    CHECK(fixture.robot() != "ONLINE");
+    fixture.wait(0.5);
+  }
+  const auto id = fixture.command("tidy", "");
+  CHECK(fixture.nack_of(id).code == "robot_offline");
+  CHECK(fixture.nack_of(id).what.find("was answered with 401, the robot refuses the sign-in") != std::string::npos);
+  CHECK(fixture.asked() == "GET /status");
+  fixture.answer_with(200, kStatus);
+  CHECK(fixture.robot() == "ONLINE");
+  for (int round = 0; round < 3; ++round) {
+    fixture.wait(0.5);
+    CHECK(fixture.asked() == "GET /status");
+    fixture.answer_with(403);
+  }
+  CHECK(fixture.robot() == "CONNECTION_BROKEN");
+}
+
 TEST_CASE("http: who gave a stop that the robot refuses is told so at once, with the robot's words") {
   OnlineMir fixture;
   const auto stop = fixture.deliver(MessageType::command, Stop{"a person is in the way"});
