@@ -168,6 +168,35 @@ TEST_CASE("a pose beyond the reach is named, as far as the description gives rea
   CHECK(fault.what.starts_with("the pose p[10, 0, 0, …] is 10 m away from the robot's foot"));
 }
 
+TEST_CASE("a place that a skill may send has the items that its command takes") {
+  const auto faults_of = [](const std::string& words, const std::string& places, const std::string& one_of) {
+    const NodeFolder folder("ur");
+    folder.change("commands.json", R"json("movej({0}, a={1})")json", words);
+    folder.change("robots/r.json", R"("skills")", R"("places": )" + places + R"(, "skills")");
+    folder.change("robots/r.json", R"("type": "place")", R"("type": "place", "one_of": )" + one_of);
+    folder.change("robots/r.json", "{place.x}", "{place}");
+    return check_robot_files(files_of(folder, "ur"), drivers::robot_transports()).faults;
+  };
+  const std::string whole = R"json("movej({data}, a=1)")json";
+  const std::string items = R"json("movej([{0}, {1}, {2}, 0, 0, 0])")json";
+  const std::string good = R"({"left": [1, 2, 3, 4, 5, 6]})";
+  CHECK(faults_of(whole, good, R"(["left"])").empty());
+  CHECK(faults_of(items, good, R"(["left"])").empty());
+  CHECK(faults_of("\"textmsg({data})\"", R"({"left": 1})", R"(["left", "middle"])").empty());
+  const ConfigFaults three = faults_of(whole, R"({"left": [1, 2, 3]})", R"(["left"])");
+  REQUIRE_MESSAGE(three.size() == 1, to_text(three));
+  CHECK(three[0].key == "ur.commands.go");
+  CHECK(three[0].what == "takes 6 items, and place 'left', which skill 'go' may send, has 3");
+  CHECK(three[0].hint == "write places.left of the description with 6 numbers");
+  CHECK(faults_of(items, R"({"left": [1, 2]})", R"(["left"])").size() == 1);
+  const ConfigFaults words = faults_of(whole, good, R"(["left", "middle"])");
+  REQUIRE_MESSAGE(words.size() == 1, to_text(words));
+  CHECK(words[0].what ==
+        "takes 6 items, and place 'middle', which skill 'go' may send, has no numbers of the robot's own");
+  CHECK(words[0].hint ==
+        "add 'middle' to \"places\" of the description, with 6 numbers, or take it out of the skill's one_of");
+}
+
 TEST_CASE("a drive whose words commands.json does not have is told with the nearest one") {
   const NodeFolder folder("ur");
   folder.change("robots/r.json", R"("skills")",

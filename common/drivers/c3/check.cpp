@@ -5,6 +5,7 @@
 #include "common/config/transports.hpp"
 #include "common/drivers/c3/commands.hpp"
 #include "common/drivers/check_requests.hpp"
+#include "common/drivers/place_items.hpp"
 #include "common/fleet/did_you_mean.hpp"
 
 namespace trb::drivers {
@@ -45,6 +46,7 @@ void check_c3(const NodeConfig& config, const FileFaults& faults) {
   const bool tells_end = fields || vendor.values.contains("trb_done");
   for (const Skill& skill : config.description.skills) {
     check_skill_command(config, skill, faults);
+    check_place_items(config, skill, Items::exact, faults);
     check_end(config, skill, tells_end, faults);
   }
 }

@@ -4,6 +4,7 @@
 #include "common/config/described_names.hpp"
 #include "common/config/transports.hpp"
 #include "common/drivers/check_requests.hpp"
+#include "common/drivers/place_items.hpp"
 #include "common/drivers/rapid/commands.hpp"
 #include "common/fleet/did_you_mean.hpp"
 
@@ -35,6 +36,7 @@ std::vector<std::string> value_names(const VendorCommands& vendor) {
 void check_skill(const NodeConfig& config, const Skill& skill, const FileFaults& faults) {
   const VendorCommands& vendor = config.commands;
   check_skill_command(config, skill, faults);
+  check_place_items(config, skill, Items::exact, faults);
   const auto told = [&](const std::string& value) {
     return vendor.values.contains(value) ||
            std::ranges::find(rapid_state_values(), value) != rapid_state_values().end();

@@ -1,6 +1,7 @@
 // What the transport tcp-text requires of commands.json.
 #include "common/config/described_names.hpp"
 #include "common/config/transports.hpp"
+#include "common/drivers/place_items.hpp"
 #include "common/drivers/tcp-text/monitored_names.hpp"
 #include "common/drivers/tcp-text/reach.hpp"
 #include "common/drivers/tcp-text/ur_rtde.hpp"
@@ -35,6 +36,7 @@ void check_skills(const NodeConfig& config, const FileFaults& faults) {
                  R"(add "monitor": {"protocol": "ur-primary", "port": 30001}, or give the skill another end)");
     }
     check_skill_command(config, skill, faults);
+    check_place_items(config, skill, config.commands.language == "urscript" ? Items::list : Items::any, faults);
   }
 }
 
