@@ -80,7 +80,14 @@ Status check_traced(std::uint64_t messages) {
 
 Status check_place(const std::string& path) {
   std::error_code problem;
-  if (std::filesystem::is_directory(path, problem)) return fail(Errc::io_error, path + ": is a folder", "name a file");
+  const std::filesystem::file_type type = std::filesystem::symlink_status(path, problem).type();
+  if (type == std::filesystem::file_type::directory) return fail(Errc::io_error, path + ": is a folder", "name a file");
+  // The whole file takes the place of what has its name.
+  if (type == std::filesystem::file_type::symlink)
+    return fail(Errc::io_error, path + ": is a link", "name the file that it leads to");
+  const bool is_other = type != std::filesystem::file_type::regular && type != std::filesystem::file_type::not_found &&
+                        type != std::filesystem::file_type::none;  // none: it may not be looked at
+  if (is_other) return fail(Errc::io_error, path + ": is no file, but a device, pipe or socket", "name a file");
   const std::string folder = std::filesystem::path(path).parent_path().string();
   if (::access(folder.empty() ? "." : folder.c_str(), W_OK | X_OK) == 0) return Done{};
   return fail(Errc::io_error, path + ": cannot be written: " + std::generic_category().message(errno),

@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -9,6 +10,7 @@
 #include <sstream>
 
 #include "common/base/files.hpp"
+#include "common/base/test/temporary_folder.hpp"
 
 using namespace trb;
 using namespace trb::simulator;
@@ -117,4 +119,11 @@ TEST_CASE("a trace that cannot be written is known before anything is played") {
   CHECK(check_place("/nowhere/trace.jsonl").error().code == Errc::io_error);
   CHECK_FALSE(check_place("/tmp").ok());
   CHECK_FALSE(check_place("/dev/null/trace.jsonl").ok());
+  const TemporaryFolder folder;
+  REQUIRE(::mkfifo((folder.path + "/pipe").c_str(), 0600) == 0);
+  std::filesystem::create_symlink(folder.path + "/file", folder.path + "/link");
+  REQUIRE(write_file(folder.path + "/file", "a trace", 0644).ok());
+  CHECK(check_place(folder.path + "/file").ok());
+  CHECK_FALSE(check_place(folder.path + "/pipe").ok());
+  CHECK_FALSE(check_place(folder.path + "/link").ok());
 }
