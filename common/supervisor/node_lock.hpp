@@ -15,7 +15,8 @@ class NodeLock {
  public:
   /// Errors: conflict naming the pid of the holder; io_error.
   static Result<NodeLock> take(const std::string& node_dir);
-  /// The pid of the running supervisor. Errors: missing if none runs; io_error if one runs but its pid is not on disk.
+  /// The pid of the running supervisor, also if no byte of it could be written. Errors: missing if none runs; io_error
+  /// if one runs whose pid cannot be known, or if this user may not look.
   static Result<pid_t> holder(const std::string& node_dir);
 
  private:

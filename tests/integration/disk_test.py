@@ -189,6 +189,17 @@ class Robot(unittest.TestCase):
         self.fleet.wait("the boot number is stored", lambda: not self.fleet.services("drone")["router"]["note"], 60)
         self.fleet.wait("the scheduler comes by itself", lambda: self.is_up("scheduler"), 60)
 
+    def test_a_node_whose_lock_could_not_be_written_is_ended_by_its_folder(self):
+        folder = self.fleet.dir("drone")
+        self.fleet.start_robot("drone")
+        self.disk.fill()
+        self.fleet.start_node("drone")
+        self.fleet.wait("the router is up", lambda: self.is_up("router"), 60)
+        self.assertEqual((folder / "state" / "up.lock").read_text(), "")
+        again = self.fleet.trb("up", folder, check=False)
+        self.assertIn(f"is up already (pid {self.fleet.nodes['drone'].child.pid})", again.stderr)
+        self.assertIn("down", self.fleet.trb("down", folder).stdout)
+
 
 HOVER = {"robot": "drone", "skill": "hover", "data": {"duration": 1}, "retries": 3}
 

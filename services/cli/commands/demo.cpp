@@ -247,10 +247,12 @@ Status check_ports(const DemoFleet& fleet, const std::string& dir) {
 
 int run_demo(const Arguments& arguments) {
   const std::string dir = fs::weakly_canonical(fs::absolute(arguments.words[0])).string();
-  if (const auto pid = NodeLock::holder(dir)) {
+  const auto pid = NodeLock::holder(dir);
+  if (pid) {
     return print_error(arguments, fail(Errc::conflict, dir + " is up already (pid " + std::to_string(*pid) + ")",
                                        "end it with trb down " + dir));
   }
+  if (pid.error().code != Errc::missing) return print_error(arguments, pid.error());
   const auto wait_s = arguments.number("--timeout", 60);
   if (!wait_s) return print_error(arguments, wait_s.error());
   const auto fleet = wanted_fleet(arguments, dir);

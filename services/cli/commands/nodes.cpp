@@ -38,7 +38,8 @@ std::string absolute(const std::string& path) {
 
 int run_check(const Arguments& arguments) {
   const std::string dir = absolute(arguments.words[0]);
-  const bool running = NodeLock::holder(dir).ok();
+  const auto holder = NodeLock::holder(dir);
+  const bool running = holder || holder.error().code != Errc::missing;
   const NodeCheck check = check_node_dir(dir, running, drivers::robot_transports());
   if (!check.faults.empty()) return print_faults(arguments, check.faults);
   const Network& network = check.config.network;
@@ -130,10 +131,12 @@ int run_up(const Arguments& arguments) {
   if (arguments.has("--die-with-parent")) end_with_starter();
   const std::string dir = absolute(arguments.words[0]);
   // Before the check: a node that is up holds its ports, and that is not what is wrong.
-  if (const auto pid = NodeLock::holder(dir)) {
+  const auto pid = NodeLock::holder(dir);
+  if (pid) {
     return print_error(arguments, fail(Errc::conflict, dir + " is up already (pid " + std::to_string(*pid) + ")",
                                        "stop that one first, or use trb reload"));
   }
+  if (pid.error().code != Errc::missing) return print_error(arguments, pid.error());
   const NodeCheck check = check_node_dir(dir, false, drivers::robot_transports());
   const ConfigFaults stopping = faults_that_stop(check.faults);
   if (!stopping.empty()) return print_faults(arguments, check.faults);

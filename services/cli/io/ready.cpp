@@ -84,11 +84,12 @@ void leave_terminal(const std::string& node_dir) {
 
 bool wait_down(const std::string& dir, Duration wait) {
   const MonotonicTime end = read_clocks().mono + wait;
-  while (supervisor::NodeLock::holder(dir).ok()) {
+  for (;;) {
+    const auto holder = supervisor::NodeLock::holder(dir);
+    if (!holder && holder.error().code == Errc::missing) return true;
     if (read_clocks().mono >= end) return false;
     std::this_thread::sleep_for(kLook);
   }
-  return true;
 }
 
 }  // namespace trb::cli
