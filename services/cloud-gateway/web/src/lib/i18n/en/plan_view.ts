@@ -66,7 +66,7 @@ export const plan = {
     messagesEach: 'messages in {seconds} s',
     peak: 'at most {value}, at {time}',
     timelineKey: 'Bar: it was done. ✕: it was not, for its robot broke, was halted or was gone. A bar without an end: it was still under way as the simulation ended. The scale counts from the start of the run.',
-    criticalKey: '◆ and a thick frame: the critical path. The run is shorter only if one of these is.',
+    criticalKey: '◆ and a thick frame: the critical path. The run is shorter only if one of these is, or waits less for something else than a task.',
     criticalPath: 'Critical path',
     isCritical: 'on it',
     waits: 'What each task waited for',

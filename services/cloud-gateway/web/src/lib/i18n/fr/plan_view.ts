@@ -67,7 +67,7 @@ export const plan: Pick<LateWords, 'plan'> = {
     messagesEach: 'messages en {seconds} s',
     peak: 'au plus {value}, à {time}',
     timelineKey: 'Barre : elle était exécutée. ✕ : elle ne l’a pas été, son robot était en panne, arrêté ou absent. Barre sans fin : elle était encore en cours à la fin de la simulation. L’échelle compte depuis le début de l’exécution.',
-    criticalKey: '◆ et un cadre épais : le chemin critique. L’exécution n’est plus courte que si l’une d’elles l’est.',
+    criticalKey: '◆ et un cadre épais : le chemin critique. L’exécution n’est plus courte que si l’une d’elles l’est, ou attend moins ce qui n’est pas une tâche.',
     criticalPath: 'Chemin critique',
     isCritical: 'en fait partie',
     waits: 'Ce que chaque tâche a attendu',
