@@ -5,6 +5,8 @@
 #include "common/drivers/tcp-text/monitored_names.hpp"
 #include "common/drivers/tcp-text/reach.hpp"
 #include "common/drivers/tcp-text/ur_rtde.hpp"
+#include "common/drivers/tcp-text/urscript.hpp"
+#include "common/fleet/did_you_mean.hpp"
 
 namespace trb::drivers {
 
@@ -25,6 +27,15 @@ void check_monitor(const VendorCommands& vendor, const std::string& name, const 
   if (vendor.requests.empty() || vendor.monitor) return;
   faults.add(name + ".requests", "are answered from the monitor, but no monitor is configured",
              R"(add "monitor": {"protocol": "ur-primary", "port": 30001}, or remove the requests)");
+}
+
+/// A stop that the controller does not know is noticed when a person needs it.
+void check_stop(const VendorCommands& vendor, const std::string& name, const FileFaults& faults) {
+  const auto stop = vendor.commands.find("stop");
+  if (vendor.language != "urscript" || stop == vendor.commands.end() || stop->second.empty()) return;
+  if (may_be_urscript(stop->second)) return;
+  faults.add(name + ".commands.stop", "'" + stop->second + "' is neither a command of the controller nor a script",
+             did_you_mean(stop->second, {"stop program", "halt"}, "write"));
 }
 
 /// A skill without a command would wait for the field channel, which this robot does not use.
@@ -61,6 +72,7 @@ void check_tcp_text(const NodeConfig& config, const FileFaults& faults) {
   const std::string& name = config.framework;
   require_port(config, faults, "30002 for a Universal Robot");
   check_words(vendor, name, faults);
+  check_stop(vendor, name, faults);
   check_monitor(vendor, name, faults);
   check_monitored_names(config, faults);
   check_reach(config, faults);

@@ -68,4 +68,8 @@ bool is_interface_command(std::string_view text) {
   return std::find(kInterfaceCommands.begin(), kInterfaceCommands.end(), text) != kInterfaceCommands.end();
 }
 
+bool may_be_urscript(std::string_view text) {
+  return is_interface_command(text) || text == "halt" || text.find('(') != std::string_view::npos;
+}
+
 }  // namespace trb::drivers

@@ -23,4 +23,8 @@ std::string urscript_end_text(std::string_view name);
 /// True for the controller's interface commands that are not script statements ("power on").
 bool is_interface_command(std::string_view text);
 
+/// Can the controller execute it: an interface command, or a script, which calls a function or halts? To anything else
+/// it answers by an exception, and moves on.
+bool may_be_urscript(std::string_view text);
+
 }  // namespace trb::drivers
