@@ -412,3 +412,22 @@ TEST_CASE("every fault of every file at once") {
   CHECK_MESSAGE(faults.size() == 7, to_text(faults));
   check_cures(without_keys(faults));
 }
+
+TEST_CASE("cloud.json: where the page listens is tried like the other ports, if the node has the page") {
+  const Listener other;
+  const NodeFolder folder("cloud");
+  const std::string taken = R"({"listen": "127.0.77.1:)" + other.port() + "\"}";
+  folder.write("cloud.json", taken);
+  CHECK(without_keys(folder.check(false).faults).empty());
+  folder.write("node.json", R"({"id":"cloud","role":"cloud","services":["router","cloud-gateway"]})");
+  CHECK(without_keys(folder.check(true).faults).empty());
+  const ConfigFault fault = only_fault(folder, false);
+  CHECK(fault.file == "cloud.json");
+  CHECK(fault.key == "listen");
+  CHECK(fault.what.find("is in use by another program") != std::string::npos);
+  CHECK_FALSE(fault.may_wait);
+  // An address of a VPN, perhaps, that comes later.
+  folder.write("cloud.json", R"({"listen": "203.0.113.77:9443"})");
+  CHECK(only_fault(folder, false).what.find("the address is not ready") != std::string::npos);
+  CHECK(only_fault(folder, false).may_wait);
+}

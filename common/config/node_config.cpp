@@ -54,13 +54,17 @@ class NodeChecker {
     check_described_names(out_.config, known_, node.description, out_.faults);
     read_sensor_files(out_.config.dir, out_.faults);
     read_resilience_file(out_.config.dir, out_.faults);
-    read_cloud_file(out_.config.dir, out_.faults);
+    const std::size_t before_cloud = out_.faults.size();
+    const CloudSettings cloud = read_cloud_file(out_.config.dir, out_.faults);
+    const bool cloud_good = out_.faults.size() == before_cloud;
     read_hall_picture(out_.config.dir, out_.faults);
     read_metrics_file(out_.config.dir, out_.faults);
     if (out_.config.has_service("mode-adapter")) check_robot_auth(out_.config.dir, out_.faults);
     if (node.usable) keys(running);
     if (!out_.config.bus.empty()) check_bus_keys(out_.config.dir, bus_names(out_.config), out_.faults);
     if (!running) ports();
+    if (!running && cloud_good && out_.config.has_service("cloud-gateway"))
+      port({"cloud.json", "listen"}, cloud.address, cloud.port);
     if (!running) own_programs();
     return std::move(out_);
   }
@@ -188,11 +192,12 @@ class NodeChecker {
 
   void ports() {
     const NodeConfig& config = out_.config;
-    port("TCP_PORT_EXT", config.network.address, config.network.tcp_port_ext);
-    if (config.network.lane_port != 0) port("LANE_PORT", config.network.address, config.network.lane_port);
+    const auto in_network = [](const char* key) { return Named{"network.json", key}; };
+    port(in_network("TCP_PORT_EXT"), config.network.address, config.network.tcp_port_ext);
+    if (config.network.lane_port != 0) port(in_network("LANE_PORT"), config.network.address, config.network.lane_port);
     bus();
     if (config.mode != Mode::none && config.has_service("mode-adapter")) {
-      port("TCP_PORT", config.network.robot_address, config.network.tcp_port);
+      port(in_network("TCP_PORT"), config.network.robot_address, config.network.tcp_port);
     }
   }
 
@@ -220,11 +225,16 @@ class NodeChecker {
     }
   }
 
-  void port(const std::string& key, const std::string& address, std::uint16_t number) {
+  /// What says where a port is.
+  struct Named {
+    std::string file, key;
+  };
+
+  void port(const Named& named, const std::string& address, std::uint16_t number) {
     if (address.empty()) return;
     const Status free = check_tcp_port(address, number);
     if (free) return;
-    sink("network.json").add(key, free.error().what, free.error().hint);
+    sink(named.file).add(named.key, free.error().what, free.error().hint);
     out_.faults.back().may_wait = free.error().code == Errc::missing;
   }
 

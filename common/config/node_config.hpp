@@ -104,8 +104,8 @@ std::vector<std::string> bus_names(const NodeConfig& config);
 
 /// Reads and checks a node's folder. Every fault of every file is returned at once; nothing is started, no port stays
 /// bound. Also checks what the files refer to: keys present with mode 0600, certificate valid for the id, interfaces
-/// that exist, ports that are free and own services' programs (both skipped with `running`), a mode that this build
-/// has.
+/// that exist, ports (the page's among them) that are free and own services' programs (both skipped with `running`), a
+/// mode that this build has.
 struct NodeCheck {
   NodeConfig config;
   ConfigFaults faults;
