@@ -128,6 +128,14 @@ TEST_CASE("a parameter's range, words and count are told to the fleet") {
   CHECK(infos[0].parameters[1].one_of == std::vector<std::string>{"a", "b"});
 }
 
+TEST_CASE("where an object belongs, the cure names the keys that it may have") {
+  const auto read =
+      description_of(R"({"maker": "A", "model": "B", "capabilities": [], "skills": {}, "numbers": {"reach": 0.85}})");
+  REQUIRE(read.faults.size() == 1);
+  CHECK(read.faults[0].key == "numbers.reach");
+  CHECK(read.faults[0].hint.find(R"({ "value": …, "unit": … })") != std::string::npos);
+}
+
 TEST_CASE("numbers of the robot are told with their units") {
   const auto head = std::string(R"({"maker": "A", "model": "B", "capabilities": [], "skills": {}, "numbers": )");
   const auto read = description_of(head + R"({"payload": {"value": 3, "unit": "kg"}, "axes": {"value": 6}}})");

@@ -156,7 +156,15 @@ std::optional<std::size_t> ObjectReader::choice(std::string_view key, Need need,
 }
 
 void ObjectReader::refuse_unknown_keys() {
-  if (unusable_) return;
+  if (unusable_) {
+    if (asked_.empty()) return;
+    std::string members;
+    constexpr std::size_t kShown = 8;
+    for (std::size_t i = 0; i < std::min(asked_.size(), kShown); ++i)
+      members += (i == 0 ? "\"" : ", \"") + asked_[i] + "\": …";
+    if (asked_.size() > kShown) members += ", …";
+    return faults_.cure_last(path_, "write it as { " + members + " }, with those of these keys that you need");
+  }
   for (const auto& [key, ignored] : json_->object()) {
     if (faults_.full()) return;
     if (std::find(asked_.begin(), asked_.end(), key) != asked_.end()) continue;

@@ -21,6 +21,10 @@ class FileFaults {
   void add(std::string key, std::string what, std::string hint) const {
     if (!full()) faults_->push_back({file_, std::move(key), std::move(what), std::move(hint), false});
   }
+  /// Another cure for the fault that add has just brought, once more is known.
+  void cure_last(const std::string& key, std::string hint) const {
+    if (!faults_->empty() && faults_->back().key == key && !full()) faults_->back().hint = std::move(hint);
+  }
   /// A person reads no more than this; a file of a megabyte must not cost a suggestion for each of its words.
   [[nodiscard]] bool full() const { return count() >= kMost; }
   [[nodiscard]] std::size_t count() const { return faults_->size(); }
@@ -75,7 +79,7 @@ class ObjectReader {
   /// The index of the text among the names.
   std::optional<std::size_t> choice(std::string_view key, Need need, const std::vector<std::string>& names);
 
-  /// Reports the keys that no getter has read.
+  /// Reports the keys that no getter has read. Of what is no object it says which keys belong there.
   void refuse_unknown_keys();
 
   /// "" for the document itself, whose keys stand alone; else "path.key".

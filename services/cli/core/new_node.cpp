@@ -39,6 +39,12 @@ std::string member(std::string_view key, std::string_view value, const std::stri
   return indent + "\"" + std::string(key) + "\": \"" + std::string(value) + (last ? "\"\n" : "\",\n");
 }
 
+/// In a text of JSON, so the example's quotes have backslashes.
+std::string seeds_comment(const std::string& example) {
+  return "Nodes that beacons do not reach (" + example +
+         R"(, for example): [{\"address\": \"10.0.0.1:45000\", \"key\": \"LINK KEY by trb fleet show there\"}].)";
+}
+
 }  // namespace
 
 std::span<const RobotKind> robot_kinds() {
@@ -76,7 +82,7 @@ std::string node_json_of(const NewNode& node) {
     out += member("fault_injection", node.told_faults_at, deep, true);
   }
   out += in + "},\n";
-  out += comment("Nodes that beacons do not reach, as 10.0.0.1:45000: a cloud node behind a VPN, for example.", in);
+  out += comment(seeds_comment("a cloud node behind a VPN"), in);
   out += in + "\"seeds\": [],\n";
   out += comment("Add sensor-bus if sensors are plugged into this computer.", in);
   out += in + "\"services\": [\"router\", \"mode-adapter\", " + (node.kind.has_ros ? "\"ros-bridge\", " : "") +
@@ -89,7 +95,7 @@ std::string node_json_of(const NewCloud& cloud) {
   std::string out = "{\n";
   out += comment("Its name in the fleet. Its certificate has it: another name needs other keys.", in);
   out += member("id", cloud.id, in) + member("role", "cloud", in);
-  out += comment("Nodes that beacons do not reach, as 10.0.0.1:45000: another cloud node, for example.", in);
+  out += comment(seeds_comment("another cloud node"), in);
   out += in + "\"seeds\": [],\n";
   out += comment("cloud-gateway is the page; cloud.json says where it listens.", in);
   return out + in + "\"services\": [\"router\", \"scheduler\", \"resilience\"" +

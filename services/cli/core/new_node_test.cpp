@@ -2,6 +2,8 @@
 
 #include <doctest/doctest.h>
 
+#include "proto/value.hpp"
+
 using namespace trb;
 using namespace trb::cli;
 
@@ -31,6 +33,15 @@ TEST_CASE("new node: every value stands behind a line that says what it is") {
   CHECK(node_json_of(virtual_one).find("\"fault_injection\": \"127.0.0.5:46000\"\n") != std::string::npos);
   CHECK(network_json_of("eth0").find("\"HOST_INT\": \"eth0\"") != std::string::npos);
   CHECK(node_json_of({"r", *robot_kind("ros"), "10.0.0.5", "", "eth0"}).find("\"ros-bridge\"") != std::string::npos);
+}
+
+TEST_CASE("new node: the line at seeds shows them in the form that is taken") {
+  for (const std::string& text :
+       {node_json_of({"arm1", *robot_kind("ur"), "10.0.0.5", "", "eth0"}), node_json_of(NewCloud{"cloud", "eth0"})}) {
+    const auto json = parse_json(text);
+    REQUIRE(json.ok());
+    CHECK(text.find(R"([{\"address\": \"10.0.0.1:45000\", \"key\": \")") != std::string::npos);
+  }
 }
 
 TEST_CASE("new node: a cloud node has the page's service and file only if a page is wanted") {
