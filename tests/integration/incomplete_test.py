@@ -118,7 +118,8 @@ class Parts(unittest.TestCase):
         self.watch.wait_counted("cut.incomplete", prefixes=("cut.",))
         if not support.is_sanitized():
             self.assertLess(self.most, self.begin + BOUND)
-            self.fleet.wait("the memory comes back", lambda: resident(self.pid) < self.begin + 32, 15)
+            # Last: it may take longer than what a test looks at next lasts, a lease or a time of being kept out.
+            self.addCleanup(self.fleet.wait, "the memory comes back", lambda: resident(self.pid) < self.begin + 32, 15)
 
     def assert_listed(self, node):
         findings = self.fleet.json("doctor", node=TARGET, check=False)["findings"]
