@@ -1,9 +1,6 @@
 // The golden set of bad files: for each the file, the key and the fault, and that there is a hint.
-#include <arpa/inet.h>
 #include <doctest/doctest.h>
-#include <sys/socket.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include <algorithm>
 
@@ -53,29 +50,6 @@ std::string hall_of(std::size_t count) {
   }
   return R"({"places": {)" + text + "}}";
 }
-
-/// Listens on a free port of 127.0.77.1 as long as it lives.
-class Listener {
- public:
-  Listener() : fd_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
-    sockaddr_in where{};
-    where.sin_family = AF_INET;
-    inet_pton(AF_INET, "127.0.77.1", &where.sin_addr);
-    socklen_t size = sizeof where;
-    REQUIRE(::bind(fd_, reinterpret_cast<sockaddr*>(&where), size) == 0);
-    REQUIRE(::listen(fd_, 1) == 0);
-    REQUIRE(::getsockname(fd_, reinterpret_cast<sockaddr*>(&where), &size) == 0);
-    port_ = ntohs(where.sin_port);
-  }
-  Listener(const Listener&) = delete;
-  Listener& operator=(const Listener&) = delete;
-  ~Listener() { ::close(fd_); }
-  [[nodiscard]] std::string port() const { return std::to_string(port_); }
-
- private:
-  int fd_;
-  std::uint16_t port_ = 0;
-};
 
 }  // namespace
 
@@ -374,32 +348,6 @@ TEST_CASE("places.json: a cloud node may know more places than a robot is sent t
   CHECK(check.config.places.size() == 1000);
 }
 
-TEST_CASE("a port in use") {
-  const Listener listener;
-  const NodeFolder folder;
-  folder.change("network.json", "45000", listener.port());
-  const ConfigFaults before = without_keys(folder.check(true).faults);
-  CHECK_MESSAGE(before.empty(), to_text(before));
-  folder.change("node.json", R"(, "interface": "lo")", "");
-  folder.change("node.json", R"("mode-adapter", )", "");
-  const ConfigFault fault = only_fault(folder, false);
-  CHECK(fault.file == "network.json");
-  CHECK(fault.key == "TCP_PORT_EXT");
-  CHECK(fault.what == "TCP 127.0.77.1:" + listener.port() + " is in use by another program");
-}
-
-TEST_CASE("the robot's port is tried only where a mode-adapter will bind it") {
-  const Listener listener;
-  const Listener free_once;  // reserves its number while it exists
-  const NodeFolder folder;
-  folder.change("node.json", R"(, "interface": "lo")", "");
-  folder.change("network.json", "40000", listener.port());
-  folder.change("network.json", "127.0.77.1", "127.0.77.1");
-  CHECK(only_fault(folder, false).key == "TCP_PORT");
-  folder.change("node.json", R"("mode-adapter", )", "");
-  CHECK(without_keys(folder.check(false).faults).empty());
-}
-
 TEST_CASE("every fault of every file at once") {
   const NodeFolder folder("ur");
   folder.change("node.json", R"("beacon": true)", R"("beacon": 1)");
@@ -411,23 +359,4 @@ TEST_CASE("every fault of every file at once") {
   const ConfigFaults faults = folder.check().faults;
   CHECK_MESSAGE(faults.size() == 7, to_text(faults));
   check_cures(without_keys(faults));
-}
-
-TEST_CASE("cloud.json: where the page listens is tried like the other ports, if the node has the page") {
-  const Listener other;
-  const NodeFolder folder("cloud");
-  const std::string taken = R"({"listen": "127.0.77.1:)" + other.port() + "\"}";
-  folder.write("cloud.json", taken);
-  CHECK(without_keys(folder.check(false).faults).empty());
-  folder.write("node.json", R"({"id":"cloud","role":"cloud","services":["router","cloud-gateway"]})");
-  CHECK(without_keys(folder.check(true).faults).empty());
-  const ConfigFault fault = only_fault(folder, false);
-  CHECK(fault.file == "cloud.json");
-  CHECK(fault.key == "listen");
-  CHECK(fault.what.find("is in use by another program") != std::string::npos);
-  CHECK_FALSE(fault.may_wait);
-  // An address of a VPN, perhaps, that comes later.
-  folder.write("cloud.json", R"({"listen": "203.0.113.77:9443"})");
-  CHECK(only_fault(folder, false).what.find("the address is not ready") != std::string::npos);
-  CHECK(only_fault(folder, false).may_wait);
 }

@@ -1,4 +1,4 @@
-// A folder that the test's user may not look into.
+// A folder that the test's user may not look into, or not write.
 #pragma once
 
 #include <doctest/doctest.h>
@@ -10,11 +10,12 @@
 
 namespace trb {
 
-/// While it exists, nobody may look into the folder; root, who could, has the rights of nobody.
+/// While it exists, the folder has this mode: by default nobody may look into it. Root, who could, has the rights of
+/// nobody.
 class ClosedFolder {
  public:
-  explicit ClosedFolder(std::string path) : path_(std::move(path)) {
-    REQUIRE(::chmod(path_.c_str(), 0) == 0);
+  explicit ClosedFolder(std::string path, mode_t mode = 0) : path_(std::move(path)) {
+    REQUIRE(::chmod(path_.c_str(), mode) == 0);
     if (former_ == 0) REQUIRE(::seteuid(kNobody) == 0);
   }
   ~ClosedFolder() {

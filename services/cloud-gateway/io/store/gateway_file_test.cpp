@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include "common/audit/audit_verify.hpp"
+#include "common/base/test/closed_folder.hpp"
 #include "common/sqlite/test/full_disk.hpp"
 #include "services/cloud-gateway/io/store/test/store_folder.hpp"
 
@@ -37,26 +38,6 @@ Error no_store(const StoreFolder& folder) {
   REQUIRE_FALSE(state.ok());
   return state.error();
 }
-
-/// While it exists, the folder cannot be written; root, who could, has the rights of nobody.
-class ReadOnly {
- public:
-  explicit ReadOnly(const StoreFolder& folder) : path_(folder.path) {
-    REQUIRE(::chmod(path_.c_str(), 0555) == 0);
-    if (former_ == 0) REQUIRE(::seteuid(kNobody) == 0);
-  }
-  ~ReadOnly() {
-    CHECK(::seteuid(former_) == 0);
-    ::chmod(path_.c_str(), 0700);
-  }
-  ReadOnly(const ReadOnly&) = delete;
-  ReadOnly& operator=(const ReadOnly&) = delete;
-
- private:
-  static constexpr uid_t kNobody = 65534;
-  std::string path_;
-  uid_t former_ = ::geteuid();
-};
 
 }  // namespace
 
@@ -97,7 +78,7 @@ TEST_CASE("a full disk: nothing half, nothing lost, and it goes on once there is
 TEST_CASE("a folder that cannot be written, or is not there, is named with a cure") {
   const StoreFolder folder;
   {
-    const ReadOnly nobody(folder);
+    const ClosedFolder nobody(folder.path, 0555);
     const Error error = no_store(folder);
     CHECK(error.code == Errc::io_error);
     CHECK(error.what.find(folder.file()) != std::string::npos);
