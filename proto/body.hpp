@@ -30,7 +30,7 @@
   X(RevocationList) X(Seal) X(SealedRange) X(TrustUpdate) X(ReachablePeerList) X(Relayed) X(RelayedFrame)                   \
   X(RelayAlive) X(RelayRefused)                                                                                    \
   X(LinkErrorTableRequest) X(LinkErrorTable) X(EchoRequest) X(Echo)                                                    \
-  X(PeerExpired) X(Execute) X(CancelExecution) X(ExecutionQuery) X(ExecutionState) X(Outcome) X(OutcomeJournaled)  \
+  X(PeerExpired) X(RevokedNodes) X(Execute) X(CancelExecution) X(ExecutionQuery) X(ExecutionState) X(Outcome) X(OutcomeJournaled)  \
   X(AdapterState) X(AdapterStateRequest) X(RobotFault) X(TakeOutOfUse) X(TakeIntoUse) X(RobotConnection) X(RobotState) X(InjectFault)             \
   X(NodeSensors) X(SensorRead) X(SensorReading) X(SensorWatch) X(SensorSnapshot) X(SensorImage)                    \
   X(SensorListRequest) X(SensorTable)                                                                              \

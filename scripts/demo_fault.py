@@ -79,7 +79,7 @@ class Fault:
         for node in (CLOUD, FAILS):
             command = [self.fleet.programs / "trb", "tap", "--all", "--json", "--node", self.fleet.dir(node)]
             self.taps[node] = trb_fleet.Process(command, self.fleet.root / f"tap-{node}.log")
-            self.taps[node].wait_line("{", 10)
+            self.taps[node].wait_line("{", trb_fleet.LONG_S)
         self.fleet.virtual[FAILS].say(f"fail_next_goal {TEXT}")
 
     def run_limit_s(self):

@@ -79,7 +79,7 @@ def plug_sensor(fleet, degrees):
         routes = fleet.json("route", "list", node=trb_fleet.CLOUD)["routes"]
         plugged = next(route for route in routes if route["id"] == SENSOR_NODE)["profile"]["plugged"]
         return any(sensor["kind"] == "temperature" and sensor["state"] == "ok" for sensor in plugged)
-    seconds = fleet.wait("the cloud knows the thermometer", known, 10)
+    seconds = fleet.wait("the cloud knows the thermometer", known, trb_fleet.LONG_S)
     say(f"  the fleet can ask for it after {seconds:.1f} s")
     for line in fleet.trb("sensor", "list", node=trb_fleet.CLOUD).stdout.splitlines():
         say("  " + line)
@@ -256,7 +256,7 @@ def start(fleet, fault):
         fault.configure()
     say("== starting the virtual robots and the nodes, each service a process of its own")
     fleet.start()
-    seconds = fleet.wait_formed(30)
+    seconds = fleet.wait_formed()
     say(f"== every node knows every other ({seconds:.1f} s); the cloud node's table:")
     for line in fleet.trb("route", "list", node=trb_fleet.CLOUD).stdout.splitlines():
         say("  " + line)

@@ -80,7 +80,7 @@ class PrivateBus:
         self.socket.unlink(missing_ok=True)
         command = ["/usr/bin/dbus-daemon", f"--config-file={self.config}", "--nofork", "--nosyslog", "--print-address=1"]
         self.process = trb_fleet.Process(command, self.log)
-        self.process.wait_line("unix:", 10)
+        self.process.wait_line("unix:", trb_fleet.LONG_S)
 
     def stop(self, how=signal.SIGTERM):
         if self.process:

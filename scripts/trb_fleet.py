@@ -46,6 +46,8 @@ ON_BOARD = {"pioneer-fields": ("pioneer", "trb-field-pioneer", 8101)}  # its vir
 ROS = ("ros", "ridgeback")  # frameworks that are reached over a ROS master
 CONTROL_PORT = 46000  # where a virtual robot is told to fail
 LONG_S = 60  # a deadline, not a measurement: for a starved machine
+QUESTIONS = {("alert", "list"), ("robot", "history"), ("robot", "list"), ("route", "list"), ("run", "list"), ("run", "show"),
+             ("sensor", "list"), ("service", "counters"), ("service", "list")}  # they change nothing: asked again, they do no harm
 
 
 def plc_port():
@@ -78,6 +80,8 @@ def answers(address):
 
 
 class Fleet:
+    patience_s = 0  # how long trb() tries again, if a stall of the machine is all that was wrong
+
     def __init__(self, root, programs, block=1, udp_port=50000, robots=None, speed=1.0, name="demo", cloud=True,
                  gateway_port=None):
         self.root = pathlib.Path(root)
@@ -96,6 +100,7 @@ class Fleet:
         self.ros_master = None
         self.ros_master_inside = []  # the start of its command line, if it is to have a world of its own
         self.sensor_sides = {}  # node: its sensor_side.SensorSide
+        self.listeners = []  # programs of somebody else, whose output must not stand in a full pipe
 
     # ---- paths and addresses
 
@@ -120,12 +125,24 @@ class Fleet:
         command = [str(self.programs / "trb"), *map(str, arguments)]
         if node:
             command += ["--node", str(self.dir(node))]
+        if check and self.patience_s and arguments[0] in ("stop", "release") and "--timeout" not in arguments:
+            command += ["--timeout", str(self.patience_s)]
         env = dict(os.environ, TRB_PASSPHRASE=self.passphrase())
         env.pop("TRB_NODE", None)
-        done = subprocess.run(command, capture_output=True, text=True, timeout=timeout, env=env)
-        if check and done.returncode != 0:
-            raise RuntimeError(f"{' '.join(command)}: exit {done.returncode}\n{done.stdout}{done.stderr}")
-        return done
+        end = time.monotonic() + self.patience_s
+        while True:
+            done = subprocess.run(command, capture_output=True, text=True, timeout=timeout, env=env)
+            if not check or done.returncode == 0:
+                return done
+            said = done.stdout + done.stderr
+            if time.monotonic() > end or not self.may_ask_again(arguments, node, said):
+                raise RuntimeError(f"{' '.join(command)}: exit {done.returncode}\n{said}")
+
+    def may_ask_again(self, arguments, node, said):
+        """Nothing was sent, for the router did not welcome it in time or still gathers the fleet; or a question has got no
+        answer in time."""
+        unsent = node and (f"the router of {self.dir(node)} does not answer" in said or "has just started, and may not" in said)
+        return unsent or (tuple(arguments[:2]) in QUESTIONS and "no answer from" in said)
 
     def json(self, *arguments, node=None, check=True, timeout=60):
         return json.loads(self.trb(*arguments, "--json", node=node, check=check, timeout=timeout).stdout)
@@ -294,6 +311,8 @@ class Fleet:
         """Keeps the children's output flowing."""
         for process in self.processes():
             process.pump(0)
+        for listener in self.listeners:
+            listener.drain()
 
     def wait(self, what, condition, timeout):
         """Waits for a condition on the fleet, with a deadline; returns how long it took."""

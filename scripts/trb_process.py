@@ -60,6 +60,11 @@ class Process:
         self.lines += [line.decode(errors="replace") for line in lines]
         return bool(data)
 
+    def drain(self):
+        """Reads all that is there now."""
+        while not self.child.stdout.closed and select.select([self.child.stdout], [], [], 0)[0] and self.pump(0):
+            pass
+
     def wait_line(self, wanted, timeout, start=0):
         """Waits for a line that contains `wanted`; returns (line, index after it)."""
         end = time.monotonic() + timeout
@@ -81,7 +86,8 @@ class Process:
         self.child.stdin.write((text + "\n").encode())
         self.child.stdin.flush()
 
-    def stop(self, how=signal.SIGTERM, timeout=8):
+    def stop(self, how=signal.SIGTERM, timeout=30):
+        """Killed only if it does not end by itself: what a supervisor has started would outlive that for a moment."""
         if self.child.poll() is None:
             self.child.send_signal(how)
         end = time.monotonic() + timeout

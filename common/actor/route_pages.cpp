@@ -13,6 +13,7 @@ constexpr std::size_t kMostRows = 4096;  ///< more than any router has
 RoutePages::Taken RoutePages::take(RouteTable page) {
   if (page.after.empty()) {
     table_ = {};
+    table_.gathers = page.gathers;
     after_.clear();
   } else if (page.after != after_) {
     return {};

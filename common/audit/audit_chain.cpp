@@ -1,5 +1,7 @@
 #include "common/audit/audit_chain.hpp"
 
+#include <algorithm>
+
 #include "common/security/keys.hpp"
 #include "proto/body.hpp"
 #include "proto/make_shape.hpp"
@@ -16,6 +18,12 @@ void for_each_text(Record& record, const Visit& visit) {
 }
 
 }  // namespace
+
+std::uint64_t next_audit_number(std::uint64_t last, const AuditRecord& record) {
+  constexpr std::int64_t kMs = 1'000'000;
+  const bool is_restored = record.action == kAuditRestored && record.time > 0;
+  return std::max(last + 1, is_restored ? static_cast<std::uint64_t>(record.time / kMs) : 0);
+}
 
 Bytes audit_head_payload(const AuditHead& head) {
   return pack(make_shape<AuditHead>(), &head);
@@ -52,7 +60,7 @@ AuditChain::AuditChain(Bytes start, const AuditRow& last)
     : start_(std::move(start)), hash_(last.hash), number_(last.record.number) {}
 
 AuditRow AuditChain::append(AuditRecord record) {
-  record.number = ++number_;
+  record.number = number_ = next_audit_number(number_, record);
   for_each_text(record, [](std::string& text, std::uint32_t most) {
     if (text.size() > most || !is_utf8(text)) text = cut_utf8(text, most);
   });

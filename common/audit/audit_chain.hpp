@@ -13,9 +13,14 @@
 
 namespace trb {
 
+/// What a gateway records first whose store comes from a backup. Its number is its time in ms: no log grows by a
+/// thousand records a second, so what was recorded since the backup, and is lost, has numbers of its own; also if the
+/// same backup is brought back twice.
+constexpr std::string_view kAuditRestored = "restored";
+
 /// Who did what; the chain sets the number.
 struct AuditRecord {
-  std::uint64_t number = 0;  ///< from 1, without gaps
+  std::uint64_t number = 0;  ///< from 1, without gaps but before kAuditRestored
   std::int64_t time = 0;     ///< UTC ns, as the clock was; `number` gives the order
   std::string who;           ///< "ann", "token:exporter"; for a refused sign-in: the name given
   std::string from;          ///< address
@@ -37,6 +42,9 @@ struct AuditRow {
   Bytes hash;
   bool operator==(const AuditRow&) const = default;
 };
+
+/// What number it has behind this one.
+std::uint64_t next_audit_number(std::uint64_t last, const AuditRecord& record);
 
 /// The last record of a chain. The node's router signs the payload with purpose kSignedAuditHead.
 struct AuditHead {

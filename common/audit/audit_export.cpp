@@ -1,7 +1,9 @@
 #include "common/audit/audit_export.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <map>
+#include <utility>
 
 #include "common/base/hex.hpp"
 #include "proto/body.hpp"
@@ -30,7 +32,11 @@ struct Lines {
 template <class T>
 Result<T> member(const Value& line, std::string_view name) {
   const Value* found = line.find(name);
-  if (found == nullptr) return fail(Errc::missing, std::string(name) + " is missing", "export the log anew");
+  if (found == nullptr) {
+    std::string what(name);  // as one sum GCC 12 warns of it
+    what += " is missing";
+    return fail(Errc::missing, std::move(what), "export the log anew");
+  }
   T out;
   if (Error error = read_json(make_shape<T>(), dump_json(*found), &out); error.code != Errc::ok) return error;
   return out;
@@ -139,6 +145,31 @@ Result<AuditCheck> check_audit_export(std::string_view text, const FleetAuthorit
   const std::string node = chain_node(*lines, signers, last, authority.id());
   AuditCheck out{node, {}, lines->rows.size(), heads.size(), lines->heads.size() - heads.size()};
   out.report = verify_audit(audit_start(authority.id(), node), lines->rows, heads);
+  return out;
+}
+
+Result<std::optional<AuditParting>> find_parting(std::string_view first, std::string_view second) {
+  const auto left = lines_of(first);
+  if (!left) return left.error();
+  const auto right = lines_of(second);
+  if (!right) return right.error();
+  const auto [a, b] = std::ranges::mismatch(left->rows, right->rows);
+  if (a == left->rows.end() || b == right->rows.end()) return std::optional<AuditParting>();
+  return std::optional(AuditParting{a == left->rows.begin() ? 0 : std::prev(a)->record.number, a->record, b->record});
+}
+
+Result<std::vector<std::string>> join_exports(const std::vector<std::string>& files) {
+  std::vector<std::string> out;
+  std::uint64_t last = 0;
+  for (const std::string& file : files) {
+    const auto lines = lines_of(file);
+    if (!lines) return lines.error();
+    const bool is_another = !lines->rows.empty() && lines->rows.front().record.number <= last;
+    if (out.empty() || is_another) out.emplace_back();
+    out.back() += file;
+    if (!file.ends_with('\n')) out.back() += '\n';
+    if (!lines->rows.empty()) last = lines->rows.back().record.number;
+  }
   return out;
 }
 

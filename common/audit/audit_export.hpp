@@ -1,8 +1,10 @@
 // An audit log as a file for a third party: a line of JSON for each record, signed head and certificate.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "common/audit/audit_verify.hpp"
 #include "common/security/keys.hpp"
@@ -30,5 +32,20 @@ struct AuditCheck {
 /// node the last counts. Certificates of robots do not count: no robot has a gateway. Errors: malformed (with the
 /// line's number), missing (no certificate of a cloud node), and those of open_certificate.
 Result<AuditCheck> check_audit_export(std::string_view text, const FleetAuthority& authority);
+
+/// Two exports of one gateway's log that were made at different times.
+struct AuditParting {
+  std::uint64_t alike = 0;           ///< the last record that both have; 0: none
+  std::optional<AuditRecord> first;  ///< the next one there; nothing: it ends
+  std::optional<AuditRecord> second;
+};
+
+/// Where they part; nothing: one goes on where the other one ends. A log parts from an earlier export of itself after a
+/// backup was brought back, or if somebody has changed it. Errors: malformed.
+Result<std::optional<AuditParting>> find_parting(std::string_view first, std::string_view second);
+
+/// The files of one log joined, for each log: a file that begins at a record that was there already is another export.
+/// Errors: malformed.
+Result<std::vector<std::string>> join_exports(const std::vector<std::string>& files);
 
 }  // namespace trb

@@ -170,3 +170,39 @@ TEST_CASE("given another fleet's key, or no certificate, or lines that are none,
     CHECK(out.error().what.find("line 9: ") == 0);
   }
 }
+
+TEST_CASE("two exports of one log: one goes on where the other ends, or they part, and it is told where") {
+  Cloud cloud;
+  const std::string early = cloud.text();
+  Cloud restored = cloud;
+  for (int i = 0; i < 2; ++i)
+    cloud.rows.push_back(cloud.chain.append({0, 6, "bob", "10.0.0.8", "DELETE /api/v1/users/{user}", "eve", "done"}));
+  const std::string late = cloud.text();
+  const auto goes_on = find_parting(early, late);
+  REQUIRE(goes_on.ok());
+  CHECK_FALSE(*goes_on);
+
+  restored.rows.push_back(
+      restored.chain.append({0, 9'000'000'000, "console", "", std::string(kAuditRestored), "", "done"}));
+  CHECK_FALSE(restored.check().report.fault);
+  const auto parts = find_parting(late, restored.text());
+  REQUIRE(parts.ok());
+  REQUIRE(*parts);
+  CHECK((*parts)->alike == 5);
+  CHECK((*parts)->first->who == "bob");
+  CHECK((*parts)->second->number == 9'000);
+  CHECK_FALSE(find_parting("no line", late).ok());
+}
+
+TEST_CASE("pages of one log are joined, a second export of it is not") {
+  const Cloud cloud;
+  std::vector<std::string> pages;
+  for (const AuditRow& row : cloud.rows) pages.push_back(audit_line(row));
+  CHECK(join_exports(pages)->size() == 1);
+  std::vector<std::string> both = pages;
+  both.insert(both.end(), pages.begin(), pages.end());
+  const auto joined = join_exports(both);
+  REQUIRE(joined->size() == 2);
+  CHECK(joined->at(0) == joined->at(1));
+  CHECK_FALSE(join_exports({"no line"}).ok());
+}

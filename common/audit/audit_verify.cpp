@@ -37,8 +37,12 @@ class Verifier {
   }
 
   bool take(const AuditRow& row) {
-    const std::uint64_t expected = report_.good + 1;
+    const std::uint64_t expected = next_audit_number(report_.good, row.record);
     const std::uint64_t number = row.record.number;
+    // A backup has no heads of what was recorded after it: who takes records out, and says "restored", has.
+    if (const auto head = heads_.upper_bound(report_.good); head != heads_.end() && head->first < expected)
+      return refuse(AuditFaultKind::missing, report_.good + 1,
+                    "a signed head tells of record " + std::to_string(head->first));
     if (number > expected)
       return refuse(AuditFaultKind::missing, expected, "record " + std::to_string(number) + " stands in its place");
     if (number < expected)
@@ -48,6 +52,7 @@ class Verifier {
       return refuse(AuditFaultKind::altered, number, "its hash is not that of the record and the one before");
     hash_ = row.hash;
     report_.good = number;
+    if (row.record.action == kAuditRestored) report_.restored.push_back(row.record);
     return check_heads_here();
   }
 

@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "common/audit/audit_chain.hpp"
 
@@ -30,8 +31,11 @@ struct AuditFault {
 };
 
 struct AuditReport {
-  std::uint64_t good = 0;     ///< records that fit, counted from the first
+  std::uint64_t good = 0;     ///< the last record that fits, and so do all before it
   std::uint64_t covered = 0;  ///< of these, proven by a signed head; whoever has the store can still change later ones
+  /// Records that tell of a store that came from a backup: what was recorded between the one before and this one is
+  /// lost.
+  std::vector<AuditRecord> restored;
   std::optional<AuditFault> fault;
 };
 

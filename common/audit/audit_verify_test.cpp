@@ -11,6 +11,8 @@ using namespace trb;
 
 namespace {
 
+constexpr std::int64_t kRestored = 1'800'000'000'000'000'000;  ///< UTC ns
+
 struct Store {
   Bytes start = audit_start(Bytes(16, 'f'), "cloud");
   std::vector<AuditRow> rows;
@@ -175,4 +177,30 @@ TEST_CASE("a third party with the public key alone: the node's signature over a 
   CHECK(verify_audit(store.start, store.rows, heads).covered == 8);
   record.payload.bytes.back() = static_cast<char>(record.payload.bytes.back() ^ 1);
   CHECK_FALSE(verify(record, kSignedAuditHead, fleet, node.public_key));
+}
+
+TEST_CASE("given the store was brought back from a backup, then its log goes on with numbers that were never given") {
+  Store store;
+  AuditChain chain(store.start, store.rows.back());
+  store.rows.push_back(chain.append({0, kRestored, "console", "", std::string(kAuditRestored), "", "done"}));
+  store.rows.push_back(chain.append({0, 12, "ann", "10.0.0.7", "POST /api/v1/stop", "arm", "done"}));
+  store.heads.push_back(chain.head({12}));
+  CHECK(store.rows[10].record.number == 1'800'000'000'000);
+  CHECK(store.fault() == "none");
+  CHECK(store.report().good == 1'800'000'000'001);
+  CHECK(store.report().covered == 1'800'000'000'001);
+  REQUIRE(store.report().restored.size() == 1);
+  CHECK(store.report().restored[0].number == 1'800'000'000'000);
+
+  store.rows[10].record.number = 11;
+  CHECK(store.fault() == "out_of_order 1800000000000");
+}
+
+TEST_CASE(
+    "given somebody takes records out and says that a backup was brought back, then a signed head says otherwise") {
+  Store store;
+  store.rows.resize(6);
+  AuditChain chain(store.start, store.rows.back());
+  store.rows.push_back(chain.append({0, kRestored, "console", "", std::string(kAuditRestored), "", "done"}));
+  CHECK(store.fault() == "missing 7");
 }

@@ -1,14 +1,19 @@
 #include <doctest/doctest.h>
+#include <fcntl.h>
 #include <stdlib.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <limits>
+#include <thread>
 
 #include "common/base/address.hpp"
 #include "common/base/config_fault.hpp"
+#include "common/base/descriptor.hpp"
 #include "common/base/files.hpp"
 #include "common/base/hex.hpp"
 #include "common/base/ids.hpp"
@@ -19,6 +24,46 @@
 #include "common/base/time.hpp"
 
 using namespace trb;
+
+TEST_CASE("a pipe in a file's place keeps nobody waiting; one that somebody writes to is read to its end") {
+  const TemporaryFolder folder;
+  const std::string path = folder.path + "/certificate.json";
+  REQUIRE(::mkfifo(path.c_str(), 0600) == 0);
+  const auto none = read_file(path);
+  REQUIRE_FALSE(none);
+  CHECK(none.error().code == Errc::io_error);
+  CHECK(none.error().what == path + ": is a pipe, and nothing comes out of it");
+  CHECK_FALSE(none.error().hint.empty());
+
+  int ends[2];
+  REQUIRE(::pipe(ends) == 0);
+  std::thread writer([&] {
+    CHECK(::write(ends[1], "first ", 6) == 6);
+    CHECK(::write(ends[1], "second", 6) == 6);
+    ::close(ends[1]);
+  });
+  const auto text = read_file("/dev/fd/" + std::to_string(ends[0]));
+  writer.join();
+  ::close(ends[0]);
+  REQUIRE(text);
+  CHECK(*text == "first second");
+}
+
+TEST_CASE("a pipe in a file's place that somebody holds open, and writes nothing to, keeps nobody waiting either") {
+  const TemporaryFolder folder;
+  const std::string path = folder.path + "/fleet.json";
+  REQUIRE(::mkfifo(path.c_str(), 0600) == 0);
+  const Descriptor holder(::open(path.c_str(), O_RDWR | O_CLOEXEC));
+  REQUIRE(holder);
+  const auto none = read_file(path);
+  REQUIRE_FALSE(none);
+  CHECK(none.error().what == path + ": is a pipe, and nothing comes out of it");
+  REQUIRE(::write(holder.get(), "half", 4) == 4);
+  CHECK(read_file(path).error().what == path + ": is a pipe, and its end does not come");
+  const std::string unread = folder.path + "/boot";
+  REQUIRE(::mkfifo(unread.c_str(), 0600) == 0);
+  CHECK(overwrite_file(unread, "1").error().code == Errc::io_error);
+}
 
 TEST_CASE("hexadecimal goes there and back, and refuses what is none") {
   CHECK(to_hex(std::string("\x00\xff\x10", 3)) == "00ff10");
@@ -153,6 +198,28 @@ TEST_CASE("a file that cannot be replaced stays whole, and nothing of the new on
   CHECK(std::distance(std::filesystem::directory_iterator(folder.path), {}) == 1);
   CHECK(write_file(folder.path + "/none/file", "new").error().code == Errc::io_error);
   CHECK(write_file("/dev/full/file", "new").error().code == Errc::io_error);
+}
+
+TEST_CASE("what a writer that was killed has left goes, once no writer can be at it, and nothing else does") {
+  namespace fs = std::filesystem;
+  const Folder folder;
+  const auto put = [&](const std::string& name, std::chrono::minutes age) {
+    std::ofstream(folder.path + "/" + name) << "half";
+    fs::last_write_time(folder.path + "/" + name, fs::file_time_type::clock::now() - age);
+  };
+  using std::chrono::minutes;
+  for (const char* name : {"identity.key.new4711", "utc.new1"}) put(name, minutes(11));
+  for (const char* name : {"identity.key", "plan.new", "plan.new2b", "brand.newer1", ".new12"}) put(name, minutes(11));
+  put("link.key.new4711", minutes(9));
+  fs::create_directory(folder.path + "/folder.new7");
+  fs::create_symlink("identity.key", folder.path + "/link.new8");
+  remove_unfinished_files(folder.path);
+  std::vector<std::string> left;
+  for (const auto& entry : fs::directory_iterator(folder.path)) left.push_back(entry.path().filename().string());
+  std::sort(left.begin(), left.end());
+  CHECK(left == std::vector<std::string>{".new12", "brand.newer1", "folder.new7", "identity.key", "link.key.new4711",
+                                         "link.new8", "plan.new", "plan.new2b"});
+  remove_unfinished_files(folder.path + "/none");
 }
 
 TEST_CASE("a file is written over in place, not made, and a disk that is full is told") {

@@ -26,12 +26,22 @@ Status takes_more(const DiskState& disk, const std::string& folder) {
                 "look why (dmesg), then: mount -o remount,rw; it goes on by itself");
   }
   if (disk.free_bytes < kFullBytes) {
-    return full(folder, std::to_string(disk.free_bytes / 1000) + " kB are free", "df -h");
+    return full(
+        folder,
+        std::to_string(disk.free_bytes / 1000) + " kB are free, " + std::to_string(kFullBytes / 1000) + " must be",
+        "df -h");
   }
   if (disk.files != 0 && disk.free_files < kFullFiles) {
     return full(folder, std::to_string(disk.free_files) + " more files can be made", "df -i");
   }
   return Done{};
+}
+
+std::string note_of_room(const DiskState& disk, const std::string& folder) {
+  if (const Status room = takes_more(disk, folder); !room) return room.error().what + "; " + room.error().hint;
+  if (disk.free_bytes >= kLittleBytes) return "";
+  return std::to_string(disk.free_bytes / 1'000'000) + " MB are left on the disk of " + folder + "; below " +
+         std::to_string(kFullBytes / 1'000'000) + " MB it takes no run: df -h " + folder;
 }
 
 }  // namespace trb

@@ -133,6 +133,8 @@ TEST_CASE("node.json: values") {
        {"node.json", R"("id": "r1", )", "", "id", "is missing"},
        {"node.json", R"("id": "r1")", R"("id": 7)", "id", "whole number"},
        {"node.json", R"("beacon": true)", R"("beacon": "yes")", "beacon", "is a text"},
+       {"node.json", R"("id": "r1")", R"("id": true)", "id", "is true"},
+       {"node.json", R"("id": "r1")", R"("id": {})", "id", "is an object"},
        {"node.json", R"("beacon": true)", R"("becon": true)", "becon", "no key"},
        {"node.json", R"("framework": "lines")", R"("framework": "line")", "framework", "not in profile.json"},
        {"node.json", R"("framework": "lines", )", "", "framework", "is missing"},
@@ -318,7 +320,7 @@ TEST_CASE("a UR's skill ends by a value that its monitor tells, by its name or b
 }
 
 TEST_CASE("places and descriptions: the fault names the file as node.json does") {
-  check_changes("lines", {{"places.json", R"("x": 1)", R"("x": true)", "places.dock.x", "true or false"},
+  check_changes("lines", {{"places.json", R"("x": 1)", R"("x": true)", "places.dock.x", "is true"},
                           {"places.json", R"("y": 2)", R"("y": 2, "yaw": 90)", "places.dock.yaw", "more than a turn"},
                           {"robots/r.json", R"("end": {"kind": "acknowledgement"})", R"("timeout_s": 5)",
                            "skills.go.end", "has no end"},

@@ -8,6 +8,7 @@
 #include "common/base/files.hpp"
 #include "common/config/cloud_file.hpp"
 #include "common/config/described_names.hpp"
+#include "common/config/described_places.hpp"
 #include "common/config/hall_picture.hpp"
 #include "common/config/interfaces.hpp"
 #include "common/config/json_file.hpp"
@@ -58,13 +59,12 @@ class NodeChecker {
     const CloudSettings cloud = read_cloud_file(out_.config.dir, out_.faults);
     const bool cloud_good = out_.faults.size() == before_cloud;
     read_hall_picture(out_.config.dir, out_.faults);
-    read_metrics_file(out_.config.dir, out_.faults);
+    const std::vector<OwnPort> own = own_ports(cloud_good ? &cloud : nullptr);
+    if (const auto metrics = read_metrics_file(out_.config.dir, out_.faults)) metrics_apart(*metrics, own);
     if (out_.config.has_service("mode-adapter")) check_robot_auth(out_.config.dir, out_.faults);
     if (node.usable) keys(running);
     if (!out_.config.bus.empty()) check_bus_keys(out_.config.dir, bus_names(out_.config), out_.faults);
-    if (!running) ports();
-    if (!running && cloud_good && out_.config.has_service("cloud-gateway"))
-      port({"cloud.json", "listen"}, cloud.address, cloud.port);
+    if (!running) ports(own);
     if (!running) own_programs();
     return std::move(out_);
   }
@@ -101,7 +101,9 @@ class NodeChecker {
 
   void places_json() {
     const auto json = load("places.json", for_robot("copy config/places.json to it"));
-    if (json) out_.config.places = read_places(*json, "places.json", out_.faults);
+    if (!json) return;
+    out_.config.places = read_places(*json, "places.json", out_.faults);
+    has_places_ = true;
   }
 
   void description(const NodeFile& node) {
@@ -110,6 +112,8 @@ class NodeChecker {
         load(node.description, "correct \"description\" in node.json, or copy a file of config/robots to it");
     if (json) out_.config.description = read_description(*json, node.description, out_.faults);
     check_place_names(out_.config.description, out_.config.places, sink("places.json"));
+    if (has_places_)
+      check_described_places(out_.config.description, out_.config.places, node.description, "places.json", out_.faults);
     if (out_.config.robot.origin) out_.config.description.frame.origin = *out_.config.robot.origin;
   }
 
@@ -190,14 +194,53 @@ class NodeChecker {
     }
   }
 
-  void ports() {
+  /// A TCP port that the node's own programs open, and the key that names it.
+  struct OwnPort {
+    std::string file, key, address;
+    std::uint16_t number = 0;
+  };
+
+  /// The page's only if cloud.json is good.
+  std::vector<OwnPort> own_ports(const CloudSettings* cloud) const {
     const NodeConfig& config = out_.config;
-    const auto in_network = [](const char* key) { return Named{"network.json", key}; };
-    port(in_network("TCP_PORT_EXT"), config.network.address, config.network.tcp_port_ext);
-    if (config.network.lane_port != 0) port(in_network("LANE_PORT"), config.network.address, config.network.lane_port);
-    bus();
-    if (config.mode != Mode::none && config.has_service("mode-adapter")) {
-      port(in_network("TCP_PORT"), config.network.robot_address, config.network.tcp_port);
+    const Network& network = config.network;
+    std::vector<OwnPort> out = {{"network.json", "TCP_PORT_EXT", network.address, network.tcp_port_ext}};
+    if (network.lane_port != 0) out.push_back({"network.json", "LANE_PORT", network.address, network.lane_port});
+    if (config.mode != Mode::none && config.has_service("mode-adapter"))
+      out.push_back({"network.json", "TCP_PORT", network.robot_address, network.tcp_port});
+    if (cloud != nullptr && config.has_service("cloud-gateway"))
+      out.push_back({"cloud.json", "listen", cloud->address, cloud->port});
+    return out;
+  }
+
+  /// The bus has two ports: messages, and the tap.
+  std::vector<OwnPort> bus_ports() const {
+    const Endpoint at = split_endpoint(out_.config.bus);
+    if (at.host.empty()) return {};
+    return {{"node.json", "bus", at.host, at.port},
+            {"node.json", "bus", at.host, static_cast<std::uint16_t>(at.port + 1)}};
+  }
+
+  void ports(const std::vector<OwnPort>& own) {
+    for (const OwnPort& one : own) (void)is_free(one);
+    for (const OwnPort& one : bus_ports()) {
+      if (!is_free(one)) break;
+    }
+  }
+
+  /// What the node opens itself is never free for its metrics, or, if the metrics are there first, for the program that
+  /// needs it.
+  void metrics_apart(const MetricsAddress& metrics, std::vector<OwnPort> own) {
+    for (OwnPort& one : bus_ports()) own.push_back(std::move(one));
+    for (const OwnPort& one : own) {
+      const bool is_there = one.address == metrics.address || one.address == "0.0.0.0";
+      if (!is_there || one.number != metrics.port) continue;
+      sink("metrics.json")
+          .add("listen",
+               metrics.address + ":" + std::to_string(metrics.port) + " is this node's own " + one.key + " of " +
+                   one.file,
+               "choose another port, as 9464");
+      return;
     }
   }
 
@@ -212,34 +255,18 @@ class NodeChecker {
     }
   }
 
-  /// The bus has two ports: messages, and the tap.
-  void bus() {
-    const Endpoint at = split_endpoint(out_.config.bus);
-    for (const int further : {0, 1}) {
-      if (at.host.empty()) return;
-      const Status free = check_tcp_port(at.host, static_cast<std::uint16_t>(at.port + further));
-      if (free) continue;
-      sink("node.json").add("bus", free.error().what, free.error().hint);
-      out_.faults.back().may_wait = free.error().code == Errc::missing;
-      return;
-    }
-  }
-
-  /// What says where a port is.
-  struct Named {
-    std::string file, key;
-  };
-
-  void port(const Named& named, const std::string& address, std::uint16_t number) {
-    if (address.empty()) return;
-    const Status free = check_tcp_port(address, number);
-    if (free) return;
-    sink(named.file).add(named.key, free.error().what, free.error().hint);
+  bool is_free(const OwnPort& own) {
+    if (own.address.empty()) return true;
+    const Status free = check_tcp_port(own.address, own.number);
+    if (free) return true;
+    sink(own.file).add(own.key, free.error().what, free.error().hint);
     out_.faults.back().may_wait = free.error().code == Errc::missing;
+    return false;
   }
 
   const Transports& known_;
   NodeCheck out_;
+  bool has_places_ = false;  ///< places.json was read
 };
 
 }  // namespace

@@ -4,6 +4,8 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
+
 #include "tests/support/node_folder.hpp"
 
 using namespace trb;
@@ -86,4 +88,43 @@ TEST_CASE("cloud.json: where the page listens is tried like the other ports, if 
   folder.write("cloud.json", R"({"listen": "203.0.113.77:9443"})");
   CHECK(fault_at_start(folder).what.find("the address is not ready") != std::string::npos);
   CHECK(fault_at_start(folder).may_wait);
+}
+
+TEST_CASE("metrics.json: the node's own ports are no place for its metrics") {
+  const NodeFolder folder;
+  for (const auto& [port, key] : {std::pair{"45000", "TCP_PORT_EXT"}, {"45001", "LANE_PORT"}}) {
+    folder.write("metrics.json", std::string(R"({"listen": "127.0.77.1:)") + port + "\"}");
+    const ConfigFaults faults = without_keys(folder.check(true).faults);
+    REQUIRE(faults.size() == 1);
+    CHECK(faults.front().file == "metrics.json");
+    CHECK(faults.front().key == "listen");
+    CHECK(faults.front().what == std::string("127.0.77.1:") + port + " is this node's own " + key + " of network.json");
+  }
+  folder.write("metrics.json", R"({"listen": "127.0.77.1:9464"})");
+  CHECK(without_keys(folder.check(true).faults).empty());
+}
+
+TEST_CASE("metrics.json: the ports of the robot, the bus and the page are none for its metrics either") {
+  const auto why_not = [](const NodeFolder& folder, const std::string& listen) {
+    folder.write("metrics.json", R"({"listen": ")" + listen + "\"}");
+    const ConfigFaults faults = folder.check(true).faults;
+    const auto at = std::ranges::find(faults, "metrics.json", &ConfigFault::file);
+    return at == faults.end() ? std::string() : at->what;
+  };
+  const NodeFolder robot;
+  robot.change("node.json", R"(, "interface": "lo")", "");
+  CHECK(why_not(robot, "127.0.77.1:40000") == "127.0.77.1:40000 is this node's own TCP_PORT of network.json");
+  CHECK(why_not(robot, "127.0.77.2:40000").empty());
+  robot.change("node.json", R"("mode-adapter", )", "");
+  CHECK(why_not(robot, "127.0.77.1:40000").empty());  // nobody opens it
+
+  const NodeFolder cloud("cloud");
+  cloud.write("node.json", R"({"id":"cloud","role":"cloud","services":["router","cloud-gateway"],)"
+                           R"("bus":"tcp://127.0.77.1:46000"})");
+  for (const char* port : {"46000", "46001"}) {
+    const std::string at = std::string("127.0.77.1:") + port;
+    CHECK(why_not(cloud, at) == at + " is this node's own bus of node.json");
+  }
+  cloud.write("cloud.json", R"({"listen": "0.0.0.0:8443"})");
+  CHECK(why_not(cloud, "127.0.0.1:8443") == "127.0.0.1:8443 is this node's own listen of cloud.json");
 }

@@ -6,11 +6,11 @@
 
 #include "common/base/files.hpp"
 #include "common/config/described_names.hpp"
+#include "common/config/described_places.hpp"
 #include "common/config/json_file.hpp"
 #include "common/config/readers.hpp"
 #include "common/fleet/description_parts.hpp"
 #include "common/fleet/did_you_mean.hpp"
-#include "common/fleet/placeholders.hpp"
 
 namespace trb {
 namespace {
@@ -31,7 +31,7 @@ class RobotChecker {
     if (const auto hall = load(find("places.json", files_.places))) {
       out_.places = read_places(*hall, path_, out_.faults);
       check_place_names(out_.description, out_.places, sink(path_));
-      for (const Skill& skill : out_.description.skills) check_places(skill);
+      check_described_places(out_.description, out_.places, files_.description, path_, out_.faults);
     }
     read_words();
     const std::string framework = files_.framework.empty() ? node_framework() : files_.framework;
@@ -78,31 +78,6 @@ class RobotChecker {
     return load_json(path, "name a file that is there", sink(path));
   }
 
-  /// A place whose coordinates are sent needs a pose in the hall.
-  void check_places(const Skill& skill) {
-    for (const Placeholder& used : parse_template(skill.data).placeholders) {
-      if (used.coordinate != "x") continue;
-      for (const Parameter& parameter : skill.parameters) {
-        if (parameter.name == used.name) check_poses(skill, parameter);
-      }
-    }
-  }
-
-  void check_poses(const Skill& skill, const Parameter& parameter) {
-    std::vector<std::string> names = parameter.one_of;
-    if (parameter.preset && parameter.preset->is_text()) names.push_back(parameter.preset->text());
-    std::vector<std::string> known;
-    for (const auto& [name, ignored] : out_.places) known.push_back(name);
-    for (const std::string& name : names) {
-      if (out_.places.contains(name)) continue;
-      std::string key = "skills." + skill.name;
-      key.append(".parameters.").append(parameter.name);
-      sink(files_.description)
-          .add(key, "the coordinates of " + in_quotes(name) + " are sent, and " + path_ + " has no such place",
-               did_you_mean(name, known, "add it there with its pose, or use one of"));
-    }
-  }
-
   void read_words() {
     if (const auto json = load(find("profile.json", files_.profile))) profile_ = read_profile(*json, sink(path_));
     if (const auto json = load(find("commands.json", files_.commands)))
@@ -118,6 +93,7 @@ class RobotChecker {
     node.framework = framework;
     node.mode = mode;
     node.description = out_.description;
+    node.places = out_.places;
     node.commands = words;
     known_.check(node, {commands_path_, faults});
     check_described_names(node, known_, files_.description, faults);

@@ -182,19 +182,21 @@ TEST_CASE("a place that a skill may send has the items that its command takes") 
   const std::string good = R"({"left": [1, 2, 3, 4, 5, 6]})";
   CHECK(faults_of(whole, good, R"(["left"])").empty());
   CHECK(faults_of(items, good, R"(["left"])").empty());
-  CHECK(faults_of("\"textmsg({data})\"", R"({"left": 1})", R"(["left", "middle"])").empty());
+  CHECK(faults_of("\"textmsg({data})\"", R"({"left": 1})", R"(["left", "dock"])").empty());
   const ConfigFaults three = faults_of(whole, R"({"left": [1, 2, 3]})", R"(["left"])");
   REQUIRE_MESSAGE(three.size() == 1, to_text(three));
   CHECK(three[0].key == "ur.commands.go");
   CHECK(three[0].what == "takes 6 items, and place 'left', which skill 'go' may send, has 3");
   CHECK(three[0].hint == "write places.left of the description with 6 numbers");
   CHECK(faults_of(items, R"({"left": [1, 2]})", R"(["left"])").size() == 1);
-  const ConfigFaults words = faults_of(whole, good, R"(["left", "middle"])");
+  const ConfigFaults words = faults_of(whole, good, R"(["left", "dock"])");
   REQUIRE_MESSAGE(words.size() == 1, to_text(words));
   CHECK(words[0].what ==
-        "takes 6 items, and place 'middle', which skill 'go' may send, has no numbers of the robot's own");
+        "takes 6 items, and place 'dock', which skill 'go' may send, has no numbers of the robot's own");
   CHECK(words[0].hint ==
-        "add 'middle' to \"places\" of the description, with 6 numbers, or take it out of the skill's one_of");
+        "add 'dock' to \"places\" of the description, with 6 numbers, or take it out of the skill's one_of");
+  // One that is nowhere is a fault of the description, and of no other file.
+  CHECK(faults_of(whole, good, R"(["left", "middle"])").size() == 1);
 }
 
 TEST_CASE("a drive whose words commands.json does not have is told with the nearest one") {

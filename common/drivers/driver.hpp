@@ -78,6 +78,7 @@ struct ValuesHeard {};  ///< value() has changed
 struct Stopped {        ///< every stop up to this ticket is confirmed
   Token ticket = 0;
   bool by_robot = true;  ///< false: the robot cannot confirm, it was only sent the order
+  bool stood = false;    ///< it stood when it was told, and shows no more than that: it need not have the stop
 };
 struct NotStopped {  ///< the robot refuses every stop up to this ticket; its motion may go on
   Token ticket = 0;

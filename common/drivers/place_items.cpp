@@ -48,6 +48,8 @@ class ItemsCheck {
   void check_place(const std::string& place) const {
     const auto own = config_.description.places.find(place);
     const bool known = own != config_.description.places.end();
+    // One that is nowhere is a fault of the description's own: common/config/described_places.
+    if (!known && !config_.places.empty() && !config_.places.contains(place)) return;
     const bool is_list = known && own->second.is_list();
     if (is_list ? fits(own->second.list().size()) : items_ == Items::any) return;
     const std::string sent = "place " + in_quotes(place) + ", which skill " + in_quotes(skill_.name) + " may send, ";

@@ -6,6 +6,8 @@
 namespace trb::drivers {
 namespace {
 
+constexpr Range kHold{0, 5, false};
+
 std::string with_name(std::string example, const std::string& name) {
   constexpr std::string_view kName = "NAME";
   const std::size_t at = example.find(kName);
@@ -13,6 +15,10 @@ std::string with_name(std::string example, const std::string& name) {
 }
 
 }  // namespace
+
+void read_hold_key(ObjectReader& vendor, VendorCommands& into) {
+  if (const auto hold_s = vendor.number("hold_s", Need::optional, kHold)) into.numbers["hold_s"] = *hold_s;
+}
 
 void PolledCheck::check_foreign_keys() const {
   const VendorCommands& vendor = config_.commands;

@@ -11,6 +11,9 @@
 
 namespace trb::drivers {
 
+/// "hold_s".
+void read_hold_key(ObjectReader& vendor, VendorCommands& into);
+
 class PolledCheck {
  public:
   /// Examples of such a transport's notation, for error texts.

@@ -3,6 +3,17 @@
 #include <utility>
 
 namespace trb::drivers {
+namespace {
+
+/// "3 values (battery, position, state)"
+std::string named(const std::vector<std::string>& names) {
+  constexpr std::size_t kMost = 3;
+  std::string out = std::to_string(names.size()) + " values (";
+  for (std::size_t i = 0; i < names.size() && i < kMost; ++i) out += (i == 0 ? "" : ", ") + names[i];
+  return out + (names.size() > kMost ? ", ...)" : ")");
+}
+
+}  // namespace
 
 std::vector<std::string> needed_values(const VendorCommands& vendor, const Description& description) {
   std::vector<std::string> out;
@@ -20,9 +31,22 @@ std::vector<std::string> needed_values(const VendorCommands& vendor, const Descr
   return out;
 }
 
+double hold_s(const VendorCommands& vendor) {
+  const auto given = vendor.numbers.find("hold_s");
+  return given == vendor.numbers.end() ? kHold_s : given->second;
+}
+
 void PolledValues::Changes::report(const DriverOut& out) const {
-  for (const Error& problem : problems) {
-    out.emit(FaultSaid{"", Severity::warning, problem.what + "; " + problem.hint});
+  std::map<std::string, std::vector<std::string>> alike;  // by what they share
+  for (const Problem& one : problems) {
+    if (!one.shared.empty()) alike[one.shared].push_back(one.name);
+  }
+  for (const Problem& one : problems) {
+    const auto names = alike.find(one.shared);
+    const bool is_one_of_many = names != alike.end() && names->second.size() > 1;
+    if (is_one_of_many && names->second.front() != one.name) continue;
+    const std::string what = is_one_of_many ? named(names->second) + ": " + one.shared : one.why.what;
+    out.emit(FaultSaid{"", Severity::warning, what + "; " + one.why.hint});
   }
   if (values) out.emit(ValuesHeard{});
 }
@@ -38,15 +62,15 @@ std::optional<Error> PolledValues::problem(std::string_view name) const {
 }
 
 void PolledValues::keep(const std::string& name, RobotValue value, Changes& changes) {
-  known_[name] = {std::move(value), {}};
+  known_[name] = {std::move(value), {}, true};
   changes.values = true;
 }
 
-void PolledValues::lose(const std::string& name, const Error& problem, Changes& changes) {
+void PolledValues::lose(const std::string& name, const Error& problem, Changes& changes, const std::string& shared) {
   Known& known = known_[name];
-  const bool is_new = !known.problem || known.problem->what != problem.what;
-  known = {{}, problem};
-  if (is_new) changes.problems.push_back(problem);
+  const bool is_new = !known.problem || !known.told || known.problem->what != problem.what;
+  known = {{}, problem, true};
+  if (is_new) changes.problems.push_back({name, problem, shared});
 }
 
 void PolledValues::drop_values() {

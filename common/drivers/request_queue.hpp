@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -26,6 +27,7 @@ enum class Awaits : std::uint8_t { nothing = 0, poll, job, nobody };
 /// forget        | goes on                          | dropped; with steps done: goes on
 /// halt          | dropped, its answer is nobody's  | dropped
 /// drop_for_stop | as halt; a stop goes on          | dropped; a stop stays
+/// hold          | -                                | as if it were not there, unless it stops or halts
 template <class Step>
 class RequestQueue {
  public:
@@ -36,8 +38,15 @@ class RequestQueue {
     Token token = 0;  ///< of the message, of the one that is halted, or the stop's ticket
     bool skill = false;
     std::vector<Step> steps;
-    std::size_t done = 0;  ///< steps that were answered successfully
+    std::size_t done = 0;  ///< steps that were answered: successfully, or of a stop or a halt
     std::size_t lost = 0;  ///< connections that ended before an answer to it
+    // of a stop or a halt, whose other steps are attempted all the same
+    std::size_t refusals = 0;                   ///< steps that were refused
+    std::optional<Error> refused{};             ///< the first of them
+    bool only_busy = true;                      ///< each, because the robot is busy
+    std::optional<MonotonicTime> busy_since{};  ///< when that began
+    bool told = false;                          ///< that it was refused
+    std::optional<MonotonicTime> not_before{};  ///< its next attempt
   };
   using Jobs = std::deque<Job>;
 
@@ -45,12 +54,23 @@ class RequestQueue {
   [[nodiscard]] Awaits awaits() const { return awaits_; }
 
   /// What to send now: `nothing`, a `poll` or the first `job`'s next step.
-  [[nodiscard]] Awaits next(bool poll_is_due) const {
+  [[nodiscard]] Awaits next(bool poll_is_due, MonotonicTime now = {}) const {
     if (awaits_ != Awaits::nothing) return Awaits::nothing;
-    const bool urgent = !jobs_.empty() && jobs_.front().purpose != Purpose::command;
+    const bool ready = !jobs_.empty() && (!held_ || stops(jobs_.front())) &&
+                       (!jobs_.front().not_before || *jobs_.front().not_before <= now);
+    const bool urgent = ready && jobs_.front().purpose != Purpose::command;
     // A steady stream of commands must not block the polling, nor the other way round.
-    if (poll_is_due && (jobs_.empty() || (!urgent && !polled_last_))) return Awaits::poll;
-    return jobs_.empty() ? Awaits::nothing : Awaits::job;
+    if (poll_is_due && (!ready || (!urgent && !polled_last_))) return Awaits::poll;
+    return ready ? Awaits::job : Awaits::nothing;
+  }
+  /// While it is held the robot gets stops and halts only: all else waits, so that it has the time to stand.
+  void hold(bool held) { held_ = held; }
+  /// When the first job is attempted again; none: it need not wait.
+  [[nodiscard]] std::optional<MonotonicTime> next_attempt() const {
+    return jobs_.empty() ? std::nullopt : jobs_.front().not_before;
+  }
+  [[nodiscard]] static bool stops(const Job& job) {
+    return job.purpose == Purpose::stop || job.purpose == Purpose::halt;
   }
   void sent(Awaits whose) {
     awaits_ = whose;
@@ -70,20 +90,33 @@ class RequestQueue {
   /// Before the commands, behind stops and halts: a release in front of a halt would let the motion go on.
   void add_urgent(Job job) {
     auto at = waiting();
-    while (at != jobs_.end() && (at->purpose == Purpose::stop || at->purpose == Purpose::halt)) ++at;
+    while (at != jobs_.end() && stops(*at)) ++at;
     jobs_.insert(at, std::move(job));
   }
   [[nodiscard]] bool will_release() const {
     return std::ranges::any_of(
         jobs_, [](const Job& job) { return job.purpose == Purpose::release || job.purpose == Purpose::resume; });
   }
-  /// A second stop joins the one that waits, which now has this ticket. False: none waits.
+  /// A second stop joins the one that waits, which now has this ticket, and waits no more. False: none waits.
   bool join_stop(Token ticket) {
-    return join(ticket, [](const Job& job) { return job.purpose == Purpose::stop; });
+    const auto at = join(ticket, [](const Job& job) { return job.purpose == Purpose::stop; });
+    if (at == jobs_.end()) return false;
+    at->told = false;
+    at->not_before.reset();
+    at->busy_since.reset();
+    return true;
+  }
+  [[nodiscard]] bool will_stop() const {
+    return std::ranges::any_of(jobs_, [](const Job& job) { return job.purpose == Purpose::stop; });
+  }
+  /// Nobody wants them any more.
+  void drop_next_attempts() {
+    const auto waits = [](const Job& job) { return job.purpose == Purpose::stop && job.not_before; };
+    jobs_.erase(std::remove_if(waiting(), jobs_.end(), waits), jobs_.end());
   }
   /// The same for a release; the robot has nothing of the one that waits.
   bool join_release(Token ticket) {
-    return join(ticket, [](const Job& job) { return job.purpose == Purpose::release && job.done == 0; });
+    return join(ticket, [](const Job& job) { return job.purpose == Purpose::release && job.done == 0; }) != jobs_.end();
   }
 
   [[nodiscard]] bool runs(Token token) const { return std::ranges::any_of(jobs_, is_command(token)); }
@@ -114,15 +147,15 @@ class RequestQueue {
   /// Returns all jobs; no answer is awaited any more.
   Jobs clear() {
     awaits_ = Awaits::nothing;
-    polled_last_ = false;
+    polled_last_ = held_ = false;
     return std::exchange(jobs_, {});
   }
 
  private:
-  bool join(Token ticket, bool (*joins)(const Job&)) {
+  typename Jobs::iterator join(Token ticket, bool (*joins)(const Job&)) {
     const auto at = std::find_if(waiting(), jobs_.end(), joins);
     if (at != jobs_.end()) at->token = ticket;
-    return at != jobs_.end();
+    return at;
   }
   static auto is_command(Token token) {
     return [token](const Job& job) { return job.purpose == Purpose::command && job.token == token; };
@@ -132,6 +165,7 @@ class RequestQueue {
   Jobs jobs_;
   Awaits awaits_ = Awaits::nothing;
   bool polled_last_ = false;
+  bool held_ = false;
 };
 
 }  // namespace trb::drivers

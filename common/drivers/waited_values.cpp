@@ -14,6 +14,12 @@ std::vector<WaitedValue> waited_values(const NodeConfig& config) {
   for (const FaultRule& rule : config.description.faults) {
     if (rule.when == FaultWhen::equals) add(rule.value, rule.wanted, "faults." + rule.name + ".equals");
   }
+  for (const Skill& skill : config.description.skills) {
+    if (skill.end.kind != EndKind::state) continue;
+    const std::string end = "skills." + skill.name + ".end.";
+    add(skill.end.state, Value{skill.end.equals}, end + "equals");
+    if (skill.end.fails_at) add(skill.end.state, Value{*skill.end.fails_at}, end + "fails_at");
+  }
   return out;
 }
 

@@ -12,7 +12,7 @@ namespace trb::drivers {
 struct WaitedValue {
   std::string name;  ///< of the value, behind the request that may name it
   Value wanted;
-  std::string by;  ///< the description's key: "faults.belt_slips.equals"
+  std::string by;  ///< the description's key: "faults.belt_slips.equals", "skills.run.end.fails_at"
 };
 
 std::vector<WaitedValue> waited_values(const NodeConfig& config);

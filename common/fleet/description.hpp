@@ -107,6 +107,12 @@ struct RobotFrame {
   double length = 1;  ///< vendor units a metre: 1000 for mm
   double angle = 1;   ///< vendor units a radian: 57.29577951308232 for degrees
   Pose origin;        ///< the robot's origin in the hall's frame
+
+  /// Vendor units per SI unit: for metres and units per metre, radians alike; other units are the same everywhere.
+  [[nodiscard]] double factor_of(std::string_view unit) const {
+    if (unit == "m" || unit.starts_with("m/")) return length;
+    return unit == "rad" || unit.starts_with("rad/") ? angle : 1;
+  }
 };
 
 struct Description {

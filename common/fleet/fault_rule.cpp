@@ -4,6 +4,7 @@
 #include "common/base/ids.hpp"
 #include "common/fleet/description_parts.hpp"
 #include "common/fleet/did_you_mean.hpp"
+#include "proto/value_words.hpp"
 
 namespace trb {
 namespace {
@@ -34,8 +35,7 @@ void read_wanted(ObjectReader& reader, FaultRule& rule) {
   if (wanted.is_number() || wanted.is_text() || wanted.is_bool()) {
     rule.wanted = wanted;
   } else {
-    reader.faults().add(reader.path("equals"), "is a " + std::string(wanted.kind()),
-                        "write a number, a text, true or false");
+    reader.faults().add(reader.path("equals"), "is " + in_words(wanted), "write a number, a text, true or false");
   }
 }
 

@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include "common/fleet/did_you_mean.hpp"
+#include "proto/value_words.hpp"
 
 namespace trb {
 namespace {
@@ -31,7 +32,7 @@ bool check_count(const FileFaults& faults, const std::string& key, std::size_t c
 ObjectReader::ObjectReader(const Value& json, std::string path, FileFaults faults)
     : json_(&json), path_(std::move(path)), faults_(std::move(faults)), unusable_(!json.is_object()) {
   if (!unusable_) return;
-  const std::string what = "a " + std::string(json.kind()) + " is where an object belongs";
+  const std::string what = in_words(json) + " is where an object belongs";
   faults_.add(path_, what, "write it as { \"KEY\": VALUE, … }");
 }
 
@@ -49,8 +50,7 @@ const Value* ObjectReader::value(std::string_view key, Need need) {
 }
 
 void ObjectReader::wrong_type(std::string_view key, const Value& found, std::string_view wanted) const {
-  faults_.add(path(key), (found.is_object() ? "is an " : "is a ") + std::string(found.kind()),
-              "write " + std::string(wanted) + " here");
+  faults_.add(path(key), "is " + in_words(found), "write " + std::string(wanted) + " here");
 }
 
 std::optional<std::string> ObjectReader::text(std::string_view key, Need need, std::size_t max) {

@@ -45,7 +45,7 @@ Status JoinPatience::on_unknown(MonotonicTime now) {
   return fail(Errc::not_permitted,
               "the cloud node at " + address_ +
                   " does not know this code: it was used or has ended, or its trb fleet invite has",
-              "ask for a new code");
+              "is trb fleet invite still open there? then join again with the same code, else ask for a new one");
 }
 
 Error JoinPatience::given_up(const DoorAnswer& answer) const {

@@ -23,6 +23,7 @@ void take_answer(const Message& message, RobotOrder& row) {
   row.text.clear();
   if (message.subtype == Ack::kSubtype) {
     row.state = "confirmed";
+    if (const auto ack = decode<Ack>(message.data)) row.text = ack->text;
     return;
   }
   const auto nack = decode<Nack>(message.data);

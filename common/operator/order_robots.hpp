@@ -13,7 +13,7 @@ namespace trb::op {
 struct RobotOrder {
   std::string robot;
   std::string state;  ///< "confirmed"; "sent": it may have arrived, but is not confirmed; "unreachable": it has not
-  std::string text;   ///< why it is not confirmed
+  std::string text;   ///< why it is not confirmed; of a confirmed one, what that does not prove, as its node says it
   bool surely_not_told{};  ///< a router has refused it before it was delivered: the robot has not heard of it
 };
 

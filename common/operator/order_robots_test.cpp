@@ -96,3 +96,12 @@ TEST_CASE("the audit log tells who has not confirmed: a stop that reached nobody
   CHECK(cut.size() <= 96);
   CHECK(outcome_in_words({{std::string(64, 'x'), "unreachable", ""}}).size() <= 96);
 }
+
+TEST_CASE("a confirmed order says what that does not prove") {
+  Stopping hall({"cart"});
+  hall.node.take<Stop>("cart");
+  hall.node.answer(Ack{"stopped", "the robot was told; it has no monitor that could confirm it"});
+  REQUIRE(hall.rows);
+  CHECK(hall.rows->at(0).state == "confirmed");
+  CHECK(hall.rows->at(0).text == "the robot was told; it has no monitor that could confirm it");
+}

@@ -4,12 +4,14 @@
 
 #include "common/operator/routes.hpp"
 #include "common/operator/scenario_check.hpp"
+#include "common/scenario/definition.hpp"
 
 namespace trb::op {
 namespace {
 
 void bind(RunPlan& plan, const std::string& file) {
   const Profiles profiles = profiles_of(plan.table);
+  warn_of_skips(plan.scenario, file, plan.faults);
   check_scenario(plan.scenario, profiles, file, plan.faults);
   if (!faults_that_stop(plan.faults).empty()) return;
   warn_of_robots(plan.scenario, profiles, file, plan.faults);
@@ -25,6 +27,8 @@ void plan_run(Session& session, Scenario scenario, std::string file, Callback<Ru
   const auto finish = [plan, file = std::move(file), done](Binder binder) {
     plan->binder = std::move(binder);
     bind(*plan, file);
+    const bool stops = !faults_that_stop(plan->faults).empty();
+    if (const Status whole = check_whole(plan->table); stops && !whole) return done(whole.error());
     done(std::move(*plan));
   };
   const auto choose = [&session, plan, finish](RouteTable table) {

@@ -26,7 +26,7 @@ struct BoundTask {
 };
 
 /// Reads the fleet's state and plans the run of a scenario without faults; `file` is its name in faults. Errors: those
-/// of Session::request.
+/// of Session::request, and of check_whole if the scenario does not fit the table.
 void plan_run(Session& session, Scenario scenario, std::string file, Callback<RunPlan> done);
 
 std::vector<BoundTask> bound_tasks(const RunPlan& plan);

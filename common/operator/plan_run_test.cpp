@@ -94,6 +94,20 @@ TEST_CASE("a plan with a fault has no robots") {
   CHECK(faults_that_stop(person.plan.value().faults).size() == 1);
 }
 
+TEST_CASE("given a router that has not heard all again, then a robot that it lacks is no fault: it may be there") {
+  RouteTable table = hall();
+  table.gathers = true;
+  Planner lacks({go("t1", "cart9")}, table);
+  lacks.node.pass(Duration::zero());
+  CHECK(lacks.plan.error().code == Errc::peer_unreachable);
+  CHECK(lacks.plan.error().what ==
+        "the router of 'ant' has just started, and may not have heard all members of the fleet yet: what the scenario "
+        "needs may be there");
+  Planner fits({go("t1", "cart1")}, table);
+  fits.node.pass(Duration::zero());
+  CHECK(fits.plan.value().faults.empty());
+}
+
 TEST_CASE("a planned run is signed and submitted, with the certificates of whom it needs") {
   Planner person({go("t1", "cart1")}, hall());
   person.node.pass(Duration::zero());

@@ -49,6 +49,10 @@ std::vector<RobotPreflight> robots_of(const RunPlan& plan) {
   return out;
 }
 
+bool is_connected(const NodeProfile& profile) {
+  return profile.robot == "ONLINE";
+}
+
 /// A value that the robot sends on request; its charge if its description names one, or names none.
 std::string question_for(const NodeProfile& profile) {
   for (const char* word : {"battery", "state_of_charge", "position"}) {
@@ -72,10 +76,12 @@ void on_robot_answer(Session& session, RobotPreflight& robot, MonotonicTime sent
   robot.answer_ms = std::chrono::duration<double, std::milli>(session.now().mono - sent).count();
 }
 
-void ask_robot(Session& session, const Collecting& collecting, std::size_t index, const NodeProfile& profile) {
+/// A robot that is stopped, or at work, answers like any other.
+void ask_robot(Session& session, const Collecting& collecting, std::size_t index, const Route& route) {
   RobotPreflight& robot = collecting->result.robots[index];
-  robot.value = question_for(profile);
-  if (!robot.why.empty()) return;
+  robot.value = question_for(route.profile);
+  robot.asked = is_reached(route) && is_connected(route.profile);
+  if (!robot.asked) return;
   ++collecting->awaited;
   session.request(
       Send{.type = MessageType::request, .target = robot.robot, .body = Opaque{robot.value, ""}},
@@ -117,7 +123,7 @@ void ask_all(Session& session, const RunPlan& plan, const Collecting& collecting
     const Route* route = find_route(plan.table, result.robots[i].robot);
     if (route == nullptr) continue;  // impossible: the plan took it from this table
     result.robots[i].why = why_not_ready(*route);
-    ask_robot(session, collecting, i, route->profile);
+    ask_robot(session, collecting, i, *route);
   }
   for (const Task& task : plan.scenario.tasks) {
     for (const Condition& condition : task.when) result.sensors.push_back({task.id, condition});
@@ -137,7 +143,7 @@ std::vector<std::string> why_not_ready(const Route& route) {
   if (!is_reached(route)) return {"its node is " + route.state};
   const NodeProfile& profile = route.profile;
   std::vector<std::string> out;
-  if (profile.robot != "ONLINE") {
+  if (!is_connected(profile)) {
     out.push_back("it is " + profile.robot + (profile.detail.empty() ? "" : ": " + profile.detail));
   }
   if (profile.fenced) out.push_back("it is stopped until it is released");

@@ -14,7 +14,8 @@ namespace trb::op {
 struct RobotPreflight {
   std::string robot;
   std::vector<std::string> tasks{};
-  bool answers = false;            ///< it has answered a request just now
+  bool asked = false;              ///< it was sent a request: its node is reached, and it is connected
+  bool answers = false;            ///< it has answered that request just now
   double answer_ms = 0;            ///< how long that took
   std::string value{};             ///< what it was asked for
   std::string answer{};            ///< as it was sent, or why it sends none
@@ -41,8 +42,8 @@ struct Preflight {
 /// Why a run would not begin on this robot now, by what its node has published.
 std::vector<std::string> why_not_ready(const Route& route);
 
-/// Plans the run, then asks all its robots and sensors at once; silent ones are waited for 3 s. Errors: those of
-/// plan_run.
+/// Plans the run, then asks all its robots that are connected, and its sensors, at once; silent ones are waited for 3
+/// s. Errors: those of plan_run.
 void preflight(Session& session, Scenario scenario, std::string file, const Callback<Preflight>& done);
 
 }  // namespace trb::op

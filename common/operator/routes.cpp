@@ -32,6 +32,15 @@ std::vector<std::string> robots_of(const RouteTable& table) {
   return out;
 }
 
+Status check_whole(const RouteTable& table) {
+  if (!table.gathers) return Done{};
+  return fail(Errc::peer_unreachable,
+              "the router of '" + table.node +
+                  "' has just started, and may not have heard all members of the fleet yet: what the scenario needs "
+                  "may be there",
+              "try again in some seconds");
+}
+
 bool is_reached(const Route& route) {
   return route.state == "self" || route.state == "ONLINE";
 }

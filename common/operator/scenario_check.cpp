@@ -6,9 +6,10 @@
 namespace trb::op {
 namespace {
 
-ScenarioCheck check(const Scenario& scenario, const std::string& file, const RouteTable& table) {
-  ScenarioCheck out;
+ScenarioCheck check(const Scenario& scenario, const std::string& file, ConfigFaults faults, const RouteTable& table) {
+  ScenarioCheck out{std::move(faults), {}};
   const Profiles profiles = profiles_of(table);
+  if (out.faults.empty()) warn_of_skips(scenario, file, out.faults);  // a graph with faults tells nothing of them
   check_scenario(scenario, profiles, file, out.faults);
   warn_of_robots(scenario, profiles, file, out.faults);
   if (!faults_that_stop(out.faults).empty()) return out;
@@ -37,9 +38,14 @@ Profiles profiles_of(const RouteTable& table) {
   return out;
 }
 
-void check_with_fleet(Session& session, Scenario scenario, std::string file, const Callback<ScenarioCheck>& done) {
-  const auto look = [scenario = std::move(scenario), file = std::move(file), done](const RouteTable& table) {
-    done(check(scenario, file, table));
+void check_with_fleet(Session& session, Scenario scenario, std::string file, ConfigFaults faults,
+                      const Callback<ScenarioCheck>& done) {
+  const auto look = [scenario = std::move(scenario), file = std::move(file), faults = std::move(faults),
+                     done](const RouteTable& table) {
+    ScenarioCheck out = check(scenario, file, faults, table);
+    const bool fits = faults_that_stop(out.faults).size() == faults_that_stop(faults).size();
+    if (const Status whole = check_whole(table); !fits && !whole) return done(whole.error());
+    done(std::move(out));
   };
   request_routes(session, on_success<RouteTable>(done, look));
 }

@@ -20,7 +20,10 @@ struct ScenarioCheck {
   std::vector<NoSpare> without_spare;  ///< if no fault stops the scenario
 };
 
-/// Checks the scenario against what the node knows about the fleet. Errors: those of Session::request.
-void check_with_fleet(Session& session, Scenario scenario, std::string file, const Callback<ScenarioCheck>& done);
+/// Checks the scenario against what the node knows about the fleet. `faults` are those that its file has already: they
+/// are told as well, and only what could be read is checked. Errors: those of Session::request, and of check_whole if
+/// it does not fit.
+void check_with_fleet(Session& session, Scenario scenario, std::string file, ConfigFaults faults,
+                      const Callback<ScenarioCheck>& done);
 
 }  // namespace trb::op

@@ -38,7 +38,7 @@ TEST_CASE("a sensor of a node that is not reached is no rival of one that is the
   FakeNode node;
   Ending<ScenarioCheck> check;
   ConfigFaults none;
-  check_with_fleet(node.session(), parse_scenario(kWaits, "s.json", none), "s.json", check);
+  check_with_fleet(node.session(), parse_scenario(kWaits, "s.json", none), "s.json", {}, check);
   REQUIRE(none.empty());
   node.take<RouteListRequest>();
   SUBCASE("which is offline") {
@@ -57,7 +57,7 @@ TEST_CASE("with a fleet, the check tells faults, or which tasks nobody else coul
   FakeNode node;
   Ending<ScenarioCheck> check;
   ConfigFaults none;
-  check_with_fleet(node.session(), parse_scenario(kScenario, "s.json", none), "s.json", check);
+  check_with_fleet(node.session(), parse_scenario(kScenario, "s.json", none), "s.json", {}, check);
   node.take<RouteListRequest>();
   SUBCASE("a spare is there") {
     node.answer(RouteTable{"ant", {cart("cart1"), cart("cart2")}});
@@ -74,8 +74,32 @@ TEST_CASE("with a fleet, the check tells faults, or which tasks nobody else coul
     CHECK(faults_that_stop(check.value().faults).size() == 1);
     CHECK(check.value().without_spare.empty());
   }
+  SUBCASE("the router has just started") {
+    node.answer(RouteTable{"ant", {cart("cart2")}, false, "", true});
+    CHECK(check.error().code == Errc::peer_unreachable);
+  }
   SUBCASE("the router says nothing") {
     node.pass(kAnswerWait);
     CHECK(check.error().code == Errc::timeout);
   }
+}
+
+TEST_CASE("the fleet's faults are told with those of the file, but none that only follow from these") {
+  constexpr const char* kTypos = R"({"name":"n","tasks":[
+    {"id":"t1","robot":"carrt1","skill":"go_to","data":{"place":"dock"},"after":["aa"]},
+    {"id":"t2","robot":"cart1","skil":"go_to"},
+    {"id":"t3","robot":"cart1","skill":"goto"}]})";
+  FakeNode node;
+  Ending<ScenarioCheck> check;
+  ConfigFaults faults;
+  const Scenario scenario = parse_scenario(kTypos, "s.json", faults);
+  REQUIRE(faults.size() == 3);  // "aa", "skil", and that there is no skill
+  check_with_fleet(node.session(), scenario, "s.json", faults, check);
+  node.take<RouteListRequest>();
+  node.answer(RouteTable{"ant", {cart("cart1")}});
+  const ConfigFaults& told = check.value().faults;
+  REQUIRE(told.size() == 5);
+  CHECK(told[3].key == "tasks[0].robot");
+  CHECK(told[4].key == "tasks[2].skill");
+  CHECK(check.value().without_spare.empty());
 }

@@ -13,6 +13,7 @@
 #include "common/operator/routes.hpp"
 #include "common/operator/submit_run.hpp"
 #include "common/operator/try_cures.hpp"
+#include "common/scenario/parameters.hpp"
 
 namespace trb::op {
 namespace {
@@ -224,17 +225,13 @@ class Trial : public std::enable_shared_from_this<Trial> {
     });
   }
 
-  [[nodiscard]] std::vector<std::string> choices_of(const ParameterInfo& parameter) const {
-    return parameter.one_of.empty() && parameter.type == "place" ? profile_.places : parameter.one_of;
-  }
-
   /// The parameters that it needs, one after the other.
   void fill(std::size_t index, std::size_t which, Value::Object data) {
     const SkillInfo& skill = profile_.skills[index];
     while (which < skill.parameters.size() && !skill.parameters[which].required) ++which;
     if (which >= skill.parameters.size()) return run(index, std::move(data));
     const ParameterInfo& parameter = skill.parameters[which];
-    wish_.person.value_of(skill, parameter, choices_of(parameter),
+    wish_.person.value_of(skill, parameter, choices_of(parameter, profile_.places),
                           [self = shared_from_this(), index, which, data](const std::optional<std::string>& word) {
                             self->on_parameter(index, which, data, word);
                           });
@@ -341,6 +338,7 @@ class Trial : public std::enable_shared_from_this<Trial> {
       return fenced ? release() : end();
     }
     until_ = session_.now().mono + kFence;
+    unproved_ = row.text;
     see_fence(name, fenced);
   }
 
@@ -358,9 +356,14 @@ class Trial : public std::enable_shared_from_this<Trial> {
     if (!seen && session_.now().mono < until_) {
       return session_.after(kLookAgain, [self = shared_from_this(), name, fenced] { self->see_fence(name, fenced); });
     }
-    add(name, seen ? TryState::good : TryState::failed,
-        seen ? "confirmed by the robot, and the fleet knows" : "confirmed, but the fleet is not told",
-        seen ? "" : "trb doctor " + wish_.robot);
+    if (!seen) {
+      add(name, TryState::failed, "confirmed, but the fleet is not told", "trb doctor " + wish_.robot);
+    } else if (unproved_.empty()) {
+      add(name, TryState::good, "confirmed by the robot, and the fleet knows");
+    } else {
+      add(name, TryState::unproved,
+          unproved_ + (fenced ? ": try it while it moves" : "") + "; the fleet knows of the order");
+    }
     if (fenced) return release();
     end();
   }
@@ -371,6 +374,7 @@ class Trial : public std::enable_shared_from_this<Trial> {
   MonotonicTime until_;
   NodeProfile profile_;
   std::vector<TryStep> steps_;
+  std::string unproved_;  ///< RobotOrder::text of the last order, which was confirmed
 };
 
 }  // namespace

@@ -13,7 +13,12 @@
 
 namespace trb::op {
 
-enum class TryState : unsigned char { good, failed, skipped };
+enum class TryState : unsigned char {
+  good,
+  failed,
+  skipped,
+  unproved  ///< nothing speaks against it, but the robot need not have understood it
+};
 
 struct TryStep {
   std::string name;  ///< "connected", "stop", "skill pick" ...

@@ -284,6 +284,25 @@ TEST_CASE("a value that is no number, a request that nobody answers, a stop that
   CHECK(trial.step("release").state == TryState::good);
 }
 
+TEST_CASE("a stop that a standing robot confirms proves nothing, and is not called good") {
+  Trial trial;
+  trial.begin();
+  trial.table();
+  trial.position();
+  trial.node.take<Stop>("cart");
+  trial.node.answer(Ack{"stopped", "the robot was told; it stood already, so nothing is proved"});
+  trial.row.profile.fenced = true;
+  trial.table();
+  trial.node.take<Release>("cart");
+  trial.node.answer(Ack{"released", ""});
+  trial.row.profile.fenced = false;
+  trial.table();
+  CHECK(trial.failures() == 0);
+  CHECK(trial.step("stop").state == TryState::unproved);
+  CHECK(trial.step("stop").text.find("nothing is proved: try it while it moves") != std::string::npos);
+  CHECK(trial.step("release").state == TryState::good);
+}
+
 TEST_CASE("a robot that refuses the sign-in: what to put right is the sign-in, not the words for the order") {
   Trial trial;
   trial.begin();

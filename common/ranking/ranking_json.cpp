@@ -6,6 +6,7 @@
 #include <map>
 
 #include "common/base/number_text.hpp"
+#include "proto/value_words.hpp"
 
 namespace trb {
 namespace {
@@ -58,10 +59,8 @@ class Reader {
   }
 
   void wrong_kind(const Value& value, const std::string& path, const std::string& wanted) {
-    refuse(
-        Errc::bad_value,
-        (path.empty() ? "the document" : path) + (value.is_object() ? " is an " : " is a ") + std::string(value.kind()),
-        "write " + wanted + " there");
+    refuse(Errc::bad_value, (path.empty() ? "the document" : path) + " is " + in_words(value),
+           "write " + wanted + " there");
   }
 
   /// nullptr if it is not an object, or has another key.

@@ -105,7 +105,7 @@ TEST_CASE("wrong files: each names the key and a cure") {
   check_refused(R"({"goal":"g","criteria":[{"name":"x"}],"alternatives":[{"id":"a","values":{"x":"1"}}]})",
                 Errc::bad_value, "alternatives[0].values.x is a text");
   check_refused(R"({"goal":"g","criteria":[{"name":"x"}],"alternatives":[{"id":"a","values":{"x":null}}]})",
-                Errc::bad_value, "is a null");
+                Errc::bad_value, "is null");
   check_refused(
       R"({"goal":"g","criteria":[{"name":"x"}],"alternatives":[{"id":"a","values":{"x":1}},{"id":"b","values":{}}]})",
       Errc::missing, "'b' has none");

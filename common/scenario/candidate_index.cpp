@@ -53,7 +53,8 @@ std::string in_words(const std::string& robot, const Obstacle& obstacle) {
 }
 
 std::string why_no_spare(const Task& task, const Able& able, const std::string& robot) {
-  if (task.pinned) return "it is pinned to its robot";
+  if (task.pinned && !robot.empty()) return "it is pinned to its robot";
+  if (task.pinned && !able.ready.empty()) return "it stays with the robot that is chosen for it: it is pinned";
   const std::string reasons = able.reasons(robot);
   return reasons.empty() ? "no other robot has the skill " + in_quotes(task.skill) : reasons;
 }
@@ -195,7 +196,8 @@ std::vector<NoSpare> tasks_without_spare(const Scenario& scenario, CandidateInde
   for (const Task& task : scenario.tasks) {
     if (is_repetition(task.id)) continue;
     const Able& able = candidates.able(task);
-    const std::string robot = !task.robot.empty() ? task.robot : able.ready.empty() ? "" : able.ready.front();
+    const bool is_open = able.ready.empty() || (task.pinned && able.ready.size() > 1);
+    const std::string robot = !task.robot.empty() ? task.robot : is_open ? "" : able.ready.front();
     const auto is_other = [&](const std::string& id) { return id != robot; };
     if (!task.pinned && std::ranges::any_of(able.ready, is_other)) continue;
     out.push_back({task.id, robot, why_no_spare(task, able, robot)});

@@ -92,7 +92,7 @@ std::vector<std::string> bind_tasks(const Scenario& scenario, CandidateIndex& ca
 /// A task that no other robot could take over now.
 struct NoSpare {
   std::string task;
-  std::string robot;  ///< who does it; empty: bound late, and no robot can do it now
+  std::string robot;  ///< who does it; empty: bound late, and none can do it now, or several can
   std::string why;
 };
 

@@ -227,6 +227,13 @@ TEST_CASE("the preflight tells what nobody else could do now, and why") {
   Task pinned = named("ridgeback");
   pinned.pinned = true;
   CHECK(why_alone(pinned) == "ridgeback: it is pinned to its robot");
+  Task late_and_pinned = late({"mobile"});
+  late_and_pinned.pinned = true;
+  CHECK(why_alone(late_and_pinned) == ": it stays with the robot that is chosen for it: it is pinned");
+  late_and_pinned.requires_ = {"mobile", "carry"};
+  CHECK(why_alone(late_and_pinned) == "ridgeback: it is pinned to its robot");  // there is one to choose
+  late_and_pinned.requires_ = {"fly"};
+  CHECK(why_alone(late_and_pinned).find("pinned") == std::string::npos);
   profiles["ridgeback"].robot = "OFFLINE";
   CHECK(why_alone(late({"carry"}), profiles).starts_with(": 'ridgeback' is OFFLINE; "));
 }

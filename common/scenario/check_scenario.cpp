@@ -1,3 +1,5 @@
+#include <set>
+
 #include "common/base/words.hpp"
 #include "common/fleet/did_you_mean.hpp"
 #include "common/fleet/object_reader.hpp"
@@ -71,15 +73,28 @@ class TaskCheck {
   FileFaults faults_;
 };
 
+/// The tasks' places in the file that have faults of their own, but for what they wait for.
+std::set<std::string> misread_tasks(const ConfigFaults& faults) {
+  std::set<std::string> out;
+  for (const ConfigFault& fault : faults) {
+    const auto end = fault.key.find(']');
+    if (end == std::string::npos || fault.may_wait || fault.key.substr(end + 1) == ".after") continue;
+    out.insert(fault.key.substr(0, end + 1));
+  }
+  return out;
+}
+
 }  // namespace
 
 void check_scenario(const Scenario& scenario, const std::map<std::string, NodeProfile>& profiles,
                     const std::string& file, ConfigFaults& faults) {
   CandidateIndex candidates(profiles);
+  const std::set<std::string> misread = misread_tasks(faults);
   for (std::size_t i = 0; i < scenario.tasks.size(); ++i) {
     const Task& task = scenario.tasks[i];
     if (is_repetition(task.id)) continue;
     const std::string path = "tasks[" + std::to_string(i) + "]";
+    if (misread.contains(path)) continue;  // what follows from its faults would be told as well
     TaskCheck(task, path, profiles, candidates, FileFaults(file, faults)).run();
     for (const Condition& condition : task.when) check_condition(condition, profiles, path + ".when", file, faults);
   }

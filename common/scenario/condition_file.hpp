@@ -14,8 +14,9 @@ namespace trb {
 /// kind of condition would have another key instead of `sensor`.
 Condition read_condition(const Value& json, const std::string& path, const FileFaults& faults);
 
-/// Checks a condition against the nodes' profiles: a node that is not in the fleet, a sensor with another unit. That no
-/// node has such a sensor now is only a warning, for it may be plugged in later.
+/// Checks a condition against the nodes' profiles: a node that is not in the fleet, a sensor with another unit, a text
+/// that is compared with numbers. That no node has such a sensor now, or that its unit is not known yet, is only a
+/// warning: it may be plugged in later, and read.
 void check_condition(const Condition& condition, const std::map<std::string, NodeProfile>& profiles,
                      const std::string& path, const std::string& file, ConfigFaults& faults);
 

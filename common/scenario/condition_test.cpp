@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include "common/fleet/sensor_unit.hpp"
 #include "common/scenario/definition.hpp"
 
 using namespace trb;
@@ -132,6 +133,8 @@ TEST_CASE("a condition is read from a scenario file, and every fault of it told"
   CHECK(first(R"({"sensor":"t","op":">","value":true,"unit":""})") == "tasks[0].when.value");
   CHECK(first(R"({"sensor":"t","op":">","unit":""})") == "tasks[0].when.value");
   CHECK(first(R"({"sensor":"t","op":">","value":1})") == "tasks[0].when.unit");
+  CHECK(first(R"({"sensor":"t","op":"==","value":"x","unit":"m"})") == "tasks[0].when.unit");
+  CHECK(faults_of(R"({"sensor":"t","op":"==","value":"x","unit":""})").empty());
   CHECK(first(R"({"sensor":"t","op":">","value":1,"unit":7})") == "tasks[0].when.unit");
   CHECK(first(R"({"sensor":"t","op":">","value":1,"unit":"","than":2})") == "tasks[0].when.than");
   CHECK(first("7") == "tasks[0].when");
@@ -142,7 +145,6 @@ TEST_CASE("a condition is checked against the fleet: what is not plugged in yet 
   const Condition condition = over(Comparison::more, 20);
   CHECK(check_in_fleet(condition, {thermometer("temperature", "degC")}).empty());
   CHECK(check_in_fleet(condition, {thermometer("other", "degC")}).empty());
-  CHECK(check_in_fleet(condition, {thermometer("temperature", "")}).empty());
   const ConfigFaults none = check_in_fleet(condition, {});
   REQUIRE(none.size() == 1);
   CHECK(none[0].may_wait);
@@ -158,6 +160,53 @@ TEST_CASE("a condition is checked against the fleet: what is not plugged in yet 
   Condition anywhere = condition;
   anywhere.of = "";
   CHECK(check_in_fleet(anywhere, {thermometer("temperature", "degC")}).empty());
+}
+
+TEST_CASE("a unit that nobody knows yet is a warning, and says how to learn it") {
+  Condition condition = over(Comparison::more, 20);
+  SensorInfo fed = thermometer("temperature", "");
+  fed.detail = kUnitNotRead;
+  const ConfigFaults not_read = check_in_fleet(condition, {fed});
+  REQUIRE(not_read.size() == 1);
+  CHECK(not_read[0].key == "tasks[0].when.unit");
+  CHECK(not_read[0].what == "temperature of conveyor: its unit is not known yet");
+  CHECK(not_read[0].hint == "trb sensor read temperature --of conveyor, then check again");
+  CHECK(not_read[0].may_wait);
+  const ConfigFaults no_unit = check_in_fleet(condition, {thermometer("temperature", "")});
+  REQUIRE(no_unit.size() == 1);
+  CHECK(no_unit[0].what == "temperature of conveyor has told no unit so far, not 'degC'");
+  CHECK(no_unit[0].may_wait);
+  condition.unit = "";
+  CHECK(check_in_fleet(condition, {thermometer("temperature", "")}).empty());
+  CHECK(check_in_fleet(condition, {fed}).size() == 1);  // it may have one
+  CHECK(check_in_fleet(tag(Comparison::equal, "04a1"), {fed, {"tag", "tag", "", "", "", SensorState::ok, ""}}).empty());
+}
+
+TEST_CASE("of several sensors one that fits is enough, and one that may fit yet is told before one that cannot") {
+  Condition condition = over(Comparison::more, 20);
+  condition.of = "";
+  SensorInfo fed = thermometer("temperature", "");
+  fed.detail = kUnitNotRead;
+  const SensorInfo kelvin = thermometer("temperature", "K");
+  CHECK(check_in_fleet(condition, {kelvin}, {thermometer("temperature", "degC")}).empty());
+  for (const auto& [first, second] : {std::pair(kelvin, fed), std::pair(fed, kelvin)}) {
+    const ConfigFaults faults = check_in_fleet(condition, {first}, {second});
+    REQUIRE(faults.size() == 1);
+    CHECK(faults[0].may_wait);
+    CHECK(faults[0].what == "temperature of any node: its unit is not known yet");
+  }
+}
+
+TEST_CASE("a text is told not to fit a sensor of numbers, whose unit shows it") {
+  Condition text = over(Comparison::equal, 0);
+  text.is_text = true;
+  text.text = "warm";
+  text.unit = "";
+  const ConfigFaults faults = check_in_fleet(text, {thermometer("temperature", "degC")});
+  REQUIRE(faults.size() == 1);
+  CHECK(faults[0].key == "tasks[0].when.value");
+  CHECK(faults[0].what == "temperature of conveyor has the unit 'degC', so it tells numbers, not texts");
+  CHECK(faults[0].may_wait);
 }
 
 TEST_CASE("two nodes that claim one serial number are told before the run would wait for them") {

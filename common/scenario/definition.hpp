@@ -25,7 +25,8 @@ void warn_of_skips(const Scenario& scenario, const std::string& file, ConfigFaul
 
 /// Checks a scenario against the nodes' profiles (by node id): unknown robots, skills and places; parameters that are
 /// missing, unknown or of the wrong type; conditions on unknown nodes or in another unit, and, as warnings, conditions
-/// on sensors that are not plugged in.
+/// on sensors that are not plugged in. A task of which `faults` has a fault already is left out, unless it is one of
+/// its `after`.
 void check_scenario(const Scenario& scenario, const std::map<std::string, NodeProfile>& profiles,
                     const std::string& file, ConfigFaults& faults);
 

@@ -7,6 +7,7 @@
 
 #include "common/base/words.hpp"
 #include "common/fleet/did_you_mean.hpp"
+#include "proto/value_words.hpp"
 
 namespace trb {
 namespace {
@@ -83,7 +84,7 @@ std::string misfit_text(Misfit misfit, const ParameterInfo& info, const Value& v
     case Misfit::none:
       return {};
     case Misfit::type:
-      return "is a " + std::string(value.kind()) + ", not " + type_text(info.type);
+      return "is " + in_words(value) + ", not " + type_text(info.type);
     case Misfit::range:
       return outside_text(info, outside(info, value));
     case Misfit::count:
@@ -98,11 +99,26 @@ std::string misfit_text(Misfit misfit, const ParameterInfo& info, const Value& v
 
 std::string misfit_cure(Misfit misfit, const ParameterInfo& info, const Value& value,
                         const std::vector<std::string>& places) {
+  const std::vector<std::string> choices = choices_of(info, places);
+  if (misfit == Misfit::place && info.one_of.empty())
+    return did_you_mean(value.text(), choices, "add it to places.json of its node, or use one of");
   if (misfit == Misfit::place) {
-    return did_you_mean(value.text(), places, "add it to places.json of its node, or use one of");
+    // One of the skill's own words: no slip, but known nowhere.
+    return R"(add it to "places" of the robot's description (its own term), or to places.json if coordinates are sent)" +
+           (choices.empty() ? "" : "; or use one of: " + join(choices));
   }
-  if (misfit == Misfit::word) return did_you_mean(value.text(), info.one_of, "use one of");
+  if (misfit == Misfit::word) return did_you_mean(value.text(), choices.empty() ? info.one_of : choices, "use one of");
   return "use " + wanted_text(info);
+}
+
+std::vector<std::string> choices_of(const ParameterInfo& info, const std::vector<std::string>& places) {
+  if (info.type != "place") return info.one_of;
+  if (info.one_of.empty()) return places;
+  std::vector<std::string> out;
+  for (const std::string& one : info.one_of) {
+    if (contains(places, one)) out.push_back(one);
+  }
+  return out;
 }
 
 std::string wanted_text(const ParameterInfo& info) {

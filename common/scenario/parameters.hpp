@@ -23,6 +23,10 @@ std::string misfit_text(Misfit misfit, const ParameterInfo& info, const Value& v
 std::string misfit_cure(Misfit misfit, const ParameterInfo& info, const Value& value,
                         const std::vector<std::string>& places);
 
+/// What may be named: a place that the skill takes and the robot knows, or a word of the parameter. Empty: anything, or
+/// nothing that is known.
+std::vector<std::string> choices_of(const ParameterInfo& info, const std::vector<std::string>& places);
+
 /// The expected value: "\"speed\": a number from 0 to 1 m/s".
 std::string wanted_text(const ParameterInfo& info);
 

@@ -5,6 +5,7 @@
 
 #include "common/scenario/values.hpp"
 #include "proto/value.hpp"
+#include "proto/value_words.hpp"
 
 namespace trb {
 namespace {
@@ -40,7 +41,7 @@ void read_data(ObjectReader& reader, Task& task) {
   const Value* data = reader.value("data", Need::optional);
   if (data == nullptr) return;
   if (!data->is_object()) {
-    return reader.faults().add(reader.path("data"), "is a " + std::string(data->kind()),
+    return reader.faults().add(reader.path("data"), "is " + in_words(*data),
                                R"(write the skill's parameters as { "NAME": VALUE, … })");
   }
   Value::Object given;

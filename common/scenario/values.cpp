@@ -5,6 +5,7 @@
 
 #include "common/fleet/did_you_mean.hpp"
 #include "proto/value.hpp"
+#include "proto/value_words.hpp"
 
 namespace trb {
 namespace {
@@ -34,7 +35,7 @@ Result<Value> value_of(const ValueFrom& from, const TaskResult* result) {
   if (!json || from.name.empty()) return json;
   const std::string of = "the result of " + in_quotes(from.task);
   if (!json->is_object()) {
-    return fail(Errc::bad_value, of + " is a " + std::string(json->kind()) + " and has no values by name",
+    return fail(Errc::bad_value, of + " is " + in_words(*json) + " and has no values by name",
                 R"(leave "value" out to take the whole result)");
   }
   if (const Value* found = json->find(from.name)) return Value(*found);

@@ -3,6 +3,8 @@
 #include <sodium.h>
 #include <sys/stat.h>
 
+#include <filesystem>
+
 #include "common/base/files.hpp"
 #include "common/base/hex.hpp"
 #include "common/base/ids.hpp"
@@ -20,6 +22,14 @@ std::string key_path(const std::string& dir) {
 }
 std::string fleet_path(const std::string& dir) {
   return dir + "/fleet.json";
+}
+
+/// As its keys/ is.
+bool is_inside_node(const std::string& dir) {
+  std::error_code none;
+  std::filesystem::path whole = std::filesystem::absolute(dir, none).lexically_normal();
+  if (!whole.has_filename()) whole = whole.parent_path();
+  return file_exists((whole.parent_path() / "node.json").string());
 }
 
 /// What to do where no authority is. A node's folder never becomes one: its key would lie on a node.
@@ -62,6 +72,12 @@ Result<Value> read_fleet_json(const std::string& dir) {
   return json;
 }
 
+/// 0, if it is not there: only a folder that was restored has it.
+std::uint64_t number_in(const Value& json, const std::string& key) {
+  const Value* member = json.find(key);
+  return member != nullptr && member->is_integer() ? static_cast<std::uint64_t>(member->integer()) : 0;
+}
+
 }  // namespace
 
 Result<Authority> make_authority(const std::string& dir, const std::string& name, const std::string& passphrase) {
@@ -70,8 +86,8 @@ Result<Authority> make_authority(const std::string& dir, const std::string& name
     return fail(Errc::bad_value, "passphrase: under " + std::to_string(kMinPassphrase) + " characters",
                 "take a longer one");
   }
-  if (file_exists(dir + "/node.json")) {
-    return fail(Errc::conflict, dir + ": is a node's folder, and the authority's key lies on no node",
+  if (file_exists(dir + "/node.json") || is_inside_node(dir)) {
+    return fail(Errc::conflict, dir + ": is a node's folder, or in one, and the authority's key lies on no node",
                 "name a folder of its own");
   }
   if (file_exists(key_path(dir)) && !file_exists(fleet_path(dir))) {
@@ -118,6 +134,8 @@ Result<Authority> read_authority(const std::string& dir) {
   authority.fleet = *fleet;
   authority.beacon.number = static_cast<std::uint32_t>(number->integer());
   authority.next_serial = static_cast<std::uint64_t>(serial->integer());
+  authority.skipped_to = number_in(*json, "skipped_to");
+  authority.skipped = number_in(*json, "skipped_serials");
   if (Status read = read_issued(authority, dir); !read) return read.error();
   if (Status read = read_revocations(authority, dir); !read) return read.error();
   return authority;

@@ -16,11 +16,17 @@ struct Authority {
   SigningKey key;
   BeaconKey beacon;
   std::uint64_t next_serial = 1;
+  /// Up to this one a newer copy of this folder may have given serials that nobody has told to this one; 0: none has.
+  std::uint64_t skipped_to = 0;
+  std::uint64_t skipped = 0;        ///< how many were passed over for that
   std::vector<Certificate> issued;  ///< every certificate in issued.json, oldest first
   bool news_ahead = false;          ///< some of them are in news.json, and not in issued.json yet
   SignedRecord revocations;         ///< the newest list; an empty kind for none
   RevocationList list;              ///< its content
+  std::vector<Revocation> revoked;  ///< those of earlier lists, too, for ever
 };
+
+constexpr Duration kLongestValidity = std::chrono::hours(24 * 36500);
 
 /// May the node carry messages between members that cannot reach each other? By its role: a cloud may.
 enum class RelayRight : unsigned char { by_role, yes, no };
@@ -41,11 +47,11 @@ Result<Authority> read_authority(const std::string& dir);
 
 /// Checks a request's proof of possession and signs a certificate; takes and stores the next serial number, and keeps
 /// the certificate in issued.json. Errors: malformed, bad_signature, bad_value, conflict (a current certificate of that
-/// id has other keys, or another id's has one of these), cert_revoked (these keys were revoked), io_error.
+/// id has other keys, or another id's has one of these), cert_revoked (these keys were revoked once), io_error.
 Result<CertificateFile> sign_request(Authority& authority, const std::string& dir, const SignedRecord& request,
                                      UtcTime now, Duration validity, RelayRight relay = RelayRight::by_role);
 
-/// The newest certificate of that id that is neither expired nor revoked, or nullptr.
+/// The newest certificate of that id that is neither expired nor was ever revoked, or nullptr.
 const Certificate* find_living(const Authority& authority, std::string_view id, UtcTime now);
 
 /// Adds a certificate that a folder of an earlier version signed but did not keep. Errors: those of
@@ -53,9 +59,9 @@ const Certificate* find_living(const Authority& authority, std::string_view id, 
 Result<Certificate> adopt_certificate(Authority& authority, const std::string& dir, const SignedRecord& record);
 
 /// Takes over what the fleet has from this authority and this folder, restored from an older copy, lacks: certificates,
-/// a newer list, so that nothing revoked becomes valid again and no number is used twice. Two lists with the same
-/// number are merged into the next one. Returns whether there was anything. Errors: those of adopt_certificate and
-/// open_revocations, io_error.
+/// a newer list, so that nothing revoked becomes valid again and no number is used twice. Serials go on far behind the
+/// highest one that is known: others may have been given. Two lists with the same number are merged into the next one.
+/// Returns whether there was anything. Errors: those of adopt_certificate and open_revocations, io_error.
 Result<bool> catch_up(Authority& authority, const std::string& dir, const TrustUpdate& known);
 
 /// New certificates for the same nodes and keys, with the next serials; with by_role each keeps an existing right to
@@ -65,8 +71,9 @@ Result<std::vector<SignedRecord>> renew_certificates(Authority& authority, const
                                                      const std::vector<Certificate>& old, UtcTime now,
                                                      Duration validity, RelayRight relay = RelayRight::by_role);
 
-/// The next list: it adds these certificates, and brings every node that stays a new beacon key. It is in force for the
-/// authority once this returns. Errors: too_large (over 400 kB, or 2000 names of either kind), io_error.
+/// The next list: it adds these certificates, also those that have ended, and all that was ever revoked and is still
+/// needed; it brings every node that stays a new beacon key. It is in force for the authority once this returns.
+/// Errors: too_large (over 400 kB, or 2000 names of either kind), io_error.
 Status revoke_certificates(Authority& authority, const std::string& dir, const std::vector<Certificate>& over,
                            const std::string& reason, UtcTime now);
 

@@ -113,4 +113,8 @@ TEST_CASE("a node's folder is no authority's, and becomes none") {
   CHECK(make_authority(node, "hall", "a long passphrase").error().code == Errc::conflict);
   CHECK(read_fleet(node).error().hint == "name the authority's folder (that of trb fleet init)");
   CHECK_FALSE(file_exists(node + "/authority.key"));
+  for (const std::string& inside : {node + "/keys", node + "/keys/", node + "/keys/../keys"}) {
+    CHECK(make_authority(inside, "hall", "a long passphrase").error().code == Errc::conflict);
+    CHECK_FALSE(file_exists(inside));
+  }
 }

@@ -1,4 +1,5 @@
 // A folder restored from a copy learns what the fleet knows.
+#include "common/security/ever_revoked.hpp"
 #include "common/security/test_hall.hpp"
 
 using namespace trb;
@@ -40,7 +41,7 @@ TEST_CASE("certificates alone are news too, and are kept, oldest first") {
   REQUIRE(learned.ok());
   CHECK(*learned);
   CHECK(hall.copy.issued == hall.authority.issued);
-  CHECK(hall.copy.next_serial == hall.authority.next_serial);
+  CHECK(hall.copy.next_serial > hall.authority.next_serial);
   CHECK(read_authority(hall.copy_dir)->issued == hall.authority.issued);
   CHECK_FALSE(*hall.hear({first, second}));
   CHECK_FALSE(*hall.hear());
@@ -138,4 +139,113 @@ TEST_CASE("two lists of one number are joined: nobody's entry is lost, and none 
     CHECK(*hall.hear());
     CHECK(find_living(hall.copy, "ur3", kNow) == nullptr);
   }
+}
+
+namespace {
+
+/// A node that was signed after the copy was made, and was revoked; the folder is restored, and has heard the list.
+struct RevokedSince : Restored {
+  Certificate thief;
+  SignedRecord asked;
+
+  RevokedSince() {
+    put_back();
+    join("thief");
+    thief = living("thief");
+    asked = request("thief", "thief");
+    REQUIRE(revoke("thief").ok());
+    REQUIRE(*hear());
+  }
+  Status next(const std::vector<Certificate>& over = {}, UtcTime at = kNow) {
+    return revoke_certificates(copy, copy_dir, over, "sold", at);
+  }
+};
+
+}  // namespace
+
+TEST_CASE("who was signed and revoked after the copy stays revoked in every list that the restored folder makes") {
+  RevokedSince hall;
+  REQUIRE(hall.next({*find_living(hall.copy, "ur5", kNow)}).ok());
+  CHECK(find_revocation(hall.copy.list, hall.thief) != nullptr);
+  // As long as the certificate that this folder never had.
+  REQUIRE(hall.next({}, {hall.thief.not_after - 1}).ok());
+  CHECK(find_revocation(hall.copy.list, hall.thief) != nullptr);
+  REQUIRE(hall.next({}, UtcTime{hall.thief.not_after} + kEndLeeway).ok());
+  CHECK(find_revocation(hall.copy.list, hall.thief) == nullptr);
+}
+
+TEST_CASE(
+    "a list of an earlier version does not say until when an entry is needed: it stays for as long as any is valid") {
+  RevokedSince hall;
+  for (Revocation& entry : hall.copy.list.revoked) entry = {entry.serial, entry.id, entry.reason, entry.at};
+  hall.copy.revoked.clear();
+  REQUIRE(hall.next({}, kNow + 20 * kYear).ok());
+  CHECK(find_revocation(hall.copy.list, hall.thief) != nullptr);
+  REQUIRE(hall.next({}, kNow + kLongestValidity + kEndLeeway).ok());
+  CHECK(hall.copy.list.revoked.empty());
+}
+
+TEST_CASE(
+    "the keys of who was revoked after the copy are signed under no name, also when no list names them any more") {
+  RevokedSince hall;
+  CHECK(code_of(sign_request(hall.copy, hall.copy_dir, hall.asked, kNow, kYear)) == Errc::cert_revoked);
+  const SignedRecord renamed = hall.request("thief", "friend");
+  CHECK(code_of(sign_request(hall.copy, hall.copy_dir, renamed, kNow, kYear)) == Errc::cert_revoked);
+  const UtcTime later = kNow + 3 * kYear;
+  REQUIRE(hall.next({}, later).ok());
+  REQUIRE(hall.copy.list.revoked.empty());
+  Authority stored = *read_authority(hall.copy_dir);
+  CHECK(code_of(sign_request(stored, hall.copy_dir, hall.asked, later, kYear)) == Errc::cert_revoked);
+  // A new computer of that name has other keys.
+  stored.key = hall.authority.key;
+  CHECK(sign_request(stored, hall.copy_dir, hall.request("new-pc", "thief"), later, kYear).ok());
+}
+
+TEST_CASE("a restored folder gives no serial that its newer copy may have given, and says so on disk") {
+  RevokedSince hall;
+  CHECK(hall.copy.next_serial > hall.thief.serial + 1000);
+  const auto stored = read_authority(hall.copy_dir);
+  CHECK(stored->next_serial == hall.copy.next_serial);
+  CHECK(stored->skipped_to == hall.copy.skipped_to);
+  CHECK(stored->skipped == hall.copy.skipped);
+  CHECK(hall.copy.next_serial == hall.copy.skipped_to + 1);
+  // Nothing was signed since: nothing need be passed over again.
+  REQUIRE(hall.revoke("ur5").ok());
+  REQUIRE(*hall.hear());
+  CHECK(hall.copy.next_serial == stored->next_serial);
+}
+
+TEST_CASE("who is revoked by a restored folder is revoked with the certificates that only its newer copy knows") {
+  Restored hall;
+  hall.put_back();
+  hall.join("ur3");  // signed again, and shown to nobody who is asked
+  const Certificate unknown = hall.living("ur3");
+  REQUIRE(hall.revoke("ur5").ok());
+  REQUIRE(*hall.hear());
+  REQUIRE(hall.revoke_in_copy("ur3", "stolen").ok());
+  const Revocation* entry = find_revocation(hall.copy.list, unknown);
+  REQUIRE(entry != nullptr);
+  // A router that is told a list without it later goes by that.
+  CHECK(entry->until >= unknown.not_after);
+  // Its successor is none of them.
+  const auto successor = sign_request(hall.copy, hall.copy_dir, hall.request("new-pc", "ur3"), kNow, kYear);
+  REQUIRE(successor.ok());
+  CHECK(find_revocation(hall.copy.list, *decode<Certificate>(successor->certificate.payload.bytes)) == nullptr);
+}
+
+TEST_CASE("of two copies that are used in turn neither forgets whom it revoked: the next list has all") {
+  Restored hall;
+  hall.put_back();
+  REQUIRE(hall.revoke("ur3").ok());
+  // Twice, and nobody has told this copy: its list is the newer one.
+  REQUIRE(hall.revoke_in_copy("ur5", "sold").ok());
+  REQUIRE(revoke_certificates(hall.copy, hall.copy_dir, {}, "", kNow).ok());
+  REQUIRE(*catch_up(hall.authority, hall.dir, {hall.copy.revocations, {}}));
+  const Authority stored = *hall.read();
+  CHECK(find_living(stored, "ur3", kNow) == nullptr);
+  REQUIRE(missing_from_list(stored, kNow).size() == 1);
+  CHECK(missing_from_list(stored, kNow).front().id == "ur3");
+  REQUIRE(revoke_certificates(hall.authority, hall.dir, {}, "", kNow).ok());
+  CHECK(hall.authority.list.revoked.size() == 2);
+  CHECK(missing_from_list(hall.authority, kNow).empty());
 }

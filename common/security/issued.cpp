@@ -6,6 +6,7 @@
 #include "common/base/files.hpp"
 #include "common/base/hex.hpp"
 #include "common/base/ids.hpp"
+#include "common/security/ever_revoked.hpp"
 #include "common/security/revocations.hpp"
 #include "proto/body.hpp"
 #include "proto/value.hpp"
@@ -15,10 +16,8 @@ namespace {
 
 // A node whose clock is slightly behind must not find its new certificate "not yet valid".
 constexpr Duration kClockLeeway = std::chrono::minutes(5);
-constexpr Duration kLongestValidity = std::chrono::hours(24 * 36500);
 constexpr std::size_t kMaxIssuedFile = 64U << 20U;
 constexpr std::size_t kMaxList = 400'000;  // a TrustUpdate must fit into one message
-constexpr std::size_t kMaxRenewed = 256;
 
 std::string issued_path(const std::string& dir) {
   return dir + "/issued.json";
@@ -27,20 +26,10 @@ std::string list_path(const std::string& dir) {
   return dir + "/revocations.json";
 }
 
-std::string news_path(const std::string& dir) {
-  return dir + "/news.json";
-}
-
 void keep_issued(Authority& authority, const Certificate& certificate) {
   authority.next_serial = std::max(authority.next_serial, certificate.serial + 1);
   authority.issued.push_back(certificate);
   std::ranges::stable_sort(authority.issued, {}, &Certificate::serial);
-}
-
-Status write_issued(const std::string& dir, const Authority& authority) {
-  Value::List rows;
-  for (const Certificate& certificate : authority.issued) rows.push_back(*parse_json(to_json(certificate)));
-  return write_file(issued_path(dir), dump_json(Value{Value::Object{{"certificates", Value{std::move(rows)}}}}) + "\n");
 }
 
 /// The rows first: the next serial follows from them too, while a serial in fleet.json that no row has counts as one of
@@ -101,18 +90,10 @@ std::map<std::string, const Certificate*> members(const Authority& authority, Ut
   return out;
 }
 
-/// True while some certificate that the entry covers would be valid without it.
-bool still_needed(const Authority& authority, const Revocation& entry, UtcTime now) {
-  return std::any_of(authority.issued.begin(), authority.issued.end(), [&](const Certificate& certificate) {
-    return certificate.id == entry.id && certificate.serial <= entry.serial && certificate.not_after > now.ns;
-  });
-}
-
-void add_entry(RevocationList& list, const Certificate& over, const std::string& reason, UtcTime now) {
-  std::erase_if(list.revoked,
-                [&](const Revocation& entry) { return entry.id == over.id && entry.serial <= over.serial; });
-  const bool covered = find_revocation(list, over) != nullptr;
-  if (!covered) list.revoked.push_back({over.serial, over.id, reason, now.ns});
+void add_entry(RevocationList& list, const Revocation& entry) {
+  const auto covered = [&](const Revocation& row) { return covers(row, entry); };
+  std::erase_if(list.revoked, [&](const Revocation& row) { return covers(entry, row); });
+  if (std::none_of(list.revoked.begin(), list.revoked.end(), covered)) list.revoked.push_back(entry);
 }
 
 Status read_rows(Authority& authority, const std::string& dir) {
@@ -135,6 +116,16 @@ Status read_rows(Authority& authority, const std::string& dir) {
 
 }  // namespace
 
+std::string news_path(const std::string& dir) {
+  return dir + "/news.json";
+}
+
+Status write_issued(const std::string& dir, const Authority& authority) {
+  Value::List rows;
+  for (const Certificate& certificate : authority.issued) rows.push_back(*parse_json(to_json(certificate)));
+  return write_file(issued_path(dir), dump_json(Value{Value::Object{{"certificates", Value{std::move(rows)}}}}) + "\n");
+}
+
 Status write_fleet(const std::string& dir, const Authority& authority) {
   Value::Object out;
   out.emplace_back("name", Value{authority.fleet.name});
@@ -142,6 +133,10 @@ Status write_fleet(const std::string& dir, const Authority& authority) {
   out.emplace_back("fleet", Value{to_hex(authority.fleet.id())});
   out.emplace_back("beacon_key_number", Value{static_cast<std::int64_t>(authority.beacon.number)});
   out.emplace_back("next_serial", Value{static_cast<std::int64_t>(authority.next_serial)});
+  if (authority.skipped_to != 0) {
+    out.emplace_back("skipped_to", Value{static_cast<std::int64_t>(authority.skipped_to)});
+    out.emplace_back("skipped_serials", Value{static_cast<std::int64_t>(authority.skipped)});
+  }
   return write_file(dir + "/fleet.json", dump_json(Value{std::move(out)}) + "\n");
 }
 
@@ -151,7 +146,9 @@ Status read_issued(Authority& authority, const std::string& dir) {
   return Done{};
 }
 
-Status read_revocations(Authority& authority, const std::string& dir) {
+namespace {
+
+Status read_list(Authority& authority, const std::string& dir) {
   if (!file_exists(list_path(dir))) return Done{};
   auto text = read_file(list_path(dir));
   if (!text) return text.error();
@@ -162,6 +159,21 @@ Status read_revocations(Authority& authority, const std::string& dir) {
   authority.revocations = std::move(*record);
   authority.list = std::move(*list);
   authority.beacon.number = authority.list.beacon_number;
+  return Done{};
+}
+
+}  // namespace
+
+void pass_revoked_serials(Authority& authority) {
+  for (const auto* entries : {&authority.list.revoked, &authority.revoked}) {
+    for (const Revocation& entry : *entries) authority.next_serial = std::max(authority.next_serial, entry.serial + 1);
+  }
+}
+
+Status read_revocations(Authority& authority, const std::string& dir) {
+  if (Status read = read_list(authority, dir); !read) return read;
+  if (Status read = read_ever_revoked(authority, dir); !read) return read;
+  pass_revoked_serials(authority);
   return Done{};
 }
 
@@ -181,7 +193,7 @@ const Certificate* find_living(const Authority& authority, std::string_view id, 
   const Certificate* newest = nullptr;
   for (const Certificate& certificate : authority.issued) {
     if (certificate.id != id || certificate.not_after <= now.ns) continue;
-    if (find_revocation(authority.list, certificate) != nullptr) continue;
+    if (find_ever_revoked(authority, certificate) != nullptr) continue;
     if (newest == nullptr || certificate.serial > newest->serial) newest = &certificate;
   }
   return newest;
@@ -200,15 +212,18 @@ Result<CertificateRequest> open_request(const SignedRecord& record) {
               "run trb fleet request on the node again");
 }
 
+Error keys_were_revoked(const std::string& id) {
+  return fail(Errc::cert_revoked, "the keys of '" + id + "' in this request were revoked",
+              "remove identity.key and link.key from the node's keys folder and run trb fleet request again");
+}
+
 Status refuse_revoked_keys(const Authority& authority, const Certificate& wanted) {
   for (const Certificate& old : authority.issued) {
     const bool shared = old.identity_key == wanted.identity_key || old.link_key == wanted.link_key;
-    if (shared && find_revocation(authority.list, old) != nullptr) {
-      return fail(Errc::cert_revoked, "the keys of '" + old.id + "' in this request were revoked",
-                  "remove identity.key and link.key from the node's keys folder and run trb fleet request again");
-    }
+    if (shared && find_ever_revoked(authority, old) != nullptr) return keys_were_revoked(old.id);
   }
-  return Done{};
+  const Revocation* entry = find_revoked_key(authority, wanted);
+  return entry == nullptr ? Status(Done{}) : keys_were_revoked(entry->id);
 }
 
 Status refuse_second_computer(const Authority& authority, const std::string& dir, const Certificate& wanted,
@@ -261,10 +276,17 @@ Result<CertificateFile> sign_request(Authority& authority, const std::string& di
 
 Result<Certificate> adopt_certificate(Authority& authority, const std::string& dir, const SignedRecord& record) {
   auto certificate = open_certificate_any_time(record, authority.fleet);
-  if (!certificate || is_issued(authority, *certificate)) return certificate;
-  keep_issued(authority, *certificate);
-  if (Status stored = write_issued(dir, authority); !stored) return stored.error();
+  if (!certificate) return certificate;
+  if (Status stored = keep_certificates(authority, dir, {*certificate}); !stored) return stored.error();
   return certificate;
+}
+
+Status keep_certificates(Authority& authority, const std::string& dir, const std::vector<Certificate>& signed_ones) {
+  const std::size_t before = authority.issued.size();
+  for (const Certificate& certificate : signed_ones) {
+    if (!is_issued(authority, certificate)) keep_issued(authority, certificate);
+  }
+  return authority.issued.size() == before ? Status(Done{}) : write_issued(dir, authority);
 }
 
 Result<std::vector<SignedRecord>> renew_certificates(Authority& authority, const std::string& dir,
@@ -287,16 +309,19 @@ Result<std::vector<SignedRecord>> renew_certificates(Authority& authority, const
 
 namespace {
 
-/// The authority's list with those certificates added, and without entries that are no longer needed. It has the number
-/// of the next beacon key, not yet the key.
+/// The authority's list with those certificates added, with what earlier lists had and is still needed, and without
+/// entries that are not, as far as they are not named: what is said to be revoked is in the list. It has the number of
+/// the next beacon key, not yet the key.
 RevocationList next_list(const Authority& authority, const std::vector<Certificate>& over, const std::string& reason,
                          UtcTime now) {
   RevocationList next = authority.list;
   next.fleet = {authority.fleet.id()};
   ++next.number;
   next.issued = now.ns;
-  for (const Certificate& certificate : over) add_entry(next, certificate, reason, now);
-  std::erase_if(next.revoked, [&](const Revocation& entry) { return !still_needed(authority, entry, now); });
+  for (Revocation& entry : next.revoked) fill_in(authority, entry);
+  std::erase_if(next.revoked, [&](const Revocation& entry) { return !is_needed(authority, entry, now); });
+  for (const Revocation& entry : missing_from_list(authority, now)) add_entry(next, entry);
+  for (const Certificate& certificate : over) add_entry(next, entry_over(authority, certificate, reason, now));
   next.beacon_number = authority.beacon.number + 1;
   next.beacon_keys.clear();
   return next;
@@ -315,6 +340,7 @@ Result<SignedRecord> sign_list(const Authority& authority) {
 
 Status revoke_certificates(Authority& authority, const std::string& dir, const std::vector<Certificate>& over,
                            const std::string& reason, UtcTime now) {
+  if (Status kept = remember_list(authority, dir); !kept) return kept;
   const BeaconKey fresh = derive_beacon_key(authority.key.secret_key, authority.beacon.number + 1);
   const RevocationList before = std::exchange(authority.list, next_list(authority, over, reason, now));
   for (const auto& [id, certificate] : members(authority, now)) {
@@ -331,49 +357,6 @@ Status revoke_certificates(Authority& authority, const std::string& dir, const s
   // The list counts, and is on disk: fleet.json's beacon key is only a copy.
   (void)write_fleet(dir, authority);
   return Done{};
-}
-
-Status check_renewals(std::size_t number) {
-  if (number <= kMaxRenewed) return Done{};
-  return fail(Errc::too_large, std::to_string(number) + " renewals at once; 256 at most",
-              "name some of them, hand these on, then name the others");
-}
-
-namespace {
-
-/// Of each node the newest of these that is valid. One that only issued.json names replaces none: it may never have
-/// been handed over.
-std::vector<SignedRecord> newest_of(const Authority& authority, const std::vector<SignedRecord>& records, UtcTime now) {
-  std::vector<std::pair<SignedRecord, Certificate>> valid;
-  std::map<std::string, std::uint64_t> newest;
-  for (const SignedRecord& record : records) {
-    auto certificate = open_certificate_any_time(record, authority.fleet);
-    if (!certificate || certificate->not_after <= now.ns) continue;
-    if (find_revocation(authority.list, *certificate) != nullptr) continue;
-    newest[certificate->id] = std::max(newest[certificate->id], certificate->serial);
-    valid.emplace_back(record, std::move(*certificate));
-  }
-  std::vector<SignedRecord> out;
-  for (const auto& [record, certificate] : valid) {
-    const bool counts = newest[certificate.id] == certificate.serial;
-    if (counts && std::find(out.begin(), out.end(), record) == out.end()) out.push_back(record);
-  }
-  return out;
-}
-
-}  // namespace
-
-Status publish_trust_updates(const Authority& authority, const std::string& dir,
-                             const std::vector<SignedRecord>& renewed, UtcTime now) {
-  if (Status few = check_renewals(renewed.size()); !few) return few;
-  // The list says up to when a revoked certificate is valid by the rows: none may go with its renewal.
-  if (Status kept = authority.news_ahead ? write_issued(dir, authority) : Status(Done{}); !kept) return kept;
-  std::vector<SignedRecord> all = renewed;
-  if (auto old = read_trust_updates(news_path(dir)))
-    all.insert(all.end(), old->certificates.begin(), old->certificates.end());
-  TrustUpdate update{authority.revocations, newest_of(authority, all, now)};
-  update.certificates.resize(std::min(update.certificates.size(), kMaxRenewed));
-  return write_trust_updates(news_path(dir), update);
 }
 
 }  // namespace trb

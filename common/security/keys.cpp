@@ -115,11 +115,18 @@ Result<Certificate> open_certificate(const SignedRecord& record, const FleetAuth
   return certificate;
 }
 
+bool has_newer_keys(const Certificate& now, const Certificate& before) {
+  return now.id == before.id && now.serial > before.serial && now.identity_key != before.identity_key;
+}
+
 Status check_dates(const Certificate& certificate, UtcTime now) {
   if (now.ns < certificate.not_before) {
-    return fail(Errc::cert_not_yet_valid,
-                "certificate of '" + certificate.id + "' is valid from " + to_iso8601({certificate.not_before}),
-                "set the clock");
+    return fail(
+        Errc::cert_not_yet_valid,
+        "certificate of '" + certificate.id + "' is valid from " + to_iso8601({certificate.not_before}) +
+            ", and this clock says " + to_iso8601(now),
+        "compare with a true clock: if the authority's is ahead, set it, and sign or renew again; if this one is "
+        "behind, set it (timedatectl)");
   }
   if (now.ns >= certificate.not_after) {
     return fail(Errc::cert_expired,
@@ -129,8 +136,7 @@ Status check_dates(const Certificate& certificate, UtcTime now) {
   return Done{};
 }
 
-template <class T>
-Result<T> open_record(const SignedRecord& record, std::string_view purpose, const Certificate& signer) {
+Status check_record(const SignedRecord& record, std::string_view purpose, const Certificate& signer) {
   if (record.signer != signer.id)
     return fail(Errc::source_mismatch, "record of '" + record.signer + "', certificate of '" + signer.id + "'");
   if (!may_sign(signer.role, purpose)) {
@@ -140,10 +146,15 @@ Result<T> open_record(const SignedRecord& record, std::string_view purpose, cons
   if (!verify(record, purpose, signer.fleet.bytes, signer.identity_key.bytes)) {
     return fail(Errc::bad_signature, std::string(purpose) + " of '" + signer.id + "' has a wrong signature");
   }
+  return Done{};
+}
+
+template <class T>
+Result<T> open_record(const SignedRecord& record, std::string_view purpose, const Certificate& signer) {
+  if (Status signed_by = check_record(record, purpose, signer); !signed_by) return signed_by.error();
   return decode<T>(record.payload.bytes);
 }
 
-template Result<Beacon> open_record(const SignedRecord&, std::string_view, const Certificate&);
 template Result<RunStart> open_record(const SignedRecord&, std::string_view, const Certificate&);
 template Result<AbortOrder> open_record(const SignedRecord&, std::string_view, const Certificate&);
 template Result<TaskResult> open_record(const SignedRecord&, std::string_view, const Certificate&);

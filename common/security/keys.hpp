@@ -64,6 +64,12 @@ Status check_dates(const Certificate& certificate, UtcTime now);
 /// The same without checking the dates.
 Result<Certificate> open_certificate_any_time(const SignedRecord& record, const FleetAuthority& authority);
 
+/// Has the node got other keys since? A renewed certificate is of the same keys. Serials of one authority only rise.
+bool has_newer_keys(const Certificate& now, const Certificate& before);
+
+/// Has this member signed the record? Errors: source_mismatch, not_permitted, bad_signature.
+Status check_record(const SignedRecord& record, std::string_view purpose, const Certificate& signer);
+
 /// Opens a signed record of a member: its certificate's id must be record.signer. Errors: bad_signature, malformed.
 template <class T>
 Result<T> open_record(const SignedRecord& record, std::string_view purpose, const Certificate& signer);

@@ -1,6 +1,7 @@
 #include "common/security/revocations.hpp"
 
 #include <algorithm>
+#include <map>
 
 #include "common/base/files.hpp"
 #include "proto/body.hpp"
@@ -26,6 +27,33 @@ const Revocation* find_revocation(const RevocationList& list, const Certificate&
     return entry.id == certificate.id && entry.serial >= certificate.serial;
   });
   return at == list.revoked.end() ? nullptr : &*at;
+}
+
+bool covers(const Revocation& row, const Revocation& entry) {
+  if (row.id != entry.id || row.serial < entry.serial) return false;
+  return entry.identity.bytes.empty() || (row.identity == entry.identity && row.link == entry.link);
+}
+
+std::vector<Revocation> not_in_list(const RevocationList& list, const std::vector<Revocation>& entries) {
+  std::multimap<std::string_view, const Revocation*> rows;
+  for (const Revocation& row : list.revoked) rows.emplace(row.id, &row);
+  std::vector<Revocation> out;
+  for (const Revocation& entry : entries) {
+    const auto [first, last] = rows.equal_range(entry.id);
+    if (std::none_of(first, last, [&](const auto& row) { return covers(*row.second, entry); })) out.push_back(entry);
+  }
+  return out;
+}
+
+std::vector<Revocation> not_revoked_by(const RevocationList& list, const std::vector<Revocation>& entries) {
+  std::map<std::string_view, std::uint64_t> up_to;
+  for (const Revocation& row : list.revoked) up_to[row.id] = std::max(up_to[row.id], row.serial);
+  std::vector<Revocation> out;
+  for (const Revocation& entry : entries) {
+    const auto at = up_to.find(entry.id);
+    if (at == up_to.end() || at->second < entry.serial) out.push_back(entry);
+  }
+  return out;
 }
 
 Result<BeaconKey> open_listed_beacon_key(const RevocationList& list, std::string_view id, const LinkKey& link) {

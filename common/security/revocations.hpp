@@ -14,6 +14,13 @@ Result<RevocationList> open_revocations(const SignedRecord& record, const FleetA
 /// an older, forgotten certificate of the same node must be of no use to a thief.
 const Revocation* find_revocation(const RevocationList& list, const Certificate& certificate);
 
+/// Does `row` say at least what `entry` says? The keys of an entry that names them are named by no other's.
+bool covers(const Revocation& row, const Revocation& entry);
+/// Those of `entries` that no row of the list covers.
+std::vector<Revocation> not_in_list(const RevocationList& list, const std::vector<Revocation>& entries);
+/// Those of `entries` some of whose certificates the list does not revoke, whatever it says of their keys.
+std::vector<Revocation> not_revoked_by(const RevocationList& list, const std::vector<Revocation>& entries);
+
 /// The beacon key that the list brings to this node. Errors: missing (no box for it), wrong_key.
 Result<BeaconKey> open_listed_beacon_key(const RevocationList& list, std::string_view id, const LinkKey& link);
 

@@ -1,5 +1,8 @@
 // Revocation lists: their entries, how long these stay, and how large a list may grow; and the news.json that carries
 // it.
+#include <limits>
+
+#include "common/security/ever_revoked.hpp"
 #include "common/security/test_hall.hpp"
 
 using namespace trb;
@@ -20,18 +23,88 @@ Certificate made_for(const Hall& hall, const std::string& id, std::uint64_t seri
 
 }  // namespace
 
-TEST_CASE("an entry stays as long as a certificate that it covers would be taken, and no moment longer") {
+TEST_CASE("an entry stays until a certificate that it covers is taken by no clock that is up to 30 days behind") {
   Hall hall;
   hall.join("ur3");
   const Certificate first = hall.living("ur3");
   REQUIRE(hall.revoke("ur3").ok());
-  REQUIRE(revoke_certificates(hall.authority, hall.dir, {}, "", {first.not_after - 1}).ok());
+  const UtcTime end = UtcTime{first.not_after} + kEndLeeway;
+  REQUIRE(revoke_certificates(hall.authority, hall.dir, {}, "", {end.ns - 1}).ok());
   CHECK(hall.authority.list.revoked.size() == 1);
   // Its successor has the same name: that is no reason to keep it.
   REQUIRE(sign_request(hall.authority, hall.dir, hall.request("new-pc", "ur3"), kNow, 2 * kYear).ok());
-  REQUIRE(revoke_certificates(hall.authority, hall.dir, {}, "", {first.not_after}).ok());
+  REQUIRE(revoke_certificates(hall.authority, hall.dir, {}, "", end).ok());
   CHECK(hall.authority.list.revoked.empty());
-  CHECK(hall.authority.list.issued == first.not_after);
+  CHECK(hall.authority.list.issued == end.ns);
+}
+
+TEST_CASE("an entry says until when its certificates are valid, and which keys were revoked") {
+  Hall hall;
+  REQUIRE(sign_request(hall.authority, hall.dir, hall.request("ur3", "ur3"), kNow, 3 * kYear).ok());
+  const std::int64_t longest = hall.living("ur3").not_after;
+  hall.join("ur3");  // a newer one that ends earlier
+  const Certificate named = hall.living("ur3");
+  REQUIRE(hall.revoke("ur3").ok());
+  const Revocation entry = open_revocations(hall.authority.revocations, hall.authority.fleet)->revoked.front();
+  CHECK(entry.until == longest);
+  CHECK(entry.identity.bytes == named.identity_key.bytes.substr(0, kRevokedKey));
+  CHECK(entry.link.bytes == named.link_key.bytes.substr(0, kRevokedKey));
+}
+
+TEST_CASE("who is revoked after its end is in the list that says so, and is never renewed or signed again") {
+  Hall hall;
+  hall.join("ur3");
+  hall.join("ur5");
+  const Certificate ended = hall.living("ur3");
+  const UtcTime later = kNow + 2 * kYear;
+  REQUIRE(revoke_certificates(hall.authority, hall.dir, {ended}, "stolen", later).ok());
+  CHECK(find_revocation(hall.authority.list, ended) != nullptr);
+  REQUIRE(revoke_certificates(hall.authority, hall.dir, {}, "", later).ok());
+  CHECK(hall.authority.list.revoked.empty());
+  // Ever: also for who reads the folder anew.
+  const UtcTime ever{std::numeric_limits<std::int64_t>::min()};
+  Authority stored = *hall.read();
+  CHECK(find_living(stored, "ur3", ever) == nullptr);
+  CHECK(find_living(stored, "ur5", ever) != nullptr);
+  CHECK(code_of(sign_request(stored, hall.dir, hall.request("ur3", "ur3"), later, kYear)) == Errc::cert_revoked);
+}
+
+TEST_CASE("what a wrong clock has dropped from a list is in the next one again") {
+  Hall hall;
+  for (const char* id : {"ur3", "ur5", "cloud"}) hall.join(id);
+  REQUIRE(hall.revoke("ur3").ok());
+  const Certificate ur5 = hall.living("ur5");
+  REQUIRE(revoke_certificates(hall.authority, hall.dir, {ur5}, "sold", kNow + 2 * kYear).ok());
+  CHECK(hall.authority.list.revoked.size() == 1);
+  REQUIRE(missing_from_list(*hall.read(), kNow).size() == 1);
+  REQUIRE(revoke_certificates(hall.authority, hall.dir, {}, "", kNow).ok());
+  CHECK(hall.authority.list.revoked.size() == 2);
+  CHECK(missing_from_list(*hall.read(), kNow).empty());
+}
+
+TEST_CASE("a name that was revoked twice, with other keys, keeps both keys from being signed") {
+  Hall hall;
+  hall.join("ur3");
+  REQUIRE(hall.revoke("ur3").ok());
+  REQUIRE(sign_request(hall.authority, hall.dir, hall.request("second", "ur3"), kNow, kYear).ok());
+  REQUIRE(hall.revoke("ur3").ok());
+  CHECK(hall.authority.list.revoked.size() == 2);
+  // Also in a folder that has none of the certificates.
+  hall.authority.issued.clear();
+  for (const char* node : {"ur3", "second"}) CHECK(code_of(hall.ask(node, "ur3")) == Errc::cert_revoked);
+}
+
+TEST_CASE("a damaged revoked.json is told, never taken for nobody") {
+  Hall hall;
+  const std::string path = hall.dir + "/revoked.json";
+  for (const char* text :
+       {"{", "{}", R"({"revoked":[1]})", R"({"revoked":[{"id":"ur3"}]})",
+        R"({"revoked":[{"id":"a","serial":1,"reason":"","at":1,"until":1,"identity":"zz","link":""}]})"}) {
+    REQUIRE(write_file(path, text).ok());
+    const auto read = hall.read();
+    REQUIRE(code_of(read) == Errc::malformed);
+    CHECK(read.error().what.find(path) == 0);
+  }
 }
 
 TEST_CASE("who is revoked again stands there once, with what was said last") {
@@ -42,7 +115,13 @@ TEST_CASE("who is revoked again stands there once, with what was said last") {
   const Certificate second = hall.living("ur3");
   REQUIRE(revoke_certificates(hall.authority, hall.dir, {second}, "lost", kNow).ok());
   REQUIRE(revoke_certificates(hall.authority, hall.dir, {second}, "stolen", kNow + Duration(5)).ok());
-  const Revocation row{2, "ur3", "stolen", kNow.ns + 5};
+  const Revocation row{2,
+                       "ur3",
+                       "stolen",
+                       kNow.ns + 5,
+                       second.not_after,
+                       {second.identity_key.bytes.substr(0, kRevokedKey)},
+                       {second.link_key.bytes.substr(0, kRevokedKey)}};
   CHECK(hall.authority.list.revoked == std::vector{row});
   // The older one was covered already.
   REQUIRE(revoke_certificates(hall.authority, hall.dir, {first}, "sold", kNow).ok());

@@ -119,6 +119,19 @@ TEST_CASE("a certificate needs both of its keys, and a payload that is one") {
   CHECK_FALSE(open_certificate(none, fleet.authority, kNow).ok());
 }
 
+TEST_CASE("newer keys are other keys of the same node, signed later: no renewal, and no certificate of before") {
+  const Fleet fleet;
+  const Certificate before = fleet.certificate();
+  Certificate now = before;
+  now.serial = 2;
+  CHECK_FALSE(has_newer_keys(now, before));
+  now.identity_key.bytes = Bytes(32, 'n');
+  CHECK(has_newer_keys(now, before));
+  CHECK_FALSE(has_newer_keys(before, now));
+  now.id = "ur5";
+  CHECK_FALSE(has_newer_keys(now, before));
+}
+
 TEST_CASE("a number by chance is never zero, which stands for none, and never the one before") {
   init_crypto();
   const std::uint64_t first = random_u64();

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <limits>
 #include <set>
+#include <utility>
 
 #include "common/security/keys.hpp"
 #include "common/service/test/router_end.hpp"
@@ -81,6 +82,19 @@ TEST_CASE("a service says hello until it is welcomed, then its messages bear its
   CHECK(heard->source == "ant");
   CHECK(heard->target == "bee");
   CHECK(heard->id == id);
+}
+
+TEST_CASE("a router that stands still is told from one that is not there") {
+  init_crypto();
+  Ends ends;
+  CHECK(link_until(ends.link, [&] { return ends.link.was_reached(); }));
+  CHECK_FALSE(ends.link.up());
+
+  const Folder nobody;
+  Context context;
+  BusLink alone{context, ipc_bus("probe"), hello()};
+  alone.tick(read_clocks());
+  CHECK_FALSE(alone.was_reached());
 }
 
 TEST_CASE("of large messages for a router that stands still a few megabytes wait, small ones still have room") {
@@ -161,6 +175,22 @@ TEST_CASE("what its hearer would have to refuse does not leave, and the maker is
   CHECK(heard->data.size() == kMaxDataSize);
 }
 
+TEST_CASE("a note goes out at once, and with each sign of life until it is another one") {
+  Ends ends;
+  ends.welcome();
+  const auto noted = [&] {
+    const auto alive = hear(ends.link, ends.router, ServiceAlive::kSubtype);
+    REQUIRE(alive);
+    const auto body = decode<ServiceAlive>(alive->data);
+    REQUIRE(body.ok());
+    return body->note;
+  };
+  ends.link.set_note("cannot write x; make room" + std::string(kDefaultMaxSize, '!'));
+  for (int i = 0; i < 2; ++i) CHECK(noted().starts_with("cannot write x; make room!"));
+  ends.link.set_note("");
+  CHECK(noted().empty());
+}
+
 TEST_CASE("a router that was started again is told hello again") {
   init_crypto();
   Folder folder;
@@ -186,6 +216,112 @@ TEST_CASE("a router that was started again is told hello again") {
   CHECK(link.welcome()->slot == 2);
 }
 
+TEST_CASE("what waits for a router that ends does not reach the next one, and is counted: hello comes first") {
+  init_crypto();
+  Folder folder;
+  Context context;
+  BusLink link(context, ipc_bus("probe"), hello());
+  constexpr std::size_t kMany = 3000;
+  const auto stop = [&] {
+    return link.send(Send{.type = MessageType::command, .target = "bee", .body = Stop{"x"}}).value();
+  };
+  {
+    Router router;
+    REQUIRE(hear(link, router, ServiceHello::kSubtype));
+    router.say(ServiceWelcome{"ant", "robot", 1, 1, 1});
+    REQUIRE(link_until(link, [&] { return link.up(); }));
+    while (link.has_room()) REQUIRE(stop() != 0);
+    for (std::size_t i = 1; i < kMany; ++i) REQUIRE(stop() != 0);
+  }
+  std::filesystem::remove(folder.path + "/bus/probe.ipc");
+  Router again;
+  std::optional<Message> first;
+  const MonotonicTime end = read_clocks().mono + kPatience;
+  while (!first && read_clocks().mono < end) {
+    if (const auto next = link.next_deadline(); next && *next <= read_clocks().mono) link.tick(read_clocks());
+    link.receive(read_clocks());
+    first = again.receive();
+  }
+  REQUIRE(first);
+  CHECK(first->subtype == ServiceHello::kSubtype);
+  CHECK(link.take_lost() == kMany);
+  CHECK(stop() == 0);
+  again.say(ServiceWelcome{"ant", "robot", 1, 2, 2});
+  REQUIRE(link_until(link, [&] { return link.up(); }));
+  CHECK(link.has_room());
+  const std::uint64_t id = stop();
+  const auto heard = hear(link, again, Stop::kSubtype);
+  REQUIRE(heard);
+  CHECK(heard->id == id);
+  CHECK(link.take_lost() == 0);
+}
+
+TEST_CASE("what waits while its router's lease ends leaves under the same slot, and under no other") {
+  init_crypto();
+  Ends ends;
+  ends.welcome();
+  std::size_t sent = 0;
+  for (; ends.link.has_room(); ++sent) REQUIRE(ends.link.send(Send{.target = "bee", .body = Stop{"x"}}).value() != 0);
+  const auto later = [] {
+    Now now = read_clocks();
+    now.mono = now.mono + std::chrono::seconds(4);
+    return now;
+  };
+  ends.link.tick(later());
+  REQUIRE_FALSE(ends.link.up());
+  ends.link.newly_welcomed = false;
+  std::uint16_t slot = 1;
+  std::size_t lost = 0;
+  SUBCASE("the same") {}
+  SUBCASE("another") {
+    slot = 2;
+    lost = 1;
+  }
+  std::size_t heard = 0;
+  bool is_over = false;
+  const MonotonicTime end = read_clocks().mono + kPatience;
+  while (!is_over && read_clocks().mono < end) {
+    ends.link.tick(later());
+    (void)ends.link.receive(later());
+    if (std::exchange(ends.link.newly_welcomed, false))
+      REQUIRE(ends.link.send(Send{.target = "bee", .body = Ack{"last", ""}}).value() != 0);
+    const auto message = ends.router.receive();
+    if (!message) continue;
+    if (message->subtype == ServiceHello::kSubtype) ends.router.say(ServiceWelcome{"ant", "robot", slot, 1, 1});
+    if (message->subtype == Stop::kSubtype) ++heard;
+    is_over = message->subtype == Ack::kSubtype;
+  }
+  CHECK(is_over);
+  CHECK(heard == sent - lost);
+  CHECK(ends.link.take_lost() == lost);
+}
+
+TEST_CASE("a router that asks for a hello again and again is told it once") {
+  init_crypto();
+  Ends ends;
+  ends.welcome();
+  const auto hellos_before = [&](const std::string& text) {
+    REQUIRE(ends.link.send(Send{.target = "bee", .body = Stop{text}}).value() != 0);
+    int hellos = 0;
+    for (const MonotonicTime end = read_clocks().mono + kPatience; read_clocks().mono < end;) {
+      const auto message = ends.router.receive();
+      if (message && message->subtype == ServiceHello::kSubtype) ++hellos;
+      if (message && message->subtype == Stop::kSubtype) return hellos;
+    }
+    return -1;
+  };
+  REQUIRE(hellos_before("first") >= 0);
+  for (int i = 0; i < 64; ++i) ends.router.say(HelloWanted{});
+  ends.router.say(ServiceWelcome{"ant", "robot", 2, 1, 1});
+  const Now at = read_clocks();
+  const MonotonicTime end = at.mono + kPatience;
+  while (!(ends.link.up() && ends.link.welcome()->slot == 2) && read_clocks().mono < end) {
+    (void)ends.link.receive(at);
+    ends.link.tick(at);
+  }
+  CHECK(hellos_before("last") == 1);
+}
+
 TEST_CASE("a router whose messages come is there, though its answer to the keep-alive still waits behind them") {
   init_crypto();
   Ends ends;
@@ -201,6 +337,24 @@ TEST_CASE("a router whose messages come is there, though its answer to the keep-
     ends.link.tick(later);
     CHECK(ends.link.up());
   }
+  later.mono = later.mono + std::chrono::seconds(4);
+  ends.link.tick(later);
+  CHECK_FALSE(ends.link.up());
+}
+
+TEST_CASE("a router whose messages wait unread is there, though the service was busy for longer than its lease") {
+  init_crypto();
+  Ends ends;
+  ends.welcome();
+  ends.router.say(Ack{"done", ""});
+  zmq::pollitem_t waits{ends.link.handle(), 0, ZMQ_POLLIN, 0};
+  REQUIRE(zmq::poll(&waits, 1, std::chrono::duration_cast<std::chrono::milliseconds>(kPatience)) == 1);
+  Now later = read_clocks();
+  later.mono = later.mono + std::chrono::seconds(10);
+  ends.link.tick(later);
+  CHECK(ends.link.up());
+  CHECK(ends.link.send(Send{.type = MessageType::command, .target = "bee", .body = Stop{"x"}}).value() != 0);
+  CHECK(ends.link.receive(later));
   later.mono = later.mono + std::chrono::seconds(4);
   ends.link.tick(later);
   CHECK_FALSE(ends.link.up());

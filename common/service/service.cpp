@@ -65,7 +65,9 @@ class ServiceShell final : public Service {
     carry_out(out);
   }
 
+  void set_note(std::string note) override { link_.set_note(std::move(note)); }
   [[nodiscard]] bool has_room() const override { return link_.has_room(); }
+  [[nodiscard]] MonotonicTime router_heard() const override { return link_.last_heard(); }
 
   int run(Core& core, std::function<bool()> idle) override {
     start(core, std::move(idle));
@@ -142,6 +144,7 @@ class ServiceShell final : public Service {
   void tick_link(Now now) {
     if (has_lost_journal_) return;
     link_.tick(now);
+    if (const std::size_t lost = link_.take_lost(); lost != 0) counters_.count("dropped.no_router", lost);
     if (const std::string problem = link_.take_dial_problem(); !problem.empty()) {
       log_event(Level::warning, "not_dialled", problem + "; tried again in 3 s");
     }

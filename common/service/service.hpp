@@ -64,6 +64,11 @@ class Service {
   /// False while messages wait in this process because the router has not read earlier ones. Io that can hold back its
   /// source reads no more meanwhile: beyond a bound what is sent is lost, and the core is given a Nack (queue_full).
   [[nodiscard]] virtual bool has_room() const = 0;
+  /// What a person should know of it while it works, with the cure, 255 bytes at most; `trb service list` and the
+  /// doctor show it until it is another one. Empty: nothing.
+  virtual void set_note(std::string note) = 0;
+  /// When the node's router was last heard: less than two seconds ago, if it is there.
+  [[nodiscard]] virtual MonotonicTime router_heard() const = 0;
 
   /// Runs until SIGTERM or SIGINT, or until SIGHUP finds `idle` true (0 = orderly, 75 = asked to start again).
   virtual int run(Core& core, std::function<bool()> idle = {}) = 0;

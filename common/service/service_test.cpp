@@ -73,6 +73,8 @@ bool poll_once(Service& service) {
   return service.handle_ready();
 }
 
+const ServiceWelcome kWelcome{"ant", "robot", 1, 1, 1};
+
 /// The service "probe" of a node, in this program's loop.
 struct Served {
   explicit Served(int most_wait = kHighWaterMark) : router(most_wait) {
@@ -96,7 +98,7 @@ struct Served {
   void start() {
     service->start(core);
     REQUIRE(poll_until(ServiceHello::kSubtype));
-    router.say(ServiceWelcome{"ant", "robot", 1, 1, 1});
+    router.say(kWelcome);
     while (core.node().empty() && in_time()) REQUIRE(poll());
   }
   void order_wave(std::uint64_t id) {
@@ -119,10 +121,12 @@ struct Served {
       for (int i = 0; i < count; ++i) out.command("bee", Opaque{"wave", std::to_string(i)});
     });
   }
-  /// The router's next message; it answers the keep-alive, or the link would end.
+  /// The router's next message. It answers the keep-alive, or the link would end; and the hello of a service that takes
+  /// it for silent: a busy machine may let this program wait for longer than a lease.
   std::optional<Message> hear() {
     auto message = router.receive();
     if (message && message->subtype == ServiceAlive::kSubtype) router.say(ServiceAliveSeen{});
+    if (message && message->subtype == ServiceHello::kSubtype) router.say(kWelcome);
     return message;
   }
   /// The router reads until so many have come: their data, in order.

@@ -15,11 +15,13 @@ namespace {
 
 constexpr Duration kTryAgain = std::chrono::seconds(1);
 
-Status try_open(const std::string& dir, const std::function<Status()>& open) {
+Status try_open(const std::string& dir, const std::function<Status()>& open, Room room) {
   const auto disk = disk_state(dir);
-  if (disk && !disk->read_only && disk->free_bytes < kLeastBytes) {
+  if (room == Room::needed && disk && !disk->read_only && disk->free_bytes < kLeastBytes) {
     return fail(Errc::io_error,
-                "the disk of " + dir + " is full: " + std::to_string(disk->free_bytes / 1000) + " kB are free",
+                "the disk of " + dir + " is full: " + std::to_string(disk->free_bytes / 1000) + " kB are free, " +
+                    std::to_string(kLeastBytes / 1000) + " must be, and for new runs " +
+                    std::to_string(kFullBytes / 1000),
                 "make room: df -h " + dir + "; it goes on by itself");
   }
   return open();
@@ -42,7 +44,7 @@ int until(MonotonicTime due) {
 
 /// The service as it waits, until `open` is done or has another error. A status: it was asked to end.
 Result<std::optional<int>> wait(ServiceOptions options, const Error& why, Status& opened,
-                                const std::function<Status()>& open) {
+                                const std::function<Status()>& open, Room room) {
   options.waits = waits_of(why);
   const auto service = Service::open(options);
   if (!service) return service.error();
@@ -52,7 +54,7 @@ Result<std::optional<int>> wait(ServiceOptions options, const Error& why, Status
   MonotonicTime again = now().mono + kTryAgain;
   while ((*service)->handle_ready()) {
     if (now().mono >= again) {
-      opened = try_open(options.node_dir, open);
+      opened = try_open(options.node_dir, open, room);
       if (!may_pass(opened)) return std::optional<int>();
       again = now().mono + kTryAgain;
     }
@@ -73,10 +75,11 @@ std::string waits_of(const Error& why) {
   return cut_utf8(why.what + (why.hint.empty() ? "" : "; " + why.hint), kMaxWaits);
 }
 
-Result<std::optional<int>> wait_for_files(const ServiceOptions& options, const std::function<Status()>& open) {
-  Status opened = try_open(options.node_dir, open);
+Result<std::optional<int>> wait_for_files(const ServiceOptions& options, const std::function<Status()>& open,
+                                          Room room) {
+  Status opened = try_open(options.node_dir, open, room);
   if (may_pass(opened)) {
-    const auto waited = wait(options, Error(opened.error()), opened, open);
+    const auto waited = wait(options, Error(opened.error()), opened, open, room);
     if (!waited || *waited) return waited;
     if (opened) log_event(Level::info, "waited", "it goes on");
   }

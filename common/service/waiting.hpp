@@ -2,6 +2,7 @@
 // who sends to it is told why it refuses; and it tries again by itself.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
@@ -29,9 +30,14 @@ class WaitingCore final : public Core {
 /// The reason as its router gets it and notes it for people: with the cure, as long as a note may be.
 std::string waits_of(const Error& why);
 
-/// Calls `open` until it is done; if that fails with io_error, or the disk of the node's folder has next to no room,
-/// the service waits, and tries again every second. Nothing: it is open; a status: the process was asked to end
+/// What a service does with a disk that has next to no room: `needed`: it waits, for its files would be full at its
+/// first record; `not_needed`: it opens them, for there is much that it can do without writing.
+enum class Room : std::uint8_t { needed, not_needed };
+
+/// Calls `open` until it is done; if that fails with io_error, or the disk of the node's folder lacks the room that is
+/// needed, the service waits, and tries again every second. Nothing: it is open; a status: the process was asked to end
 /// meanwhile. Errors: every other one of `open`, those of Service::open.
-Result<std::optional<int>> wait_for_files(const ServiceOptions& options, const std::function<Status()>& open);
+Result<std::optional<int>> wait_for_files(const ServiceOptions& options, const std::function<Status()>& open,
+                                          Room room = Room::needed);
 
 }  // namespace trb

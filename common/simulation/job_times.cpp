@@ -9,6 +9,7 @@ namespace trb::simulation {
 namespace {
 
 constexpr std::string_view kOfTask = "task:";
+constexpr std::size_t kMaxResult = 1024;  ///< bytes
 constexpr std::size_t kMostUnknown = 10;  ///< a suggestion for each of a thousand would take a second
 
 SkillTime read_time(const std::string& path, const Value& json, const FileFaults& faults) {
@@ -17,6 +18,11 @@ SkillTime read_time(const std::string& path, const Value& json, const FileFaults
     ObjectReader reader(json, path, faults);
     out.mean_s = reader.number("mean", Need::required, kSeconds).value_or(out.mean_s);
     out.deviation_s = reader.number("deviation", Need::optional, {0, out.mean_s}).value_or(0);
+    if (const Value* result = reader.value("result", Need::optional)) out.result = dump_json(*result);
+    if (out.result.size() > kMaxResult) {
+      faults.add(path + ".result", "has " + std::to_string(out.result.size()) + " bytes",
+                 "use " + std::to_string(kMaxResult) + " at most");
+    }
     reader.refuse_unknown_keys();
   } else if (json.is_number() && kSeconds.holds(json.number())) {
     out.mean_s = json.number();
@@ -24,6 +30,32 @@ SkillTime read_time(const std::string& path, const Value& json, const FileFaults
     faults.add(path, "no time", R"(write seconds, or {"mean": 3, "deviation": 0.5})");
   }
   return out;
+}
+
+/// The one that counts for the task; nullptr: none of its own.
+const SkillTime* time_of(const std::map<std::string, SkillTime>& times, const Task& task) {
+  auto found = times.find(std::string(kOfTask) + task.id);
+  if (found == times.end()) found = times.find(task.skill);
+  return found == times.end() ? nullptr : &found->second;
+}
+
+void check_results(const std::map<std::string, SkillTime>& times, const Scenario& scenario, const FileFaults& faults) {
+  std::map<std::string, std::string> takers;  // by whose value they take
+  for (const Task& task : scenario.tasks) {
+    for (const ValueFrom& from : task.values) takers.emplace(from.task, task.id);
+  }
+  std::size_t told = 0;
+  for (const Task& task : scenario.tasks) {
+    const auto taker = takers.find(task.id);
+    if (taker == takers.end()) continue;
+    const SkillTime* time = time_of(times, task);
+    if (time != nullptr && !time->result.empty()) continue;
+    const std::string key = std::string(kOfTask) + task.id;
+    faults.add("times." + key + ".result",
+               "is missing: task " + in_quotes(taker->second) + " takes a value from " + in_quotes(task.id),
+               "say what its robot tells: \"times\": {\"" + key + "\": {\"mean\": 3, \"result\": ...}}");
+    if (++told == kMostUnknown) return;
+  }
 }
 
 }  // namespace
@@ -59,6 +91,7 @@ void check_times(const std::map<std::string, SkillTime>& times, const Scenario& 
                did_you_mean(name, {known.begin(), known.end()}, "leave it out, or use one of"));
     if (++told == kMostUnknown) return;
   }
+  check_results(times, scenario, faults);
 }
 
 }  // namespace trb::simulation

@@ -16,12 +16,13 @@ constexpr double kMaxUntil = 7 * 24 * 3600;  ///< seconds
 /// Keys `task_seconds` (3) and `deviation` (0), optional: of skills without a time of their own.
 SkillTime read_usual_time(ObjectReader& reader);
 
-/// Key `times`, optional: {SKILL: seconds, or {"mean", "deviation"}}; of one task "task:ID". Every fault is added, by
-/// its key.
+/// Key `times`, optional: {SKILL: seconds, or {"mean", "deviation", "result"}}; of one task "task:ID". Every fault is
+/// added, by its key.
 std::map<std::string, SkillTime> read_times(ObjectReader& reader);
 
 /// A fault for each name that is neither a skill of the scenario's tasks nor "task:" and the id of one: it would change
-/// nothing, and nobody would notice.
+/// nothing, and nobody would notice. So for each task whose value another takes, if it has no `result`: the run would
+/// stop there.
 void check_times(const std::map<std::string, SkillTime>& times, const Scenario& scenario, const FileFaults& faults);
 
 }  // namespace trb::simulation

@@ -79,3 +79,31 @@ TEST_CASE("a time that nothing has is told, with what was probably meant") {
   CHECK(wrong[2].hint.find("'task:back'") != std::string::npos);
   CHECK(wrong[3].key == "times.there");
 }
+
+TEST_CASE("a task whose value another one takes needs a result: without one the run would stop there") {
+  Scenario scenario;
+  for (const char* id : {"find", "fetch"}) {
+    Task& task = scenario.tasks.emplace_back();
+    task.id = id;
+    task.skill = std::string(id) + "_box";
+  }
+  scenario.tasks[1].values.push_back({"place", "find", ""});
+  const auto found = [&](const std::string& times) {
+    const Read job = read(R"({"times": )" + times + "}");
+    ConfigFaults out = job.faults;
+    check_times(job.times, scenario, FileFaults("job", out));
+    return out;
+  };
+  CHECK(found(R"({"task:find": {"mean": 2, "result": "left"}})").empty());
+  CHECK(found(R"({"find_box": {"mean": 2, "result": {"place": [1, 2]}}})").empty());
+  for (const char* none : {"{}", R"({"find_box": 2})", R"({"find_box": {"mean": 2, "result": 1}, "task:find": 2})"}) {
+    CAPTURE(none);
+    const ConfigFaults faults = found(none);
+    REQUIRE(faults.size() == 1);
+    CHECK(faults[0].key == "times.task:find.result");
+    CHECK(faults[0].what == "is missing: task 'fetch' takes a value from 'find'");
+    CHECK(faults[0].hint.find(R"("task:find": {"mean": 3, "result": ...})") != std::string::npos);
+  }
+  const std::string long_text(1100, 'x');
+  CHECK(found(R"({"find_box": {"mean": 2, "result": ")" + long_text + "\"}}").front().key == "times.find_box.result");
+}

@@ -33,12 +33,15 @@ bool Columns::is_null(int column) const {
   return sqlite3_column_type(statement_, column) == SQLITE_NULL;
 }
 
-Result<std::unique_ptr<SqliteFile>> SqliteFile::open(const std::string& path, std::string hint) {
+Result<std::unique_ptr<SqliteFile>> SqliteFile::open(const std::string& path, std::string hint, Index index) {
   sqlite3* db = nullptr;
   const int code = sqlite3_open_v2(path.c_str(), &db, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, nullptr);
   std::unique_ptr<SqliteFile> file(new SqliteFile(path, std::move(hint), db));
   if (code != SQLITE_OK) return file->problem("cannot be opened");
   sqlite3_busy_timeout(db, kBusyMs);
+  if (index == Index::within) {
+    if (Status alone = file->script("PRAGMA locking_mode=EXCLUSIVE"); !alone) return alone.error();
+  }
   const Status ready = file->script("PRAGMA journal_mode=WAL; PRAGMA synchronous=FULL; PRAGMA foreign_keys=ON");
   if (!ready) return ready.error();
   return file;
@@ -47,6 +50,12 @@ Result<std::unique_ptr<SqliteFile>> SqliteFile::open(const std::string& path, st
 SqliteFile::~SqliteFile() {
   statements_.clear();
   sqlite3_close_v2(db_);
+}
+
+Status SqliteFile::keep_side_files() {
+  int is_kept = 1;
+  sqlite3_file_control(db_, "main", SQLITE_FCNTL_PERSIST_WAL, &is_kept);
+  return script("PRAGMA journal_size_limit=4194304");
 }
 
 Status SqliteFile::script(const char* sql) {

@@ -42,12 +42,20 @@ struct BlobView {
 /// already, a trigger). After an error the object can be used further.
 class SqliteFile {
  public:
+  /// The index of what was written last: in a file beside it, which takes 32 kB; or in this process, and no other one
+  /// can open the file.
+  enum class Index : std::uint8_t { beside, within };
   /// Opens or creates the file: WAL, synchronous=FULL, foreign keys. `hint`: the cure for a damaged one.
-  static Result<std::unique_ptr<SqliteFile>> open(const std::string& path, std::string hint);
+  static Result<std::unique_ptr<SqliteFile>> open(const std::string& path, std::string hint,
+                                                  Index index = Index::beside);
 
   SqliteFile(const SqliteFile&) = delete;
   SqliteFile& operator=(const SqliteFile&) = delete;
   ~SqliteFile();
+
+  /// The files beside it stay when it is closed, 4 MiB at most: on a full disk it can be opened again, and written as
+  /// far as there is room in them.
+  Status keep_side_files();
 
   /// Several statements, without values and rows.
   Status script(const char* sql);

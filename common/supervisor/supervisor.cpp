@@ -105,6 +105,7 @@ int Supervisor::run(const Reload& reload, const WaitsFor& waits_for, Duration pa
     reap(after);
     kill_overdue(after.mono);
     start_due(after);
+    if (each_round_) each_round_();
     // It may wait for a router that has to be started again first. Somebody ends or starts: the next round is soon.
     if (signal == 0 && !progress.ready) look(progress, waits_for, patience);
   }

@@ -36,6 +36,9 @@ class Supervisor {
   /// What is not up, in words for a person; empty: all services are.
   using WaitsFor = std::function<std::string()>;
 
+  /// Called each round, which is every 10 s at least.
+  void each_round(std::function<void()> call) { each_round_ = std::move(call); }
+
   /// Starts all services and keeps them running until SIGTERM or SIGINT. `reload` is called at SIGHUP; if it returns
   /// services, every service is asked to restart once it is idle, new ones are started, and removed ones end.
   /// `waits_for` is called every 0.1 s until all are up; it may take some tenths of a second. block_signals() must have
@@ -78,6 +81,7 @@ class Supervisor {
   std::string node_dir_;
   std::vector<Child> children_;
   std::function<void(const std::string&)> notify_;
+  std::function<void()> each_round_;
   Duration grace_;
   ServiceManager manager_;
 };

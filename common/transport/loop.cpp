@@ -52,26 +52,30 @@ Loop::~Loop() {
 }
 
 void Loop::add_socket(void* socket, Ready ready, std::shared_ptr<Unseen> unseen) {
+  add_socket(socket, std::move(ready), std::move(unseen), false);
+}
+
+void Loop::add_background_socket(void* socket, Ready ready, std::shared_ptr<Unseen> unseen) {
+  add_socket(socket, std::move(ready), std::move(unseen), true);
+}
+
+void Loop::add_socket(void* socket, Ready ready, std::shared_ptr<Unseen> unseen, bool background) {
   remove_socket(socket);
   auto entry = std::make_shared<Entry>(socket, descriptor_of(socket), short{EPOLLIN});
   entry->ready = std::move(ready);
   entry->is_counted = unseen == nullptr;
   entry->unseen = entry->is_counted ? std::make_shared<Unseen>() : std::move(unseen);
+  entry->background = background;
   watch(*entry);
-  entry->unseen->join(unseen_, socket);
+  entry->unseen->join(list_of(*entry), socket);
   sockets_[socket] = std::move(entry);
-}
-
-void Loop::add_background_socket(void* socket, Ready ready, std::shared_ptr<Unseen> unseen) {
-  add_socket(socket, std::move(ready), std::move(unseen));
-  sockets_.at(socket)->background = true;
 }
 
 void Loop::remove_socket(void* socket) {
   const auto at = sockets_.find(socket);
   if (at == sockets_.end()) return;
   unwatch(*at->second);
-  at->second->unseen->leave(unseen_);
+  at->second->unseen->leave(list_of(*at->second));
   sockets_.erase(at);
 }
 
@@ -92,7 +96,8 @@ void Loop::remove_fd(int fd) {
 
 void Loop::watch(Entry& entry) {
   // poll(2) and epoll(7) have the same bits.
-  epoll_event event{static_cast<std::uint32_t>(entry.events), {.ptr = &entry}};
+  const auto events = static_cast<std::uint32_t>(entry.events);
+  epoll_event event{entry.background ? events | EPOLLET : events, {.ptr = &entry}};
   if (::epoll_ctl(epoll_, EPOLL_CTL_ADD, entry.fd, &event) != 0) throw std::runtime_error("epoll_ctl failed");
 }
 
@@ -143,28 +148,57 @@ bool Loop::look_at_unseen() {
     if (!unseen) unseen.unlisted();
     return !unseen;
   });
-  return !unseen_->empty();
+  return look_at_background() || !unseen_->empty();
+}
+
+/// Only the first is asked: those behind it cost a turn nothing.
+bool Loop::look_at_background() {
+  while (!background_->empty()) {
+    void* const first = background_->front();
+    Unseen& unseen = *sockets_.at(first)->unseen;
+    unseen.set(unseen && can_be_read(first));
+    if (unseen) return true;
+    background_->erase(background_->begin());
+    unseen.unlisted();
+  }
+  return false;
 }
 
 Loop::Entries Loop::wait(std::chrono::milliseconds longest) {
   // zmq_poll would ask every socket twice, a system call each.
   std::array<epoll_event, 64> events;
-  const int count =
-      ::epoll_wait(epoll_, events.data(), static_cast<int>(events.size()), static_cast<int>(longest.count()));
-  if (count < 0 && errno != EINTR) throw std::runtime_error("epoll_wait failed");
+  const auto look = [&](std::chrono::milliseconds most) {
+    const int count =
+        ::epoll_wait(epoll_, events.data(), static_cast<int>(events.size()), static_cast<int>(most.count()));
+    if (count < 0 && errno != EINTR) throw std::runtime_error("epoll_wait failed");
+    return static_cast<std::size_t>(std::max(0, count));
+  };
+  std::size_t count = look(longest);
   stalls_.on_look(read_clocks().mono);
   // A handler may run a turn of its own: that one gets a new list.
   Entries ready = std::exchange(spare_, {});
   ++turn_;
-  for (int i = 0; i < count; ++i) {
-    const epoll_event& event = events[static_cast<std::size_t>(i)];
-    auto* entry = static_cast<Entry*>(event.data.ptr);
-    entry->revents = static_cast<short>(event.events);
-    add(ready, *entry);
-  }
+  // What may wait hides nothing that may not.
+  while (gather(ready, {events.data(), count}) && count == events.size()) count = look(std::chrono::milliseconds(0));
   for (void* socket : *unseen_) add(ready, *sockets_.at(socket));
   std::ranges::sort(ready, {}, [](const auto& entry) { return entry->place(); });
   return ready;
+}
+
+/// True if one of them may wait: it does so in `background_`, and is not reported again until it was read empty.
+bool Loop::gather(Entries& ready, std::span<const epoll_event> events) const {
+  bool may_wait = false;
+  for (const epoll_event& event : events) {
+    auto& entry = *static_cast<Entry*>(event.data.ptr);
+    if (entry.background) {
+      entry.unseen->set(true);
+      may_wait = true;
+      continue;
+    }
+    entry.revents = static_cast<short>(event.events);
+    add(ready, entry);
+  }
+  return may_wait;
 }
 
 void Loop::add(Entries& ready, Entry& entry) const {
@@ -174,27 +208,20 @@ void Loop::add(Entries& ready, Entry& entry) const {
 void Loop::call_ready(const Entries& ready) {
   for (const auto& entry : ready) {
     // A handler called before this one may have removed it and freed what it watched, or have read it empty.
-    if (!entry->background && entry->is_ready()) call(*entry);
+    if (entry->is_ready()) call(*entry);
   }
-  call_background(ready);
+  call_background();
 }
 
-/// For one that has to wait the kernel repeats its signal: its descriptor stays as it is until it is used.
-void Loop::call_background(const Entries& ready) {
-  std::shared_ptr<Entry> first;
-  bool is_behind = false;  ///< `first` is behind the one that was called last
-  for (const auto& entry : ready) {
-    if (!entry->background) continue;
-    const bool is_next = std::less<>()(background_turn_, entry->socket);
-    if (entry->is_ready() && (first == nullptr || (is_next && !is_behind))) {
-      first = entry;
-      is_behind = is_next;
-    }
-    entry->revents = 0;
+void Loop::call_background() {
+  while (!background_->empty()) {
+    const std::shared_ptr<Entry> first = sockets_.at(background_->front());
+    // It stays in the list, the last now: a handler may run a turn of its own.
+    std::ranges::rotate(*background_, background_->begin() + 1);
+    if (*first->unseen) return call(*first);
+    background_->pop_back();
+    first->unseen->unlisted();
   }
-  if (first == nullptr) return;
-  background_turn_ = first->socket;
-  call(*first);
 }
 
 void Loop::call(Entry& entry) {

@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <tuple>
 #include <unordered_map>
 #include <vector>
@@ -13,6 +14,8 @@
 #include "common/base/time.hpp"
 #include "common/transport/stall_watch.hpp"
 #include "common/transport/unseen.hpp"
+
+struct epoll_event;
 
 namespace trb {
 
@@ -33,7 +36,8 @@ class Loop {
   /// descriptor signals a message only until the socket is used for anything: `unseen` is true while one may wait
   /// without a signal (see Socket::unseen). If `unseen` is not given, only `ready` may use the socket.
   void add_socket(void* socket, Ready ready, std::shared_ptr<Unseen> unseen = nullptr);
-  /// The same at low priority: of all these that are ready, one is called a turn, after everything else, round robin.
+  /// The same at low priority: of all these that are ready, one is called a turn, after everything else, round robin;
+  /// the one that became ready first comes first.
   void add_background_socket(void* socket, Ready ready, std::shared_ptr<Unseen> unseen);
   void remove_socket(void* socket);
   /// poll(2) events; a second call with the same descriptor replaces them.
@@ -75,7 +79,7 @@ class Loop {
     short revents = 0;               ///< of this turn
     std::uint64_t turn = 0;          ///< in whose list it was last
     bool removed = false;
-    bool background = false;
+    bool background = false;  ///< its descriptor is reported once; then it waits in `background_`
 
     /// Its place in a turn: sockets come before descriptors.
     [[nodiscard]] std::tuple<bool, std::uintptr_t, int> place() const {
@@ -89,16 +93,22 @@ class Loop {
     std::function<void(Now)> tick;
   };
 
+  void add_socket(void* socket, Ready ready, std::shared_ptr<Unseen> unseen, bool background);
+  [[nodiscard]] const std::shared_ptr<Unseen::List>& list_of(const Entry& entry) const {
+    return entry.background ? background_ : unseen_;
+  }
   void watch(Entry& entry);
   void unwatch(Entry& entry);
   /// True if a socket has something to read that its descriptor does not signal.
   bool look_at_unseen();
+  bool look_at_background();
   bool serve(std::chrono::milliseconds longest);
   /// What is ready, in the order of the calls.
   [[nodiscard]] Entries wait(std::chrono::milliseconds longest);
+  bool gather(Entries& ready, std::span<const epoll_event> events) const;
   void add(Entries& ready, Entry& entry) const;
   void call_ready(const Entries& ready);
-  void call_background(const Entries& ready);
+  void call_background();
   static void call(Entry& entry);
   void call_timers();
   [[nodiscard]] std::optional<MonotonicTime> next_timer() const;
@@ -107,11 +117,12 @@ class Loop {
   std::unordered_map<void*, std::shared_ptr<Entry>> sockets_;
   /// Those that may have a message that is not signalled; shared, as a socket may outlive the loop.
   const std::shared_ptr<Unseen::List> unseen_ = std::make_shared<Unseen::List>();
+  /// Those of low priority that may have something, in the order of their calls.
+  const std::shared_ptr<Unseen::List> background_ = std::make_shared<Unseen::List>();
   std::map<int, std::shared_ptr<Entry>> fds_;
   std::vector<Timer> timers_;
-  std::uint64_t turn_ = 0;           ///< counts them
-  Entries spare_;                    ///< the room of the last turn's list
-  void* background_turn_ = nullptr;  ///< the one that was called last
+  std::uint64_t turn_ = 0;  ///< counts them
+  Entries spare_;           ///< the room of the last turn's list
   StallWatch stalls_;
   int epoll_;
   bool stopped_ = false;

@@ -260,6 +260,77 @@ TEST_CASE("what may wait is called once a turn, each in its turn, and nothing of
   CHECK(soon(loop, [&] { return heard == std::array<int, 3>{4, 4, 4}; }));
 }
 
+TEST_CASE("of many more that may wait than one wait reports each is called in its turn, behind what may not wait") {
+  constexpr std::size_t kMany = 200;
+  constexpr int kRounds = 3;
+  std::vector<std::unique_ptr<Bus>> busses;
+  std::vector<int> calls(kMany);
+  Loop loop;
+  for (std::size_t i = 0; i < kMany; ++i) {
+    Bus& bus = *busses.emplace_back(std::make_unique<Bus>());
+    const auto take_one = [&, i] {
+      if (busses[i]->takes_one()) ++calls[i];
+    };
+    loop.add_background_socket(bus.client.handle(), take_one, bus.client.unseen());
+  }
+  for (std::size_t i = 0; i < kMany; ++i) turn_at_once(loop);  // what connecting has left
+  Bus urgent;
+  int heard = 0;
+  const auto hear = [&] { heard += urgent.takes_one() ? 1 : 0; };
+  loop.add_socket(urgent.client.handle(), hear, urgent.client.unseen());
+  turn_at_once(loop);
+  for (auto& bus : busses) {
+    for (int i = 0; i <= kRounds; ++i) bus->server.send_to(bus->client_id, to_frame("message"));
+  }
+  urgent.server.send_to(urgent.client_id, to_frame("message"));
+  loop.turn();
+  CHECK(heard == 1);
+  for (int round = 1; round <= kRounds; ++round) {
+    const std::size_t turns = round == 1 ? kMany - 1 : kMany;
+    for (std::size_t i = 0; i < turns; ++i) loop.turn();
+    CHECK(std::ranges::count(calls, round) == kMany);
+  }
+}
+
+TEST_CASE("one that may wait and comes to nothing costs the others no turn") {
+  std::array<Bus, 3> busses;
+  Loop loop;
+  std::array<int, 3> heard{};
+  for (std::size_t i = 0; i < busses.size(); ++i) {
+    const auto take_one = [&, i] { heard[i] += busses[i].takes_one() ? 1 : 0; };
+    loop.add_background_socket(busses[i].client.handle(), take_one, busses[i].client.unseen());
+  }
+  for (std::size_t i = 0; i < busses.size(); ++i) turn_at_once(loop);
+  busses[0].client.send(to_frame("something else"));
+  busses[1].server.send_to(busses[1].client_id, to_frame("message"));
+  busses[2].client.send(to_frame("something else"));
+  loop.turn();
+  CHECK(heard == std::array<int, 3>{0, 1, 0});
+}
+
+TEST_CASE("one that may wait and is removed, or removes itself, is not called again; added anew it is") {
+  std::array<Bus, 2> busses;
+  Loop loop;
+  std::array<int, 2> calls{};
+  const auto add = [&](std::size_t i) {
+    loop.add_background_socket(
+        busses[i].client.handle(),
+        [&, i] {
+          ++calls[i];
+          for (Bus& bus : busses) loop.remove_socket(bus.client.handle());
+        },
+        busses[i].client.unseen());
+  };
+  for (std::size_t i = 0; i < busses.size(); ++i) {
+    busses[i].server.send_to(busses[i].client_id, to_frame("message"));
+    add(i);
+  }
+  for (int i = 0; i < 3; ++i) turn_at_once(loop);
+  CHECK(calls == std::array<int, 2>{1, 0});
+  add(1);
+  CHECK(soon(loop, [&] { return calls[1] == 1; }));
+}
+
 TEST_CASE("descriptors are served beside sockets, and none that was removed") {
   Bus bus;
   Loop loop;

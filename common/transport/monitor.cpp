@@ -4,6 +4,7 @@
 #include <cstring>
 #include <optional>
 #include <stdexcept>
+#include <utility>
 
 namespace trb {
 namespace {
@@ -60,6 +61,23 @@ std::optional<LinkEvent> to_event(std::uint16_t event, std::uint32_t value) {
   }
 }
 
+struct MonitorEvent {
+  std::uint16_t event = 0;  ///< 0: not one of libzmq's
+  std::uint32_t value = 0;
+};
+
+/// The next one, if there is one.
+std::optional<MonitorEvent> receive_event(Socket& pair) {
+  Frame frame;
+  if (!pair.receive(frame)) return std::nullopt;
+  MonitorEvent out;
+  if (frame.size() < sizeof out.event + sizeof out.value) return out;
+  std::memcpy(&out.event, frame.data(), sizeof out.event);
+  std::memcpy(&out.value, static_cast<const char*>(frame.data()) + sizeof out.event, sizeof out.value);
+  pair.skip_rest(frame);
+  return out;
+}
+
 }  // namespace
 
 Result<std::unique_ptr<SocketMonitor>> SocketMonitor::watch(Context& context, Loop& loop, Socket& socket,
@@ -94,34 +112,49 @@ void SocketMonitor::catch_up() {
 }
 
 bool SocketMonitor::serve_one() {
-  Frame frame;
-  if (!pair_.receive(frame)) return false;
-  if (frame.size() < 6) return true;
-  std::uint16_t event = 0;
-  std::uint32_t value = 0;
-  std::memcpy(&event, frame.data(), sizeof event);
-  std::memcpy(&value, static_cast<const char*>(frame.data()) + sizeof event, sizeof value);
-  pair_.skip_rest(frame);
-  if (const auto known = to_event(event, value)) {
-    const bool has_fd = event == ZMQ_EVENT_LISTENING || event == ZMQ_EVENT_ACCEPTED ||
-                        event == ZMQ_EVENT_DISCONNECTED || event == ZMQ_EVENT_CONNECTED || event == ZMQ_EVENT_CLOSED;
+  const auto came = receive_event(pair_);
+  if (!came) return false;
+  if (const auto known = to_event(came->event, came->value)) {
+    const bool has_fd = came->event == ZMQ_EVENT_LISTENING || came->event == ZMQ_EVENT_ACCEPTED ||
+                        came->event == ZMQ_EVENT_DISCONNECTED || came->event == ZMQ_EVENT_CONNECTED ||
+                        came->event == ZMQ_EVENT_CLOSED;
     const auto handler = on_event_;
-    handler(*known, has_fd ? static_cast<int>(value) : -1);
+    handler(*known, has_fd ? static_cast<int>(came->value) : -1);
   }
   return true;
 }
 
-RefusalWatch::RefusalWatch(Context& context, Socket& socket)
-    : socket_(socket), pair_(started_monitor(context, socket, ZMQ_EVENT_HANDSHAKE_FAILED_AUTH)) {}
+ConnectionWatch::ConnectionWatch(Context& context, Socket& socket)
+    : socket_(socket),
+      pair_(started_monitor(context, socket,
+                            ZMQ_EVENT_CONNECTED | ZMQ_EVENT_HANDSHAKE_FAILED_AUTH | ZMQ_EVENT_DISCONNECTED)) {}
 
-RefusalWatch::~RefusalWatch() {
+ConnectionWatch::~ConnectionWatch() {
   zmq_socket_monitor(socket_.handle(), nullptr, 0);
 }
 
-bool RefusalWatch::refused() {
-  bool out = false;
-  for (Frame frame; pair_.receive(frame); out = true) pair_.skip_rest(frame);
-  return out;
+bool ConnectionWatch::take_refused() {
+  look();
+  return std::exchange(refused_, false);
+}
+
+bool ConnectionWatch::take_ended() {
+  look();
+  return std::exchange(ended_, false);
+}
+
+bool ConnectionWatch::was_reached() {
+  look();
+  return reached_;
+}
+
+void ConnectionWatch::look() {
+  while (const auto came = receive_event(pair_)) {
+    const auto known = to_event(came->event, came->value);
+    if (known == LinkEvent::reached) reached_ = true;
+    if (known == LinkEvent::disconnected) ended_ = true;
+    if (known == LinkEvent::refused_key) refused_ = true;
+  }
 }
 
 }  // namespace trb

@@ -24,19 +24,30 @@ enum class LinkEvent {
   accept_failed,     ///< one could not be accepted: no descriptor was left
 };
 
-/// For a socket without a loop of its own: has the other side refused its key?
-class RefusalWatch {
+/// For a dialled socket without a loop of its own: what became of its connection. Create it before the socket is
+/// dialled.
+class ConnectionWatch {
  public:
-  RefusalWatch(Context& context, Socket& socket);
-  ~RefusalWatch();
-  RefusalWatch(const RefusalWatch&) = delete;
-  RefusalWatch& operator=(const RefusalWatch&) = delete;
-  /// True if it has refused since the last call.
-  bool refused();
+  /// Throws std::runtime_error (no descriptor is left).
+  ConnectionWatch(Context& context, Socket& socket);
+  ~ConnectionWatch();
+  ConnectionWatch(const ConnectionWatch&) = delete;
+  ConnectionWatch& operator=(const ConnectionWatch&) = delete;
+  /// True if the other side has refused the key since the last call.
+  bool take_refused();
+  /// True if a connection has ended since the last call; known before the socket can have the next connection.
+  bool take_ended();
+  /// True once a connection was made, whatever came of it: somebody listens there.
+  bool was_reached();
 
  private:
+  void look();
+
   Socket& socket_;
   Socket pair_;
+  bool refused_ = false;
+  bool ended_ = false;
+  bool reached_ = false;
 };
 
 /// Watches one socket; the events arrive on the loop's thread, later than they happened. `fd` is the descriptor of

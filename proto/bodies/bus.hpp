@@ -50,9 +50,10 @@ struct ServiceAlive {
   static constexpr std::string_view kSubtype = "service_alive";
   static constexpr Travel kTravel = on_bus(CostPhase::upkeep, {kAnyService});
   std::uint64_t instance = 0;
+  std::string note{};  ///< what a person should know of it while it works, such as what it cannot write
   template <class T = ServiceAlive>
   static FieldTable fields() {
-    return FieldTable{field("instance", &T::instance)};
+    return FieldTable{field("instance", &T::instance), field("note", &T::note)};
   }
 };
 

@@ -338,6 +338,29 @@ struct PeerExpired {
   }
 };
 
+/// Every certificate of that node up to this serial is revoked.
+struct RevokedNode {
+  std::string id;
+  std::uint64_t serial = 0;
+  bool operator==(const RevokedNode&) const = default;
+  template <class T = RevokedNode>
+  static FieldTable fields() {
+    return FieldTable{field("id", &T::id, 64), field("serial", &T::serial)};
+  }
+};
+
+/// The nodes that the list in force revokes, met or not, but for those that are members again: to a service at its
+/// welcome, and to all at each new list.
+struct RevokedNodes {
+  static constexpr std::string_view kSubtype = "revoked_nodes";
+  static constexpr Travel kTravel = on_bus(CostPhase::upkeep);
+  std::vector<RevokedNode> nodes;
+  template <class T = RevokedNodes>
+  static FieldTable fields() {
+    return FieldTable{field("nodes", &T::nodes, 2000)};
+  }
+};
+
 /// A row of the routing table (section 3.2.1).
 struct Route {
   std::string id;
@@ -376,12 +399,13 @@ struct RouteTable {
   static constexpr Travel kTravel = between_nodes(CostPhase::upkeep);
   std::string node;
   std::vector<Route> routes;
-  bool more = false;    ///< more rows follow the last of these: request the next page
-  std::string after{};  ///< the `after` of this page's request
+  bool more = false;     ///< more rows follow the last of these: request the next page
+  std::string after{};   ///< the `after` of this page's request
+  bool gathers = false;  ///< this router has just started: the table may lack members that it has not heard again
   template <class T = RouteTable>
   static FieldTable fields() {
     return FieldTable{field("node", &T::node, 64), field("routes", &T::routes, 2000), field("more", &T::more),
-                      field("after", &T::after, 64)};
+                      field("after", &T::after, 64), field("gathers", &T::gathers)};
   }
 };
 

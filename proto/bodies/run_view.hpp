@@ -87,6 +87,9 @@ struct RunView {
   std::uint32_t priority = 0;
   double left_s = 0;      ///< s left of its time to live
   std::int64_t over = 0;  ///< when this node put it into its archive, UTC ns; 0: it is not over here
+  /// This node, its judge, may have lost what it knew: it asks the members, and takes no decision before they have
+  /// told.
+  bool recovers = false;
   template <class T = RunView>
   static FieldTable fields() {
     return FieldTable{field("run", &T::run, 64),
@@ -103,7 +106,8 @@ struct RunView {
                       field("paused_by", &T::paused_by, 64),
                       field("priority", &T::priority),
                       field("left_s", &T::left_s),
-                      field("over", &T::over)};
+                      field("over", &T::over),
+                      field("recovers", &T::recovers)};
   }
 };
 
@@ -171,6 +175,7 @@ struct RunSummary {
   std::uint32_t priority = 0;
   double left_s = 0;      ///< s left of its time to live
   std::int64_t over = 0;  ///< as in RunView
+  bool recovers = false;  ///< as in RunView
   template <class T = RunSummary>
   static FieldTable fields() {
     return FieldTable{field("run", &T::run, 64),
@@ -184,7 +189,8 @@ struct RunSummary {
                       field("version", &T::version),
                       field("priority", &T::priority),
                       field("left_s", &T::left_s),
-                      field("over", &T::over)};
+                      field("over", &T::over),
+                      field("recovers", &T::recovers)};
   }
 };
 

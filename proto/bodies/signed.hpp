@@ -103,17 +103,25 @@ struct Beacon {
   }
 };
 
-/// A certificate that must no longer be accepted.
+constexpr std::size_t kRevokedKey = 16;  ///< bytes of a key: enough to know it again
+
+/// Certificates that must no longer be accepted: those of this id up to this serial. The rest says to an authority's
+/// folder that never had them what it must know: how long the entry is needed, and which keys it never certifies again.
 struct Revocation {
   std::uint64_t serial = 0;
   std::string id;
   std::string reason;
-  std::int64_t at = 0;  ///< UTC ns
+  std::int64_t at = 0;     ///< UTC ns
+  std::int64_t until = 0;  ///< UTC ns: when the last of them ends; 0: not known
+  Blob identity{};         ///< the first kRevokedKey bytes of its identity key; empty: not known
+  Blob link{};             ///< and of its link key
   bool operator==(const Revocation&) const = default;
   template <class T = Revocation>
   static FieldTable fields() {
-    return FieldTable{field("serial", &T::serial), field("id", &T::id, 64), field("reason", &T::reason, 128),
-                      field("at", &T::at)};
+    return FieldTable{field("serial", &T::serial),         field("id", &T::id, 64),
+                      field("reason", &T::reason, 128),    field("at", &T::at),
+                      field("until", &T::until),           field("identity", &T::identity, kRevokedKey),
+                      field("link", &T::link, kRevokedKey)};
   }
 };
 

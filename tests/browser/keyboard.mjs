@@ -36,7 +36,7 @@ function begin(controls) {
 async function step() {
   const walk = globalThis.tabWalk;
   const one = document.activeElement;
-  if (one === null || one === document.body) return walk.seen.size > 0 && walk.wanted.every((wanted) => walk.seen.has(wanted) || !wanted.isConnected);
+  if (one === null || one === document.body) return walk.seen.size > 0 && walk.wanted.every((wanted) => walk.seen.has(wanted) || !wanted.isConnected || wanted.disabled);
   if (walk.first === one) return true;
   walk.first ??= one;
   if (walk.seen.has(one)) return false;
@@ -65,6 +65,6 @@ async function step() {
 
 function end() {
   const { wanted, seen, faults } = globalThis.tabWalk;
-  const missed = wanted.filter((one) => one.isConnected && !seen.has(one));
+  const missed = wanted.filter((one) => one.isConnected && !one.disabled && !seen.has(one)); // what is disabled meanwhile takes no focus
   return [...faults, ...missed.map((one) => `never gets the focus: ${one.outerHTML.slice(0, 160)}`)];
 }

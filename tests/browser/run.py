@@ -38,6 +38,7 @@ SPEED = 4
 ORDER_S = 60
 SOON_S = 3  # a robot that is driven is seen to move within this
 MOVES_M = 0.002
+LOOK_S = 0.02
 STILL_S = 0.4  # a robot that has not moved for so long stands
 STORIES_S = 1500
 
@@ -45,6 +46,7 @@ STORIES_S = 1500
 class Orders:
     def __init__(self, fleet):
         self.fleet = fleet
+        self.held = []  # services that are silent
         self.plug()
 
     def plug(self):
@@ -56,6 +58,7 @@ class Orders:
             self.thermometer.stop()
         else:
             self.thermometer.unplug()
+        self.thermometer = None
 
     def fail_robot(self):
         """The Ridgeback's base stands half way to its next goal."""
@@ -70,31 +73,73 @@ class Orders:
     def repair(self, robot):
         self.fleet.trb("robot", "fault", robot, "--clear", node=CLOUD)
         for word in ("stop", "release"):  # which switches its motors on again
-            self.fleet.trb(word, robot, node=CLOUD)
+            self.confirmed(word, robot)
 
     def renew(self, node, days):
         """Its new certificate is valid for so many days; the cloud hands it to the fleet."""
         self.fleet.trb("fleet", "renew", self.fleet.authority_dir(), node, "--days", str(days), "--via", self.fleet.dir(CLOUD))
+
+    def begin(self, robot, places=("ur3_front", "dock") * 6):
+        """A run that drives it to and fro, for half a minute: however long a page takes to be opened."""
+        client = gateway_page.client(self.fleet)
+        client.sign_in("olga", gateway_page.PASSWORD)
+        names = ["there", "again", *(f"leg{i + 1}" for i in range(2, len(places)))]
+        tasks = [{"id": name, "robot": robot, "skill": "go_to", "data": {"place": place}} for name, place in zip(names, places)]
+        for task, before in zip(tasks[1:], names):
+            task["after"] = [before]
+        answer = client.ask("POST", "/api/v1/runs", {"scenario": {"name": "there and again", "tasks": tasks}})
+        if answer.status >= 300:
+            raise RuntimeError(answer.bytes.decode())
+        return answer.json["run"]
+
+    def stop_amid(self, robot):
+        """A run whose first drive was stopped, before any page has to be opened. A stop that came too late is tried anew."""
+        for place in ("ur3_front", "dock", "ur3_front"):
+            run = self.begin(robot, (place, place))
+            self.await_moving(robot, ORDER_S)
+            self.stop(robot)
+
+            def first(run=run):
+                return self.view(run)["tasks"][0]
+            self.fleet.wait("its first task is over", lambda: first()["state"] in ("RETRIABLE", "FINISHED"), ORDER_S)
+            if first()["outcome"] == "interrupted":
+                return run
+            self.end(run)
+            self.release()
+        raise RuntimeError(f"{robot} was three times stopped too late")
 
     def scenario(self):
         return SCENARIO.read_text()
 
     def await_run(self, run):
         """Its state once it is over."""
-        def state():
-            return self.fleet.json("scenario", "watch", run, "--once", node=CLOUD, check=False)["state"]
-        self.fleet.wait("the run ends", lambda: state() not in ("", "RUNNING", "PAUSED"), ORDER_S)
-        return state()
+        shown = {}
+
+        def is_over():
+            shown.update(self.view(run))
+            return shown["state"] not in ("", "RUNNING", "PAUSED")
+        self.fleet.wait("the run ends", is_over, ORDER_S)
+        return shown["state"]
+
+    def view(self, run):
+        """Without a state: it could not be asked just now."""
+        said = self.fleet.trb("scenario", "watch", run, "--once", "--json", node=CLOUD, check=False).stdout.splitlines()
+        shown = json.loads(said[-1]) if said else {}
+        return shown if "tasks" in shown else {"state": "", "tasks": [{"state": "", "outcome": ""}]}
+
+    def end(self, run):
+        """Unless it is over already."""
+        self.fleet.trb("scenario", "abort", run, "--timeout", ORDER_S, node=CLOUD, check=False, timeout=2 * ORDER_S)
 
     def where(self, robot):
-        """(when, where) by the robot's own console: no part of the page's way."""
+        """(when it was asked, where) by the robot's own console: no part of the page's way."""
         console = self.fleet.virtual[robot]
-        start = len(console.lines)
+        start, asked = len(console.lines), time.time()
         console.say("where")
-        line, _ = console.wait_line("where ", 5, start)
-        return time.time(), [float(word) for word in line.split()[1:3]]
+        line, _ = console.wait_line("where ", ORDER_S, start)
+        return asked, [float(word) for word in line.split()[1:3]]
 
-    def await_moving(self, robot):
+    def await_moving(self, robot, seconds=SOON_S):
         """False: it does not, for its drive has ended meanwhile."""
         places = [self.where(robot)[1]]
 
@@ -103,26 +148,49 @@ class Orders:
             places.append(self.where(robot)[1])
             return math.dist(*places[-2:]) > MOVES_M
         try:
-            return self.fleet.wait(f"{robot} moves", moves, SOON_S) >= 0
+            return self.fleet.wait(f"{robot} moves", moves, seconds) >= 0
         except TimeoutError:
             return False
 
     def last_move(self, robot):
-        """When it was last seen to move, in ms of the clock: once it has stood for a while. 0: it stood from the first look."""
+        """When it surely still moved, in ms of the clock, told once it has stood for a while: the last look before it was found
+        elsewhere. A gap between two looks is nobody's motion. 0: it stood from the first look."""
         start, place = self.where(robot)
-        moved, end = 0, start + ORDER_S
+        looked, changed, moved = start, start, 0
         while True:
+            time.sleep(LOOK_S)  # who looks without a pause takes a core from what is to stop the robot
             now, there = self.where(robot)
             if math.dist(there, place) > MOVES_M:
-                moved, place = now, there
-            if now - (moved or start) > STILL_S:
+                moved, changed, place = looked, now, there
+            if now - changed > STILL_S:
                 return moved * 1000
-            if now > end:
+            if now > start + ORDER_S:
                 raise TimeoutError(f"{robot} still moves after {ORDER_S} s")
+            looked = now
             self.fleet.pump()
 
+    def stop(self, robot):
+        self.confirmed("stop", robot)
+
     def release(self):
-        self.fleet.trb("release", "--all", node=CLOUD)
+        self.confirmed("release", "--all")
+
+    def confirmed(self, word, robots):
+        """Said again until all have confirmed it: one of their processes may not have been let run meanwhile."""
+        self.fleet.wait(f"{word} {robots} is confirmed",
+                        lambda: self.fleet.trb(word, robots, node=CLOUD, check=False).returncode == 0, ORDER_S)
+
+    def mend(self):
+        """What a story that failed may have left: so that the next ones find the fleet as it was."""
+        self.let_tables_go()
+        self.revive_gateway()
+        for run in self.fleet.json("scenario", "list", node=CLOUD)["runs"]:
+            self.end(run["run"])
+        for robot in (demo_fault.FAILS, REPORTED):
+            self.fleet.trb("robot", "fault", robot, "--clear", node=CLOUD, check=False)
+        self.release()
+        if not self.thermometer:
+            self.plug()
 
     def hostile(self, text):
         """Lets everybody who may choose a text say this one; who it was."""
@@ -159,13 +227,14 @@ class Orders:
     def hold_tables(self):
         """Who tells the gateway of alerts and runs is silent; the supervisor is held, so that it kills neither for that."""
         self.fleet.nodes[CLOUD].child.send_signal(signal.SIGSTOP)
-        self.held = [self.fleet.pid(CLOUD, service) for service in ("resilience", "scheduler")]
-        for program in self.held:
+        for service in ("resilience", "scheduler"):
+            program = self.fleet.pid(CLOUD, service)
             os.kill(program, signal.SIGSTOP)
+            self.held.append(program)
 
     def let_tables_go(self):
-        for program in self.held:
-            os.kill(program, signal.SIGCONT)
+        while self.held:
+            support.send_signal(self.held.pop(), signal.SIGCONT)
         self.fleet.nodes[CLOUD].child.send_signal(signal.SIGCONT)
 
 
@@ -219,8 +288,8 @@ class Stories:
         try:
             name, *words = json.loads(line[1:])
             answer = {"value": getattr(self.orders, name)(*words)}
-        except (RuntimeError, TimeoutError) as problem:
-            answer = {"error": str(problem)}
+        except (RuntimeError, OSError, ValueError, LookupError, TypeError, subprocess.SubprocessError) as problem:
+            answer = {"error": f"{type(problem).__name__}: {problem}"}  # of this story alone: the next ones go on
         self.child.stdin.write((json.dumps(answer) + "\n").encode())
         self.child.stdin.flush()
 

@@ -2,6 +2,7 @@
 import { mkdirSync } from 'node:fs';
 import { join } from 'node:path';
 import { startBrowser } from './person.mjs';
+import { order } from './starter.mjs';
 import { alarms, changesSettings } from './story_alarm.mjs';
 import { certificateEnds } from './story_certificate.mjs';
 import { signsIn } from './story_sign_in.mjs';
@@ -9,6 +10,9 @@ import { drives, leavesDriven } from './story_control.mjs';
 import { hostileTexts } from './story_hostile.mjs';
 import { paper } from './story_paper.mjs';
 import { plans } from './story_plan.mjs';
+import { refusedAndAsked } from './story_refused.mjs';
+import { robotFollowed } from './story_robot.mjs';
+import { runEnded } from './story_run.mjs';
 import { triesAScenario } from './story_try.mjs';
 import { connectionLost, everyView, everyViewInFrench, keyboardAlone, sourcesSilent, stopsAll } from './story_views.mjs';
 
@@ -21,12 +25,15 @@ const stories = [
   ['an admin changes who decides, and is told what is out of bounds', changesSettings],
   ['an operator plans: two simulations, compared; a third one cancelled', plans],
   ['a scenario from the editor is tried in Plan, changed, compared, run', triesAScenario],
+  ['the view of a robot follows it: stopped by the page or by another, released', robotFollowed],
+  ['a run is held and ended with a reason: who did it is said, and it is listed as over alone', runEnded],
+  ['a robot is stopped amid its task: its alert says why somebody has to look; a refusal names its robot, and goes with its view', refusedAndAsked],
   ['a robot is driven by hand, stopped, handed over, and stands when its page is gone', drives],
   ['Back leads away from a robot that is driven by hand: it is let go', leavesDriven],
   ['every view in each size and colour: axe, console, origin', everyView],
   ['every view in French', everyViewInFrench],
   ['every control of every view is reached by Tab, and shows the focus', keyboardAlone],
-  ['Shift+Esc stops all, in every view', stopsAll],
+  ['Shift+Esc stops all, in every view; that all are released is said', stopsAll],
   ['hostile texts of robots, sensors, scenarios, users, messages are shown as text', hostileTexts],
   ['who tells of alerts and runs is silent: no view says that there is none', sourcesSilent],
   ['the gateway is killed: the page says so within 3 s, and is back by itself within 3 s', connectionLost],
@@ -49,6 +56,7 @@ for (const [title, story] of stories) {
   }
   for (const person of people) faults.push(...person.faults.splice(0));
   for (const person of people.splice(before)) await leave(person);
+  if (faults.length > 0) await order('mend').catch((error) => faults.push(`what it left is not mended: ${error.message}`));
   const unique = [...new Set(faults)];
   console.log(`${unique.length === 0 ? 'ok  ' : 'FAIL'} ${title} (${((Date.now() - start) / 1000).toFixed(1)} s)${told ? `: ${told}` : ''}`);
   for (const fault of unique) console.log(`     ${fault}`);

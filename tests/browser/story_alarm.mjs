@@ -1,6 +1,7 @@
 /** Alerts as alarms: seen, shelved with a reason, taken back; with a dialog open "Stop all" is within reach. */
 import { look } from './look.mjs';
 import { Person } from './person.mjs';
+import { press } from './press.mjs';
 import { order } from './starter.mjs';
 
 const ALERT_MS = 60000;
@@ -15,17 +16,17 @@ export async function alarms(browser, settings, people) {
   await page.waitForSelector(`a.alarm:has-text("${robot}")`, { timeout: ALERT_MS });
   await olga.go('#/alerts');
   const line = page.locator('main tr', { hasText: robot }).first();
-  await line.getByRole('button', { name: `I have seen it: ${robot}` }).press('Enter');
+  await press(line.getByRole('button', { name: `I have seen it: ${robot}` }));
   await line.getByText('seen by olga').waitFor();
   await page.locator('a.alarm', { hasText: 'seen by olga' }).waitFor();
-  await line.locator('a.robot').press('Enter');
+  await press(line.locator('a.robot'));
   await page.waitForSelector(`h1:has-text("${robot}")`);
   await shelve(olga);
   await page.waitForSelector('a.alarm', { state: 'detached' });
   await olga.go('#/alerts');
   await page.getByRole('heading', { name: 'Shelved alerts' }).waitFor();
   await look(olga, 'alerts-shelved');
-  await page.getByRole('button', { name: `Take back: ${robot}` }).press('Enter');
+  await press(page.getByRole('button', { name: `Take back: ${robot}` }));
   await page.getByRole('heading', { name: 'Shelved alerts' }).waitFor({ state: 'detached' });
   await page.locator('a.alarm', { hasText: robot }).waitFor();
   await order('repair', robot);
@@ -45,14 +46,14 @@ async function repaired(page) {
 /** Without a reason nothing is shelved. */
 async function shelve(olga) {
   const { page } = olga;
-  await page.getByRole('button', { name: 'Shelve', exact: true }).press('Enter');
+  await press(page.getByRole('button', { name: 'Shelve', exact: true }));
   const dialog = page.getByRole('dialog');
   await dialog.getByLabel('For how long').selectOption('60');
   await look(olga, 'alert-shelve');
-  await dialog.getByRole('button', { name: 'Shelve', exact: true }).press('Enter');
+  await press(dialog.getByRole('button', { name: 'Shelve', exact: true }));
   await dialog.locator('input:invalid').waitFor();
   await dialog.getByLabel('Reason').fill('the wheel comes at noon');
-  await dialog.getByRole('button', { name: 'Shelve', exact: true }).press('Enter');
+  await press(dialog.getByRole('button', { name: 'Shelve', exact: true }));
   await dialog.waitFor({ state: 'detached' });
   await page.locator('main', { hasText: 'shelved by olga until' }).getByText('the wheel comes at noon').waitFor();
 }
@@ -69,7 +70,7 @@ async function stopWithin(olga, dialog) {
 async function refusedAtItsField(admin, moves, save) {
   await moves.fill('99');
   admin.expected.push(/status of 422 .*\/api\/v1\/policy$/);
-  await save.press('Enter');
+  await press(save);
   await admin.page.locator('main [aria-invalid=true]').waitFor();
   await look(admin, 'settings-refused');
   admin.expected.pop();
@@ -87,7 +88,7 @@ export async function changesSettings(browser, settings, people) {
   // Prism would refuse it in the gateway's place, in words of its own.
   if (!settings.judged) await refusedAtItsField(admin, moves, save);
   await moves.fill('3');
-  await save.press('Enter');
+  await press(save);
   await page.getByText('It is in force.').first().waitFor({ timeout: ALERT_MS });
   await admin.go('#/hall');
   await admin.go('#/settings');

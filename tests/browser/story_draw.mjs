@@ -1,6 +1,7 @@
 /** A scenario is drawn in the editor, as its operator does it: skills from the palette, forms, and lines between tasks. */
 import { walk } from './keyboard.mjs';
 import { look } from './look.mjs';
+import { press } from './press.mjs';
 
 /** Draws `file`, a scenario of `trb`; the editor stays open, and what is drawn says the same. */
 export async function draw(olga, file) {
@@ -36,7 +37,7 @@ export async function drawTask(olga, task, at) {
   await choose(page, at === 0 ? null : (first ?? null));
   const skill = await found(page, task);
   if (at === 1) await dropOnGraph(page, skill);
-  else await skill.press('Enter');
+  else await press(skill);
   const form = page.locator('section[aria-labelledby=task-form]');
   const id = form.getByLabel('Id', { exact: true });
   await id.waitFor();
@@ -44,7 +45,7 @@ export async function drawTask(olga, task, at) {
   await form.locator(`h2:text-is("${task.id}")`).waitFor();
   for (const [name, value] of Object.entries(task.data ?? {})) await setParameter(form, name, value);
   for (const other of others) {
-    if (task.when) await dragLine(page, other, task.id);
+    if (task.when) await dragLine(page, form, other, task.id);
     else await form.getByLabel(other, { exact: true }).check();
   }
   if (task.when) await setCondition(form, task.when);
@@ -53,10 +54,10 @@ export async function drawTask(olga, task, at) {
 /** The task that the next one follows; nothing: none. */
 async function choose(page, id) {
   const chosen = page.locator('.graph button[aria-pressed=true]');
-  if (id === null && (await chosen.count()) > 0) await chosen.press('Enter');
+  if (id === null && (await chosen.count()) > 0) await press(chosen);
   if (id !== null) {
     const box = boxOf(page, id);
-    if ((await box.getAttribute('aria-pressed')) !== 'true') await box.press('Enter');
+    if ((await box.getAttribute('aria-pressed')) !== 'true') await press(box);
   }
 }
 
@@ -94,11 +95,19 @@ async function drag(page, one, to) {
   await page.mouse.up();
 }
 
-/** From the handle of one box to the other box, with the mouse. */
-async function dragLine(page, from, to) {
+/** From the handle of one box to the other box, with the mouse, until the form has the line, too. Who misses boxes that still move tries again. */
+async function dragLine(page, form, from, to) {
   const handle = boxOf(page, from).locator('xpath=following-sibling::span[1]');
-  await handle.scrollIntoViewIfNeeded();
-  await drag(page, handle, boxOf(page, to));
+  const drawn = form.getByLabel(from, { exact: true }).and(page.locator(':checked'));
+  for (let tries = 1; ; ++tries) {
+    await handle.scrollIntoViewIfNeeded();
+    await drag(page, handle, boxOf(page, to));
+    try {
+      return await drawn.waitFor({ timeout: 5000 });
+    } catch (late) {
+      if (tries === 3) throw late;
+    }
+  }
 }
 
 /** As somebody types: what a field has takes effect when it is left. */
@@ -140,9 +149,9 @@ async function undoAndRedo(olga, count) {
 
 async function sameAs(olga, file) {
   const { page } = olga;
-  await page.getByRole('button', { name: 'As text' }).press('Enter');
+  await press(page.getByRole('button', { name: 'As text' }));
   const drawn = JSON.parse(await page.inputValue('#scenario-text'));
-  await page.getByRole('button', { name: 'As a graph' }).press('Enter');
+  await press(page.getByRole('button', { name: 'As a graph' }));
   if (sorted(drawn) !== sorted(file)) throw new Error(`drawn was ${JSON.stringify(drawn)}`);
 }
 

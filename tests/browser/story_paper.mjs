@@ -2,6 +2,7 @@
 import { walk } from './keyboard.mjs';
 import { look } from './look.mjs';
 import { Person } from './person.mjs';
+import { press } from './press.mjs';
 import { order } from './starter.mjs';
 import { draw } from './story_draw.mjs';
 
@@ -29,16 +30,24 @@ export async function paper(browser, settings, people) {
   return decided;
 }
 
+/** A robot that is silent for 3 s is told as such, and is asked again. */
 async function preflight(olga) {
   const { page } = olga;
-  await page.getByRole('button', { name: 'Ask the robots' }).press('Enter');
-  await page.waitForSelector('h2:has-text("A run could begin now")', { timeout: SENSOR_MS });
+  const ready = page.locator('h2', { hasText: 'A run could begin now' });
+  for (let tries = 1; tries <= 3 && !(await ready.isVisible()); ++tries) {
+    const answer = page.waitForResponse((one) => one.url().endsWith('/scenarios/preflight'), { timeout: SENSOR_MS });
+    await press(page.getByRole('button', { name: 'Ask the robots' }));
+    await answer;
+    await page.locator('h2', { hasText: /A run could (not )?begin now/ }).waitFor();
+    await olga.drawn();
+  }
+  await ready.waitFor({ timeout: 5000 });
   await look(olga, 'editor-preflight');
 }
 
 async function save(olga) {
   const { page } = olga;
-  await page.getByRole('button', { name: 'Save', exact: true }).press('Enter');
+  await press(page.getByRole('button', { name: 'Save', exact: true }));
   await page.waitForFunction(() => !location.hash.endsWith('/new'));
 }
 
@@ -46,23 +55,23 @@ async function save(olga) {
 async function triesWithSensor(olga) {
   const { page } = olga;
   await page.waitForSelector('main :text("can run")');
-  await page.getByRole('button', { name: 'Try in Plan' }).press('Enter');
+  await press(page.getByRole('button', { name: 'Try in Plan' }));
   olga.expected.push(/status of 422 .*\/api\/v1\/simulations$/);
   const sensor = page.getByRole('group', { name: 'Sensor 1' });
   await sensor.getByLabel('Value', { exact: true }).fill('15');
   await sensor.getByLabel('Unit').fill('K');
-  await page.getByRole('button', { name: 'Simulate', exact: true }).press('Enter');
+  await press(page.getByRole('button', { name: 'Simulate', exact: true }));
   await page.waitForSelector('main [role=alert]:has-text("whose unit is")', { timeout: SENSOR_MS });
   await look(olga, 'plan-refused', { short: true });
   await sensor.getByLabel('Unit').fill('degC');
   await page.waitForSelector('main [role=alert]', { state: 'detached' });
   await walk(olga);
-  await page.getByRole('button', { name: 'Simulate', exact: true }).press('Enter');
+  await press(page.getByRole('button', { name: 'Simulate', exact: true }));
   await page.waitForSelector('h2:has-text("What each task waited for")', { timeout: RUN_MS });
   const names = await page.locator('.chart .names span').allInnerTexts();
   const sides = ['pick_left', 'pick_right'].map((task) => names.some((name) => name.includes(task)));
   if (!sides[0] || sides[1]) olga.faults.push(`at 15 degC it picks left, done were ${names}`);
-  await page.getByRole('link', { name: 'Back to the scenario' }).press('Enter');
+  await press(page.getByRole('link', { name: 'Back to the scenario' }));
   await page.waitForFunction(() => location.hash.startsWith('#/scenarios/'));
 }
 
@@ -70,7 +79,7 @@ async function start(olga) {
   const { page } = olga;
   const button = page.getByRole('button', { name: '▶ Run' });
   await page.waitForSelector('main :text("can run")');
-  await button.press('Enter');
+  await press(button);
   await page.waitForFunction(() => location.hash.startsWith('#/runs/'));
   return page.evaluate(() => location.hash.split('/')[2]);
 }
@@ -130,7 +139,7 @@ async function judge(olga) {
   await page.waitForSelector('main table select');
   await page.waitForSelector('main :text("Consistency ratio")');
   await look(olga, 'alert-pairs');
-  await page.getByRole('button', { name: 'As in force' }).press('Enter');
+  await press(page.getByRole('button', { name: 'As in force' }));
   await page.waitForSelector('input[type=range]');
 }
 

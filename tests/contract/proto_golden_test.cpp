@@ -221,6 +221,7 @@ TEST_CASE("bodies of link and bus") {
         "93a16ea173"
         "9192aa6c6174652e6261746f6e02");
   CHECK(to_hex(encode(Goodbye{"x"})) == "91a178");
+  CHECK(to_hex(encode(RevokedNodes{{{"n", 5}}})) == "919192a16e05");
   CHECK(to_hex(encode(HelloWanted{})) == "90");
   CHECK(to_hex(encode(ServiceHello{"s", {"a"}, 1, 2, "v", {"h"}, "w"})) == "97a17391a1610102a17691a168a177");
   CHECK(to_hex(encode(ServiceWelcome{"n", "robot", 3, 4, 5})) == "95a16ea5726f626f74030405");

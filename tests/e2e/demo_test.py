@@ -44,7 +44,7 @@ class Demo(support.Demonstration, unittest.TestCase):
     def once(self, degrees, skipped):
         out = self.folder / "run.json"
         child = self.start("--once", "--speed", "4", "--json", out, "--temperature", degrees)
-        said = child.communicate(timeout=120)[0]
+        said = child.communicate(timeout=240)[0]
         self.assertEqual(child.returncode, 0, said)
         self.assertEqual(self.left(), {})
         result = json.loads(out.read_text())
@@ -108,7 +108,7 @@ class Demo(support.Demonstration, unittest.TestCase):
         self.read_until(child, "== the scenario")
         child.kill()
         child.wait()
-        support.wait_until("every process of the demonstration ends", lambda: not self.left(), 20)
+        support.wait_until("every process of the demonstration ends", lambda: not self.left())
 
 
 if __name__ == "__main__":

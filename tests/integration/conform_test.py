@@ -141,7 +141,7 @@ class Conform(unittest.TestCase):
         self.assertIn("1 ok, 0 wrong, 0 not tried", done.stdout)
 
     def test_what_is_wrong_is_told_with_what_came_and_where_to_read(self):
-        description = self.description(ack_timeout_s=0.4)
+        description = self.description()
         self.start("/usr/bin/python3", pathlib.Path(wrong_robot.__file__), NODE, "40099", "CountsCharacters")
         done = self.trb("conform", description, "--listen", f"{NODE}:40099", "--only", "utf8", "--wait", "20")
         self.assertEqual(done.returncode, 1)

@@ -186,7 +186,7 @@ class Robot(unittest.TestCase):
         self.assertIn("not on disk, and lost in a restart", self.fleet.services("drone")["router"]["note"])
         self.check_stop()
         self.disk.room()
-        self.fleet.wait("the boot number is stored", lambda: not self.fleet.services("drone")["router"]["note"], 60)
+        self.fleet.wait("the boot number is stored", lambda: "not on disk" not in self.fleet.services("drone")["router"]["note"], 60)
         self.fleet.wait("the scheduler comes by itself", lambda: self.is_up("scheduler"), 60)
 
     def test_a_node_whose_lock_could_not_be_written_is_ended_by_its_folder(self):
@@ -275,8 +275,10 @@ class FullDisk(Work):
         self.assertEqual(self.findings()["disk_full"]["severity"], "problem")
         self.assertIn("the disk of", self.noted())
         self.wait_finished(run)
+        self.assertIn("8000 must be", self.noted())
         self.disk.room()
-        self.assertEqual(self.noted(), "")
+        # A small disk stays one with little room.
+        self.assertRegex(self.noted(), r"^\d+ MB are left on the disk of .*: df -h ")
         self.wait_finished(self.taken())
 
     def test_without_any_room_its_scheduler_waits_and_goes_on_by_itself(self):
@@ -300,6 +302,24 @@ class FullDisk(Work):
         self.wait_waiting()
         self.disk.room()
         self.wait_finished(run)
+
+
+class ReadOnly(unittest.TestCase):
+    def test_by_hand_it_is_named_before_anything_is_started(self):
+        fleet = support.make_fleet(self, support.RouterFleet, block=171, services={"ant": ["router"]})
+        folder = fleet.dir("ant")
+        disk = own_world.SmallDisk(folder)
+        self.addCleanup(disk.gone)
+        self.addCleanup(fleet.stop)
+        fleet.bring_up("ant")
+        fleet.nodes.pop("ant").stop()  # its sockets stay
+        disk.read_only()
+        for words in ("up",), ("up", "--detach"), ("check",):
+            with self.subTest(words):
+                done = fleet.trb(words[0], folder, *words[1:], check=False)
+                self.assertEqual(done.returncode, 1, done.stdout)
+                self.assertIn("can be read only: nothing can be started there", done.stderr)
+                self.assertIn("remount,rw", done.stderr)
 
 
 class NoFiles(Work):

@@ -136,15 +136,19 @@ class Doors(Pressure):
         flood.start()
         try:
             self.fleet.wait("the door is closed", lambda: self.descriptors() >= self.fds + MOST_UNPROVEN, 60)
-            shut_out = self.plain("127.0.138.77")
-            self.addCleanup(shut_out.close)
-            client = self.client(f"{HOME}:0;{self.address}:{PORT}", server_key=self.server_key,
-                                 keys=(self.belt.public, self.belt.secret))
-            client.hello(self.belt.certificate, "belt")
-            self.assertEqual(client.receive(WAIT).subtype, "hello")
-            came = select.poll()  # of descriptors beyond select()'s
-            came.register(shut_out, select.POLLOUT)
-            self.assertEqual(came.poll(0), [], "anybody came in")
+            for _ in range(3):  # who holds a place is cut after 2 s, and on a stalled machine another one may come in then
+                shut_out = self.plain("127.0.138.77")
+                self.addCleanup(shut_out.close)
+                client = self.client(f"{HOME}:0;{self.address}:{PORT}", server_key=self.server_key,
+                                     keys=(self.belt.public, self.belt.secret))
+                client.hello(self.belt.certificate, "belt")
+                self.assertEqual(client.receive(WAIT).subtype, "hello")
+                poll = select.poll()  # of descriptors beyond select()'s
+                poll.register(shut_out, select.POLLOUT)
+                came = poll.poll(0)
+                if not came:
+                    break
+            self.assertEqual(came, [], "anybody came in")
         finally:
             flood.stopped.set()
             flood.join(20)
@@ -193,7 +197,7 @@ class Doors(Pressure):
             client.wait_event(zmq.EVENT_HANDSHAKE_SUCCEEDED)
         self.watch.wait_counted("refused.no_hello")
         for client in clients:
-            client.wait_event(zmq.EVENT_DISCONNECTED, timeout=6)
+            client.wait_event(zmq.EVENT_DISCONNECTED, timeout=20)
         self.watch.wait_logged("no_link the connection of 127.0.0.1:")
         self.assertEqual(self.watch.rise(("cut.",)), {"cut.no_link": 2})
 
@@ -205,7 +209,7 @@ class Doors(Pressure):
         proxy.slow.set()
         client.hello(self.belt.certificate, "belt")
         self.watch.wait_counted("refused.no_hello")
-        self.assertTrue(proxy.ended.wait(6), "the slow connection was not cut")
+        self.assertTrue(proxy.ended.wait(20), "the slow connection was not cut")
         self.assertGreater(proxy.passed, 20)
         self.watch.wait_counted("cut.no_link", prefixes=("cut.",))
 
@@ -223,7 +227,7 @@ class Doors(Pressure):
                 pass
             except OSError:
                 break
-            self.assertLess(time.monotonic() - began, 6, "the slow connection was not cut")
+            self.assertLess(time.monotonic() - began, 20, "the slow connection was not cut")
         self.watch.wait_counted("refused.no_zmtp")
 
     # ---- another's name
@@ -239,7 +243,7 @@ class Doors(Pressure):
             for _ in range(3):
                 ident = victim.send("route_list", "belt", type=wire.REQUEST, data=wire.pack([]))
                 self.assertEqual(victim.answer_to(ident).subtype, "route_table")
-            thief.wait_event(zmq.EVENT_DISCONNECTED, timeout=6)
+            thief.wait_event(zmq.EVENT_DISCONNECTED, timeout=20)
             self.assertFalse(thief.socket.poll(0), "the thief was told something")
         self.watch.wait_counted("cut.no_link", 2, prefixes=("cut.",))
 

@@ -63,17 +63,17 @@ class Robot:
                 self.console.say(line)
         if self.name == "ur3":
             self.fleet.trb("send", self.name, "command", "move", "[0.4, -1.1, 1.3, -1.77, -1.57, 0]", "--take", node=cloud)
-            self.fleet.wait("the arm is bent", lambda: abs(self.at(slice(2, 3))[1][0] - 1.3) < 0.001, 15)
+            self.fleet.wait("the arm is bent", lambda: abs(self.at(slice(2, 3))[1][0] - 1.3) < 0.001, 60)
         if self.name == "drone" and self.at(slice(2, 3))[1][0] < 0.7:
             self.fleet.trb("send", self.name, "command", "take_off", "--take", node=cloud)
-            self.fleet.wait("the drone is in the air", lambda: self.at(slice(2, 3))[1][0] > 0.79, 15)
+            self.fleet.wait("the drone is in the air", lambda: self.at(slice(2, 3))[1][0] > 0.79, 60)
 
     def where(self):
         """(when, all numbers)"""
         self.console.pump(0)
         start = len(self.console.lines)
         self.console.say("where")
-        line, _ = self.console.wait_line("where ", 5, start)
+        line, _ = self.console.wait_line("where ", 60, start)
         return time.monotonic(), [float(word) for word in line.split()[1:]]
 
     def at(self, pick=None):

@@ -36,7 +36,7 @@ class Channel(unittest.TestCase):
         robot = trb_fleet.Process([support.PROGRAMS / "trb-virtual-pioneer", "--address", address, "--die-with-parent"], root / "robot.log")
         self.addCleanup(robot.stop)
         robot.wait_line("8101", 60)
-        with socket.create_connection((address, 8101), timeout=10) as gone:
+        with socket.create_connection((address, 8101), timeout=60) as gone:
             for number in range(3):
                 gone.sendall(bytes([0xfa, 0xfb, 3, number, 0, number]))
                 self.assertTrue(gone.recv(256))

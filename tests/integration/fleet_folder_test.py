@@ -10,6 +10,7 @@ import shutil
 import signal
 import subprocess
 import termios
+import time
 import unittest
 
 import support
@@ -121,6 +122,76 @@ class Folder(unittest.TestCase):
         self.refused("fleet", "revoke", copy, NODES[1], "--via", node)  # no router is up there: signed, and not handed on
         self.assertEqual(self.valid(copy), [NODES[2]])
 
+    def test_who_is_revoked_after_the_end_is_revoked_for_good(self):
+        self.trb("fleet", "sign", self.authority, *map(self.request, NODES[:3]))
+        self.change("issued.json", lambda issued: issued["certificates"][0].update(not_after=1))
+        said = self.trb("fleet", "revoke", self.authority, NODES[0], "--reason", "stolen")
+        self.assertIn(f"{NODES[0]}: revoked up to serial 1; its certificate had ended already", said)
+        self.trb("fleet", "revoke", self.authority, NODES[1])  # this list need not have the first one any more
+        self.assertEqual(self.valid(self.authority), [NODES[2]])
+        rows = json.loads(self.trb("fleet", "show", self.authority, "--json"))["nodes"]
+        self.assertEqual([row["state"] for row in rows], ["revoked", "revoked", "valid"])
+        self.assertIn(f"'{NODES[0]}' is revoked already", self.refused("fleet", "renew", self.authority, NODES[0]))
+        self.assertIn("were revoked", self.refused("fleet", "sign", self.authority, self.request(NODES[0])))
+
+    def test_of_two_copies_that_are_used_in_turn_each_says_whom_the_other_s_list_lacks(self):
+        self.trb("fleet", "sign", self.authority, *map(self.request, NODES[:4]))
+        copy = self.folder / "copy"
+        shutil.copytree(self.authority, copy)
+        self.trb("fleet", "revoke", self.authority, NODES[0])
+        self.trb("fleet", "revoke", copy, NODES[1])
+        self.trb("fleet", "revoke", copy, NODES[2])  # its list 2 is the newer one
+        node = self.folder / NODES[3]
+        (node / "state").mkdir()
+        (node / "state" / "news").write_bytes(self.news(copy))
+        for words in (("tell", self.authority), ("renew", self.authority, NODES[3])):
+            problem = self.refused("fleet", *words, "--via", node)
+            self.assertIn(f"list 2 lacks '{NODES[0]}' (serial 1), which was revoked in {self.authority}", problem)
+            self.assertIn(f"trb fleet revoke {self.authority} {NODES[0]} --via {node}", problem)
+        self.assertEqual(self.valid(self.authority), [NODES[3]])
+        self.refused("fleet", "revoke", self.authority, NODES[0], "--via", node)  # no router is up there: signed
+        problem = self.refused("fleet", "tell", self.authority, "--via", node)
+        self.assertIn("does not answer", problem)
+        self.assertEqual(self.valid(self.authority), [NODES[3]])
+
+    def test_a_clock_that_contradicts_the_folder_or_the_node_signs_nothing(self):
+        self.trb("fleet", "sign", self.authority, *map(self.request, NODES[:3]))
+        node, day = self.folder / NODES[2], 86_400 * 10**9
+        (node / "state").mkdir()
+        noted = node / "state" / "utc"
+        signs = (("sign", self.authority, self.request(NODES[3])), ("renew", self.authority, NODES[0]),
+                 ("revoke", self.authority, NODES[1]))
+        begins = [row["not_before"] for row in json.loads((self.authority / "issued.json").read_text())["certificates"]]
+
+        def begin(first):
+            self.change("issued.json", lambda issued: issued["certificates"][-1].update(not_before=first))
+
+        for why, first, told in (("has signed at", time.time_ns() + day, None),
+                                 ("has last noted", begins[-1], time.time_ns() - 31 * day),
+                                 ("the node knows that it is", begins[-1], time.time_ns() + day)):
+            begin(first)
+            via = ("--via", node) if told else ()
+            if told:
+                noted.write_text(f"{told}\n")
+            before = self.content()
+            for words in signs:
+                with self.subTest(why, command=words[0]):
+                    problem = self.refused("fleet", *words, *via)
+                    self.assertIn("conflict: the clock of this computer says ", problem)
+                    self.assertIn(why, problem)
+                    self.assertIn("--trust-clock", problem)
+            self.assertEqual(self.content(), before, "something was signed")
+        self.trb("fleet", "sign", self.authority, self.request(NODES[3]), "--via", node, "--trust-clock")
+
+    def test_by_a_clock_that_lets_all_have_ended_nobody_is_revoked(self):
+        self.trb("fleet", "sign", self.authority, *map(self.request, NODES[:3]))
+        self.change("issued.json", lambda issued: [row.update(not_after=1) for row in issued["certificates"]])
+        before = self.content()
+        problem = self.refused("fleet", "revoke", self.authority, NODES[0])
+        self.assertIn("the certificates of all nodes have ended", problem)
+        self.assertEqual(self.content(), before)
+        self.trb("fleet", "revoke", self.authority, NODES[0], "--trust-clock")
+
     def test_a_node_whose_knowledge_cannot_be_read_is_not_one_that_knows_nothing(self):
         """The folder was put back from a copy; what was revoked since is in the node's file, which is damaged."""
         self.trb("fleet", "sign", self.authority, *map(self.request, NODES[:3]))
@@ -220,6 +291,44 @@ class Folder(unittest.TestCase):
                     child.send_signal(how)
                     self.assertEqual(child.wait(WAIT), -how)
                     self.assertTrue(shows())
+
+    def test_a_pipe_in_a_file_s_place_that_somebody_holds_open_keeps_no_command_waiting(self):
+        self.trb("fleet", "sign", self.authority, *map(self.request, NODES[:3]))
+        for node in NODES[:2]:
+            self.trb("fleet", "revoke", self.authority, node)
+        for name in ("fleet.json", "authority.key", "issued.json", "revocations.json", "revoked.json"):
+            file, kept = self.authority / name, self.folder / name
+            file.rename(kept)
+            os.mkfifo(file, 0o600)
+            holder = os.open(file, os.O_RDWR)
+            with self.subTest(name):
+                problem = self.refused("fleet", "renew", self.authority, NODES[2])
+                self.assertIn(f"{file}: is a pipe, and nothing comes out of it", problem)
+            os.close(holder)
+            kept.replace(file)
+        self.trb("fleet", "renew", self.authority, NODES[2])
+
+    def test_what_a_killed_command_has_left_half_written_goes_with_the_next_one(self):
+        left, young = self.authority / "authority.key.new4711", self.authority / "news.json.new4712"
+        for path in (left, young):
+            path.write_text("half")
+        os.utime(left, (time.time() - 3600,) * 2)
+        self.trb("fleet", "sign", self.authority, self.request(NODES[0]))
+        self.assertEqual((left.exists(), young.exists()), (False, True))
+
+    def test_a_node_of_another_fleet_is_told_as_that_and_nothing_is_signed(self):
+        self.trb("fleet", "sign", self.authority, self.request(NODES[0]))
+        other, stranger = self.folder / "other", self.folder / NODES[4]
+        self.trb("fleet", "init", other)
+        self.trb("fleet", "sign", other, self.request(NODES[4]))
+        before = self.content()
+        for words in (("renew", NODES[0]), ("revoke", NODES[0]), ("sign", self.request(NODES[1])), ("tell",)):
+            with self.subTest(words[0]):
+                problem = self.refused("fleet", words[0], self.authority, *words[1:], "--via", stranger)
+                self.assertIn(f"foreign_fleet: --via {stranger}: a node of another fleet than that of {self.authority}", problem)
+                self.assertIn("name the folder of a node of this fleet", problem)
+                self.assertNotIn("sign the node's request", problem)
+        self.assertEqual(self.content(), before)
 
     def test_a_folder_that_is_not_there_or_no_folder_is_named(self):
         for place in (self.folder / "nowhere", self.request(NODES[0])):

@@ -36,7 +36,7 @@ class Alarms(GatewayCase):
         return self.alert_of(robot, lambda: self.fleet.trb("robot", "fault", robot, capability, "--text", "a wheel is off", node=CLOUD))
 
     def repair(self, robot=ROBOT, capability="mobile"):
-        self.operator.ask("POST", f"/api/v1/robots/{robot}/repaired", {"capability": capability})
+        self.post(f"/api/v1/robots/{robot}/repaired", {"capability": capability})
         self.fleet.wait("the alert is closed", lambda: not self.rows(robot=robot, capability=capability, state="OPEN"), WAIT_S)
 
     def act(self, alert, what, body=None, client=None):
@@ -99,16 +99,17 @@ class Alarms(GatewayCase):
         self.assertIn("the arm is looked at at noon", record["about"])
 
     def test_an_alarm_that_comes_and_goes_is_said_so_and_seen_once(self):
-        for _ in range(2):
-            self.fault(OTHER)
+        for _ in range(6):  # three times within a minute: a stalled machine takes longer
+            last = self.fault(OTHER)
+            if self.alarm(last["name"])["chatters"]:
+                break
             self.repair(OTHER)
-        third = self.fault(OTHER)
-        self.fleet.wait("it chatters", lambda: self.alarm(third["name"])["chatters"], WAIT_S)
-        self.assertGreaterEqual(self.alarm(third["name"])["times"], 3)
-        self.act(third["name"], "acknowledge")
+        self.assertTrue(self.alarm(last["name"])["chatters"])
+        self.assertGreaterEqual(self.alarm(last["name"])["times"], 3)
+        self.act(last["name"], "acknowledge")
         self.repair(OTHER)
-        fourth = self.fault(OTHER)
-        self.assertEqual(self.alarm(fourth["name"])["acknowledged"]["by"], "olga")
+        again = self.fault(OTHER)
+        self.assertEqual(self.alarm(again["name"])["acknowledged"]["by"], "olga")
 
     def test_what_follows_names_its_first_cause(self):
         first, second = self.fault(TWICE), self.fault(TWICE, "carry")

@@ -78,6 +78,26 @@ class GatewayCase(unittest.TestCase):
         self.fleet.wait("another gateway", lambda: self.fleet.pid(CLOUD, "cloud-gateway") not in (None, pid) and
                         self.is_ready(), WAIT_S)
 
+    def post(self, path, body=None, client=None, good=lambda answer: answer.status < 429, **more):
+        """As ask(): again, until the answer is good. A router or a robot's node that stalls is 429, 503 or 504."""
+        answers = []
+
+        def is_good():
+            answers.append((client or self.operator).ask("POST", path, body, **more))
+            return good(answers[-1])
+        self.fleet.wait(path, is_good, WAIT_S)
+        return answers[-1]
+
+    def wait_service(self, name):
+        """The cloud's, up: one that a stalled machine has kept silent for 3 s is not."""
+        self.fleet.wait(f"{name} is up", lambda: (name, "up") in [(one["service"], one["state"]) for one in self.admin.ask(
+            "GET", "/api/v1/services").json.get("services", [])], WAIT_S)
+
+    def order(self, word, body=None, path=f"/api/v1/robots/{ROBOT}/", **more):
+        """A stop or a release that the robot has confirmed: the gateway waits 3 s for that, a machine may stall for longer."""
+        return self.post(path + word, body, good=lambda answer: answer.status == 200 and
+                         answer.json["robots"][0]["state"] == "confirmed", **more)
+
     def assert_problem(self, answer, status, code=None):
         self.assertEqual(answer.status, status, answer.bytes)
         self.assertEqual(answer.headers["Content-Type"], "application/problem+json")

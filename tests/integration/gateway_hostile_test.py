@@ -30,7 +30,7 @@ class Hostile(GatewayCase):
     block, udp_port = 216, 50216
 
     def tearDown(self):
-        self.operator.ask("POST", f"/api/v1/robots/{ROBOT}/release")
+        self.order("release")
 
     def operations(self):
         for path, of_path in self.contract.document["paths"].items():
@@ -135,6 +135,9 @@ class Hostile(GatewayCase):
         self.assertEqual(client.live().status, 403)
         self.assertTrue(client.ask("GET", "/api/v1/session").json["must_change_password"])
         self.assert_problem(client.ask("PUT", "/api/v1/me/password", {"old": "wrong wrong wrong", "new": GOOD}), 403)
+        same = client.ask("PUT", "/api/v1/me/password", {"old": made["password"], "new": made["password"]})
+        self.assert_problem(same, 422, "bad_value")
+        self.assertIn("new: is the old password", same.json["detail"])
         self.assertEqual(client.ask("PUT", "/api/v1/me/password", {"old": made["password"], "new": GOOD}).status, 204)
         self.assertFalse(client.sign_in("root2", GOOD).json["must_change_password"])
         self.assertEqual(client.ask("GET", "/api/v1/robots").status, 200)
@@ -251,26 +254,27 @@ class Hostile(GatewayCase):
                 pass  # it was let go
         with concurrent.futures.ThreadPoolExecutor(1) as pool:
             sending = pool.submit(send)
-            slowest = 0
+            took = []
             for _ in range(20):
                 begin = time.monotonic()
                 self.assertEqual(self.operator.ask("GET", "/api/v1/robots").status, 200)
-                slowest = max(slowest, time.monotonic() - begin)
+                took.append(time.monotonic() - begin)
             stop.set()
             sending.result(WAIT_S)
-        self.assertLess(slowest, 2)
-        print(f"slowest of 20 requests beside the flood: {slowest * 1000:.0f} ms")
+        support.assert_quick(self, took, 2)
+        print(f"slowest of 20 requests beside the flood: {max(took) * 1000:.0f} ms")
 
     def test_a_thousand_refusals_are_a_few_records(self):
         reads = self.admin.ask("POST", "/api/v1/tokens", {"name": "looks", "role": "operator", "days": 1, "read_only": True})
         self.assertEqual(reads.status, 201, reads.bytes)
         stranger, token = self.client(), self.client(reads.json["secret"])
-        before = self.admin.ask("GET", "/api/v1/audit/head").json["number"]
+        before, began = self.admin.ask("GET", "/api/v1/audit/head").json["number"], time.monotonic()
         statuses = [stranger.sign_in("nobody-there", f"wrong wrong {i}").status for i in range(1000)]
         self.assertEqual(set(statuses), {401, 429})
         for _ in range(200):
             self.assertEqual(token.ask("POST", "/api/v1/stop").status, 403)
-        self.assertLess(self.admin.ask("GET", "/api/v1/audit/head").json["number"] - before, 20)
+        records = self.admin.ask("GET", "/api/v1/audit/head").json["number"] - before
+        self.assertLess(records, 20 + 4 * ((time.monotonic() - began) // 60))  # each minute a few begin anew
 
         def numbers():
             return [one["outcome"] for one in self.admin.ask("GET", f"/api/v1/audit?limit=100&who=gateway").json["records"]

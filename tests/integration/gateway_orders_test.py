@@ -4,6 +4,7 @@ Addresses 127.0.80.x, 127.0.81.x.
 """
 import concurrent.futures
 import contextlib
+import functools
 import http.client
 import os
 import signal
@@ -13,25 +14,28 @@ import time
 import support
 from gateway_case import CLOUD, ROBOT, SCENARIO, WAIT_S, GatewayCase
 
+MOST_TRIED = 4  # a robot has 3 s to answer, which a stalled machine uses up before the story has
+
 
 class Orders(GatewayCase):
     block, udp_port = 80, 50080
 
     def test_stop_and_release(self):
         self.addCleanup(self.fleet.trb, "release", ROBOT, node=CLOUD)
-        stopped = self.operator.ask("POST", f"/api/v1/robots/{ROBOT}/stop", {"reason": "a box on the way"})
+        stopped = self.order("stop", {"reason": "a box on the way"})
         self.assertEqual([row["state"] for row in stopped.json["robots"]], ["confirmed"])
         self.fleet.wait("it is shown as stopped", lambda: self.viewer.ask(
             "GET", f"/api/v1/robots/{ROBOT}").json["content"]["fenced"], WAIT_S)
-        self.assertEqual(self.operator.ask("POST", f"/api/v1/robots/{ROBOT}/release").json["robots"][0]["state"], "confirmed")
+        self.order("release")
         self.assertEqual(self.operator.ask("POST", "/api/v1/stop").json["robots"][0]["robot"], ROBOT)
 
     def test_a_run_is_started_once_whatever_is_killed(self):
         checked = self.viewer.ask("POST", "/api/v1/scenarios/check", SCENARIO).json
         self.assertEqual((checked["good"], checked["faults"]), (True, []))
         wrong = {"name": "wrong", "tasks": [{"id": "go", "robot": ROBOT, "skill": "dance"}]}
-        self.assertFalse(self.viewer.ask("POST", "/api/v1/scenarios/check", wrong).json["good"])
-        refused = self.operator.ask("POST", "/api/v1/runs", {"scenario": wrong})
+        # 503 while the cloud's router gathers the fleet.
+        self.assertFalse(self.post("/api/v1/scenarios/check", wrong, self.viewer).json["good"])
+        refused = self.post("/api/v1/runs", {"scenario": wrong})
         self.assert_problem(refused, 422)
         self.assertTrue(all(one["pointer"].startswith("/scenario/tasks/0/") for one in refused.json["errors"]), refused.json)
         refused = self.operator.ask("POST", "/api/v1/runs", {"scenario": 5})
@@ -47,7 +51,7 @@ class Orders(GatewayCase):
         self.assertEqual((again.headers["Location"], again.headers["Idempotent-Replay"]), (f"/api/v1/runs/{run}", "true"))
         other = self.operator.ask("POST", "/api/v1/runs", {"scenario": SCENARIO}, Idempotency_Key="one")
         self.assert_problem(other, 409)
-        self.fleet.wait("the run is over", lambda: self.viewer.ask("GET", f"/api/v1/runs/{run}").json["state"] == "FINISHED", WAIT_S)
+        self.fleet.wait("the run is over", lambda: self.viewer.ask("GET", f"/api/v1/runs/{run}").json.get("state") == "FINISHED", WAIT_S)
         self.fleet.wait("the run is in the archive", lambda: run in self.archived(), 2 * WAIT_S)  # a minute after its end
         self.assertEqual(self.archived().count(run), 1)
 
@@ -59,7 +63,11 @@ class Orders(GatewayCase):
         held = self.operator.ask("POST", "/api/v1/runs", {"scenario": {"name": "held", "tasks": tasks}}).json["run"]
         self.addCleanup(self.operator.ask, "POST", f"/api/v1/runs/{held}/abort")
         self.assert_problem(self.operator.ask("POST", f"/api/v1/runs/{held}/pause", {"reason": "x" * 256}), 413, "too_large")
-        self.assertEqual(self.operator.ask("POST", f"/api/v1/runs/{held}/pause").status, 200)
+        paused = self.operator.ask("POST", f"/api/v1/runs/{held}/pause", {"reason": "lunch"})
+        self.assertEqual(paused.status, 200, paused.bytes)
+        self.fleet.wait("who holds it is said", lambda: "by olga: lunch" in self.viewer.ask(
+            "GET", f"/api/v1/runs/{held}").json["waits_for"], WAIT_S)
+        self.assertEqual(self.last_about("POST /api/v1/runs/{run}/pause")[0], (f"{held} lunch", "done"))
         runs = [self.operator.ask("POST", "/api/v1/runs", {"scenario": {**SCENARIO, "name": f"page {i}"}}).json["run"] for i in range(3)]
         for run in runs:
             self.operator.ask("POST", f"/api/v1/runs/{run}/abort")
@@ -99,7 +107,7 @@ class Orders(GatewayCase):
         self.assertEqual((again.status, again.json["run"], again.headers["Idempotent-Replay"]), (200, run, "true"))
         self.assertTrue(again.json["tasks"])
         wrong = {"scenario": {"name": "wrong", "tasks": [{**one, "skill": "dance"} for one in tasks]}}
-        first, again = (self.operator.ask("POST", "/api/v1/runs", wrong, Idempotency_Key="long-refusal") for _ in range(2))
+        first, again = (self.post("/api/v1/runs", wrong, Idempotency_Key="long-refusal") for _ in range(2))
         self.assert_problem(first, 422)
         self.assertGreater(len(first.bytes), 4096)
         self.assertEqual((again.status, again.bytes, again.headers["Idempotent-Replay"]), (422, first.bytes, "true"))
@@ -114,29 +122,35 @@ class Orders(GatewayCase):
 
     def write_store(self, sql, rows):
         """Between two gateways: the one that runs stands still, and is killed."""
-        os.kill(self.fleet.pid(CLOUD, "cloud-gateway"), signal.SIGSTOP)
-        with contextlib.closing(sqlite3.connect(self.fleet.dir(CLOUD) / "state/gateway.db")) as store, store:
-            store.executemany(sql, rows)
+        pid = self.fleet.pid(CLOUD, "cloud-gateway")
+
+        def written():
+            os.kill(pid, signal.SIGSTOP)
+            try:
+                with contextlib.closing(sqlite3.connect(self.fleet.dir(CLOUD) / "state/gateway.db", timeout=1)) as store, store:
+                    return store.executemany(sql, rows)
+            except sqlite3.OperationalError:  # it stands amid a write of its own
+                os.kill(pid, signal.SIGCONT)
+        self.fleet.wait("the store is written", written, WAIT_S)
         self.kill_gateway()
         self.fleet.wait("the robot is shown online", self.is_online, WAIT_S)
 
     def test_a_stop_is_ordered_though_no_further_key_is_kept(self):
         kept = [(who, f"filler-{i}") for who, count in (("a", 5000), ("b", 5000), ("c", 5000), ("d", 4980), ("olga", 20))
                 for i in range(count)]
-        self.addCleanup(self.operator.ask, "POST", f"/api/v1/robots/{ROBOT}/release")
+        self.addCleanup(self.order, "release")
         self.addCleanup(self.write_store, "DELETE FROM requests WHERE key LIKE ?", [("filler-%",)])
         self.write_store("INSERT INTO requests(user, key, digest, effect, since, status, body) VALUES(?, ?, x'00', '', ?, 200, x'7b7d')",
                          [(*one, time.time_ns()) for one in kept])
         refused = self.operator.ask("POST", f"/api/v1/robots/{ROBOT}/release", Idempotency_Key="no-room")
         self.assert_problem(refused, 429, "queue_full")
         for key in ("no-room", "filler-0"):  # the other one was used for something else
-            stopped = self.operator.ask("POST", "/api/v1/stop", Idempotency_Key=key)
-            self.assertEqual(stopped.status, 200, stopped.bytes)
+            stopped = self.order("stop", path="/api/v1/", Idempotency_Key=key)
             self.assertEqual([one["state"] for one in stopped.json["robots"]], ["confirmed"])
 
     def test_a_stop_of_one_robot_waits_for_no_list_of_the_fleet(self):
         stop, pid = f"/api/v1/robots/{ROBOT}/stop", self.fleet.pid(CLOUD, "cloud-gateway")
-        self.addCleanup(self.operator.ask, "POST", f"/api/v1/robots/{ROBOT}/release")
+        self.addCleanup(self.order, "release")
 
         def first_answer():
             with contextlib.suppress(OSError, http.client.HTTPException):
@@ -151,15 +165,13 @@ class Orders(GatewayCase):
         self.assert_problem(self.operator.ask("POST", "/api/v1/robots/nobody/stop"), 404, "missing")
 
     def test_a_stop_with_the_key_of_an_earlier_one_is_ordered_again(self):
-        stop, release = (f"/api/v1/robots/{ROBOT}/{word}" for word in ("stop", "release"))
-        self.addCleanup(self.operator.ask, "POST", release)
+        self.addCleanup(self.order, "release")
         for _ in range(2):
-            stopped = self.operator.ask("POST", stop, Idempotency_Key="stop-again")
-            self.assertEqual((stopped.status, stopped.json["robots"][0]["state"]), (200, "confirmed"), stopped.bytes)
+            stopped = self.order("stop", Idempotency_Key="stop-again")
             self.assertNotIn("Idempotent-Replay", stopped.headers)
             self.fleet.wait("it is shown as stopped", lambda: self.viewer.ask(
                 "GET", f"/api/v1/robots/{ROBOT}").json["content"]["fenced"], WAIT_S)
-            self.assertEqual(self.operator.ask("POST", release).status, 200)
+            self.order("release")
             self.fleet.wait("it is shown as released", lambda: not self.viewer.ask(
                 "GET", f"/api/v1/robots/{ROBOT}").json["content"]["fenced"], WAIT_S)
 
@@ -170,8 +182,7 @@ class Orders(GatewayCase):
         go_on()
         self.assertEqual(self.orders("stop")[:2], [f"not confirmed by 1 of 1: {ROBOT} sent", "begins"])
         # In the moment after its stall it takes what is as old as that for late.
-        self.fleet.wait("it is released", lambda: self.operator.ask(
-            "POST", f"/api/v1/robots/{ROBOT}/release").json["robots"][0]["state"] == "confirmed", WAIT_S)
+        self.order("release")
         self.assertEqual(self.orders("release")[0], "done")
 
     def test_what_nobody_can_be_told_does_not_begin(self):
@@ -201,7 +212,9 @@ class Orders(GatewayCase):
             self.fleet.wait("it is not heard", lambda p=path: self.viewer.ask("GET", p).json["live"] == "not_heard", WAIT_S)
             lost = self.viewer.ask("GET", path, If_None_Match=tag)
             self.assertEqual((lost.status, lost.json["live"]), (200, "not_heard"), path)
-            self.assertEqual(self.viewer.ask("GET", path, If_None_Match=lost.headers["ETag"]).status, 304, path)
+            # What the cloud's router tells of it may come a moment later.
+            self.fleet.wait("it has not changed again", lambda p=path: self.viewer.ask(
+                "GET", p, If_None_Match=self.viewer.ask("GET", p).headers["ETag"]).status == 304, WAIT_S)
 
     def test_a_release_that_reached_nobody_is_tried_anew_with_its_key(self):
         release, more = f"/api/v1/robots/{ROBOT}/release", {"Idempotency_Key": "reach-nobody"}
@@ -216,8 +229,7 @@ class Orders(GatewayCase):
             self.assertNotIn("Idempotent-Replay", nobody.headers)
         os.kill(pid, signal.SIGCONT)
         self.fleet.wait("the robot is online", self.is_online, WAIT_S)
-        self.fleet.wait("it is released without a key", lambda: self.operator.ask(
-            "POST", release).json["robots"][0]["state"] == "confirmed", 3 * WAIT_S)
+        self.order("release")  # without a key
         anew = self.operator.ask("POST", release, **more)
         self.assertEqual((anew.json["robots"][0]["state"], "Idempotent-Replay" in anew.headers), ("confirmed", False))
         self.assertEqual(self.operator.ask("POST", release, **more).headers["Idempotent-Replay"], "true")
@@ -242,7 +254,7 @@ class Orders(GatewayCase):
         pool = concurrent.futures.ThreadPoolExecutor(1)
         self.addCleanup(pool.shutdown)
         answer = pool.submit(ask)
-        self.fleet.wait("that it begins is on record", lambda: self.newest() > before, 2)
+        self.fleet.wait("that it begins is on record", lambda: self.newest() > before, WAIT_S)
         return (lambda: os.kill(pid, signal.SIGCONT)), lambda: answer.result(WAIT_S)
 
     def newest(self):
@@ -256,44 +268,59 @@ class Orders(GatewayCase):
                 if one["action"] == f"POST /api/v1/robots/{{robot}}/{word}" or
                 (one["action"] == "unanswered" and one["about"] == f"/api/v1/robots/{{robot}}/{word} {ROBOT}")]
 
+    def told_to_end_under(self, word):
+        """The answer to an order under way when the gateway is told to end, once there is the next one."""
+        go_on, answer = self.under_way(word)
+        pid = self.fleet.pid(CLOUD, "cloud-gateway")
+
+        def is_next():
+            return self.fleet.pid(CLOUD, "cloud-gateway") not in (None, pid)
+        os.kill(pid, signal.SIGTERM)
+        self.fleet.wait("it is not there for others any more", lambda: is_next() or not self.is_ready(), WAIT_S)
+        go_on()
+        told = answer()
+        self.fleet.wait("another gateway", lambda: is_next() and self.is_ready(), WAIT_S)
+        return told
+
     def test_what_is_under_way_when_the_gateway_is_told_to_end_is_answered_and_on_record(self):
         for word in ("stop", "release"):
-            go_on, answer = self.under_way(word)
-            pid = self.fleet.pid(CLOUD, "cloud-gateway")
-            os.kill(pid, signal.SIGTERM)
-            self.fleet.wait("it is not there for others any more", lambda: not self.is_ready(), 2)
-            go_on()
-            told = answer()
-            self.assertIsNotNone(told, "the connection was cut")
+            for _ in range(MOST_TRIED):
+                told = self.told_to_end_under(word)
+                self.assertIsNotNone(told, "the connection was cut")
+                if told.json["robots"][0]["state"] != "sent":
+                    break
+                self.fleet.wait("the robot is shown online", self.is_online, WAIT_S)
             self.assertEqual((told.status, told.json["robots"][0]["state"]), (200, "confirmed"), told.bytes)
-            self.fleet.wait("another gateway", lambda: self.fleet.pid(CLOUD, "cloud-gateway") not in (None, pid) and
-                            self.is_ready(), WAIT_S)
             self.assertEqual(self.orders(word)[:2], ["done", "begins"])
             self.fleet.wait("the robot is shown online", self.is_online, WAIT_S)
 
-    def test_what_is_under_way_when_the_gateway_is_killed_is_on_record(self):
-        for word, again in (("stop", 200), ("release", 503)):
-            more = {"Idempotency_Key": f"killed-{word}"}
-            go_on, answer = self.under_way(word, **more)
+    def killed_under(self, key, hold):
+        """The key of an order that hold() begins, and that was under way when the gateway was killed."""
+        for i in range(MOST_TRIED):
+            more = {"Idempotency_Key": f"{key}-{i}"}
+            go_on, answer = hold(**more)
             self.kill_gateway()
             go_on()
-            self.assertIsNone(answer())
+            if answer() is None:
+                return more
+            self.fleet.wait("the robot is shown online", self.is_online, WAIT_S)
+        self.fail("each was answered before the gateway was killed")
+
+    def test_what_is_under_way_when_the_gateway_is_killed_is_on_record(self):
+        for word, again in (("stop", 200), ("release", 503)):
+            more = self.killed_under(f"killed-{word}", functools.partial(self.under_way, word))
             self.assertEqual(self.orders(word)[:2], ["not confirmed", "begins"])
             self.fleet.wait("the robot is shown online", self.is_online, WAIT_S)
             repeated = self.operator.ask("POST", f"/api/v1/robots/{ROBOT}/{word}", **more)
             self.assertEqual(repeated.status, again, "of a stop alone nothing has to be known")
-        self.assertEqual(self.operator.ask("POST", f"/api/v1/robots/{ROBOT}/release").status, 200)
+        self.order("release")
 
     def test_who_looks_whether_it_was_done_is_told_what_to_look_for(self):
         for service, path, body, effect in (
                 ("scheduler", "/api/v1/runs", {"scenario": SCENARIO}, "start of a run of scenario 'short'"),
                 ("resilience", "/api/v1/alerts/0123456789abcdef/decision", {"verdict": "skip"},
                  "decision on alert 0123456789abcdef: skip")):
-            more = {"Idempotency_Key": f"look-{service}"}
-            go_on, answer = self.held(CLOUD, service, path, body, **more)
-            self.kill_gateway()
-            go_on()
-            self.assertIsNone(answer())
+            more = self.killed_under(f"look-{service}", functools.partial(self.held, CLOUD, service, path, body))
             last = self.admin.ask("GET", "/api/v1/audit?limit=1&who=olga").json["records"][0]
             self.assertEqual((last["action"], last["about"], last["outcome"]), ("unanswered", effect, "not confirmed"))
             repeated = self.operator.ask("POST", path, body, **more)

@@ -44,8 +44,7 @@ class Settings(GatewayCase):
         self.assertEqual(json.loads(text)["policy"]["max_moves"], 3)
         self.assertEqual(self.path.stat().st_mode & 0o777, 0o640)
         self.assertEqual(self.fleet.json("check", self.fleet.dir(CLOUD))["faults"], [])
-        services = {one["service"]: one["state"] for one in self.admin.ask("GET", "/api/v1/services").json["services"]}
-        self.assertEqual(services["resilience"], "up")
+        self.wait_service("resilience")
 
     def test_criteria_and_minimums_keep_each_other(self):
         criteria = {"criteria": {"battery": {"weight": 3}, "distance": {"weight": 1},

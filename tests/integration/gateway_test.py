@@ -181,7 +181,7 @@ class Gateway(GatewayCase):
     # ---- the audit log
 
     def test_what_was_done_is_on_record_and_signed(self):
-        self.operator.ask("POST", f"/api/v1/robots/{ROBOT}/release")
+        self.order("release")
         records = self.admin.ask("GET", "/api/v1/audit?limit=1000").json["records"]
         newest = records[0]
         self.assertEqual((newest["who"], newest["action"], newest["about"], newest["outcome"]),
@@ -195,7 +195,7 @@ class Gateway(GatewayCase):
     def test_a_third_party_verifies_the_exported_log_with_the_fleets_public_key(self):
         self.assertEqual(self.viewer.ask("GET", "/api/v1/audit/export").status, 403)
         self.assert_problem(self.admin.ask("GET", "/api/v1/audit/export?from=x"), 422, "bad_value")
-        self.operator.ask("POST", f"/api/v1/robots/{ROBOT}/release")
+        self.order("release")
         self.fleet.wait("a signed head", lambda: self.admin.ask("GET", "/api/v1/audit/head").json["signed_to"] > 0, WAIT_S)
         export = self.admin.ask("GET", "/api/v1/audit/export")
         self.assertEqual(export.headers["Content-Type"], "application/x-ndjson")

@@ -143,17 +143,17 @@ class Work(GatewayCase):
         return (client or self.operator).ask("POST", f"{SCENARIOS}/preflight", scenario or SCENARIO)
 
     def test_a_preflight_asks_the_robots(self):
-        done = self.preflight()
-        self.assertEqual((done.status, done.json["ready"], done.json["faults"]), (200, True, []), done.bytes)
+        # A robot has 3 s to answer, which a stalled machine uses up.
+        done = self.post(f"{SCENARIOS}/preflight", SCENARIO, good=lambda answer: answer.json.get("ready"))
+        self.assertEqual((done.status, done.json["faults"]), (200, []), done.bytes)
         robot, = done.json["robots"]
         self.assertEqual((robot["robot"], robot["tasks"], robot["answers"], robot["why"]), (ROBOT, ["go"], True, []))
         self.assertLess(robot["answer_ms"], 3000)
 
     def test_a_preflight_tells_what_would_keep_the_run_from_beginning(self):
-        self.addCleanup(self.operator.ask, "POST", f"/api/v1/robots/{ROBOT}/release")
-        self.operator.ask("POST", f"/api/v1/robots/{ROBOT}/stop")
-        self.fleet.wait("the stop is told", lambda: not self.preflight().json["ready"], WAIT_S)
-        self.assertIn("stopped", self.preflight().json["robots"][0]["why"][0])
+        self.addCleanup(self.order, "release")
+        self.order("stop")
+        self.fleet.wait("the stop is told", lambda: any("stopped" in one for one in self.preflight().json["robots"][0]["why"]), WAIT_S)
         condition = {"sensor": "temperature", "of": SPARE, "op": ">", "value": 20, "unit": "degC"}
         guarded = {**SCENARIO, "tasks": [{**SCENARIO["tasks"][0], "robot": SPARE, "when": condition}]}
         sensor, = self.preflight(guarded).json["sensors"]
@@ -163,7 +163,7 @@ class Work(GatewayCase):
     def test_a_preflight_of_what_has_faults_names_them_all_and_asks_nobody(self):
         wrong = {"name": "wrong", "tasks": [{"id": "a", "robot": "nobody", "skill": "go_to"},
                                             {"id": "b", "robot": ROBOT, "skill": "dance"}]}
-        done = self.preflight(wrong).json
+        done = self.post(f"{SCENARIOS}/preflight", wrong).json  # 503 while the cloud's router gathers the fleet
         self.assertEqual((done["ready"], done["robots"]), (False, []))
         self.assertLessEqual({"/tasks/0/robot", "/tasks/1/skill"}, {one["pointer"] for one in done["faults"]})
         self.assertFalse(self.preflight({"name": "half", "tasks": []}).json["ready"])
@@ -177,11 +177,11 @@ class Work(GatewayCase):
 
     def open_alert(self):
         """The robot cannot drive any more, and a run needs it."""
-        self.addCleanup(self.operator.ask, "POST", f"/api/v1/robots/{ROBOT}/repaired")
+        self.addCleanup(self.post, f"/api/v1/robots/{ROBOT}/repaired")
         self.fleet.trb("robot", "fault", ROBOT, "mobile", "--text", "wheel is off", node=CLOUD)
         run = self.operator.ask("POST", "/api/v1/runs", {"scenario": SCENARIO})
         self.assertEqual(run.status, 201, run.bytes)
-        self.addCleanup(self.operator.ask, "POST", f"/api/v1/runs/{run.json['run']}/abort")
+        self.addCleanup(self.post, f"/api/v1/runs/{run.json['run']}/abort")
 
         def of_run():
             return [row for row in self.viewer.ask("GET", "/api/v1/alerts").json["items"]
@@ -192,10 +192,11 @@ class Work(GatewayCase):
     def test_an_alerts_candidates_by_other_weights(self):
         alert = self.open_alert()
         self.assertEqual({one["robot"] for one in alert["proposals"]}, {SPARE, "turtlebot"})
-        by_place = self.rank(alert["id"], {"weights": {"distance": 1}})
+        # The robots have 2 s to answer, which a stalled machine uses up.
+        by_place = self.post(f"/api/v1/alerts/{alert['id']}/ranking", {"weights": {"distance": 1}},
+                             good=lambda answer: answer.json.get("complete"))
         self.assertEqual(by_place.status, 200, by_place.bytes)
         self.assertEqual([one["weight"] for one in by_place.json["weights"]], [0, 1, 0])
-        self.assertTrue(by_place.json["complete"])
         self.assertAlmostEqual(sum(one["score"] for one in by_place.json["proposals"]), 1)
         self.assertEqual({one["robot"] for one in by_place.json["proposals"]}, {SPARE, "turtlebot"})
         judged = self.rank(alert["id"], {"judgments": [["battery", "distance", 9], ["distance", "availability", 9],
@@ -222,7 +223,7 @@ class Work(GatewayCase):
 
     def finished_run(self):
         run = self.operator.ask("POST", "/api/v1/runs", {"scenario": SCENARIO}).json["run"]
-        self.fleet.wait("the run is over", lambda: self.viewer.ask("GET", f"/api/v1/runs/{run}").json["state"] == "FINISHED",
+        self.fleet.wait("the run is over", lambda: self.viewer.ask("GET", f"/api/v1/runs/{run}").json.get("state") == "FINISHED",
                         WAIT_S)
         return run
 

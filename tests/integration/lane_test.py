@@ -166,7 +166,7 @@ class Lane(unittest.TestCase):
               f"them p50 {1e6 * statistics.median(loaded):.0f} us (x {ratio:.1f}), max {1e3 * max(loaded):.0f} ms; "
               f"{self.watch_arm.rise(('lane.', 'dropped.'))}, {self.watch.rise(('lane.', 'dropped.'))}", file=sys.stderr)
         self.assertLess(ratio, MOST_RATIO)
-        self.assertLess(max(loaded), 2)
+        support.assert_quick(self, loaded, 2)
         self.assertEqual(self.watch_arm.rise(("refused.", "cut.")) | self.watch.rise(("refused.", "cut.")), {})
 
     # ---- strangers
@@ -197,14 +197,14 @@ class Lane(unittest.TestCase):
 
     def test_connections_that_prove_nothing_are_bounded(self):
         """The 33rd of one source at a time: the inbox's door, with less room."""
-        held = [socket.create_connection((self.address, LANE_PORT), 2, ("127.0.163.200", 0)) for _ in range(33)]
+        held = [socket.create_connection((self.address, LANE_PORT), 20, ("127.0.163.200", 0)) for _ in range(33)]
         self.addCleanup(lambda: [one.close() for one in held])
         self.watch.wait_counted("refused.lane_source_blocked")
-        self.assertLess(self.arm.ask(TARGET), 2)
+        support.assert_quick(self, [self.arm.ask(TARGET) for _ in range(3)], 2)
         self.assertTrue(self.lane_is_there())
 
     def test_a_flood_of_the_lane_s_door_is_not_the_inbox_s(self):
-        held = [socket.create_connection((self.address, LANE_PORT), 2, (f"127.0.163.{number}", 0))
+        held = [socket.create_connection((self.address, LANE_PORT), 20, (f"127.0.163.{number}", 0))
                 for number in range(1, 9) for _ in range(20)]
         self.addCleanup(lambda: [one.close() for one in held])
         self.linked(self.belt)

@@ -127,7 +127,7 @@ class Limits(Pressure):
 
     def test_too_few_descriptors_to_start(self):
         child = self.start_router("belt", 200)
-        self.assertEqual(child.wait(10), 1)
+        self.assertEqual(child.wait(60), 1)
         words = child.stderr.read()
         self.assertIn("at most 200 open files are allowed, at least 256 are needed", words)
         self.assertIn("LimitNOFILE=", words)
@@ -146,8 +146,8 @@ class Limits(Pressure):
                 one.bind((source, 0))
                 one.connect_ex((self.fleet.address("belt"), PORT))
                 held.append(one)
-        most, end = 0, time.monotonic() + 3
-        while time.monotonic() < end:
+        most, begin = 0, time.monotonic()
+        while time.monotonic() < begin + (20 if most <= 68 else 3):
             most = max(most, len(os.listdir(f"/proc/{child.pid}/fd")))
             select.select([], [], [], 0.01)
         self.assertGreater(most, 68)

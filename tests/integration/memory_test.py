@@ -157,27 +157,28 @@ class Memory(unittest.TestCase):
         cat = self.joined("cat")
         scheduler = self.stop_process("scheduler")
         data = os.urandom(PICTURE)
-        sent, slowest, end = 0, 0.0, time.monotonic() + 5
+        sent, took, end = 0, [], time.monotonic() + 5
         while time.monotonic() < end:
             for size in (PICTURE, 60_000, PICTURE, 5_000):
                 cat.put("run_list", data[:size], type=wire.REQUEST)
                 sent += 1
             cat.hear()
+            cat.live()
             began = time.monotonic()
             dog.put("sensor_list", wire.pack([]), type=wire.REQUEST)
-            self.service.hear("sensor_list", 5)
-            slowest = max(slowest, time.monotonic() - began)
+            self.service.hear("sensor_list", 20)
+            took.append(time.monotonic() - began)
+            dog.live()
             self.look()
         self.assertGreater(sent, 5 * DESTINATION)
         self.assert_bounded(DESTINATION + REST)
         # All were refused by name, except what its budget, the kernel and its own queue hold.
-        cat.seal()
-        self.fleet.wait("Nacks", lambda: cat.hear() or sum(cat.nacks.values()) >= sent // 3, 10)
+        self.fleet.wait("Nacks", lambda: cat.hear() or cat.live() or sum(cat.nacks.values()) >= sent // 3, 60)
         self.assertEqual(set(cat.nacks), {"queue_full"})
-        self.fleet.wait("each refusal is told", lambda: cat.hear() or sum(cat.nacks.values()) ==
-                        self.watch.rise(("dropped.",))["dropped.queue_full"], 10)
-        print(f"{sent} sent, {sum(cat.nacks.values())} refused; another service heard within {slowest * 1000:.0f} ms", end=" ")
-        self.assertLess(slowest, 2)
+        self.fleet.wait("each refusal is told", lambda: cat.hear() or cat.live() or sum(cat.nacks.values()) ==
+                        self.watch.rise(("dropped.",))["dropped.queue_full"], 60)
+        print(f"{sent} sent, {sum(cat.nacks.values())} refused; another service heard within {max(took) * 1000:.0f} ms", end=" ")
+        support.assert_quick(self, took, 2)
         # A control message is small: it is queued behind what waits, and not refused.
         cat.say("run_list", wire.pack([]), type=wire.REQUEST)
         ident = cat.say("route_list", wire.pack([]), type=wire.REQUEST)

@@ -20,7 +20,7 @@ class Client:
     """As with the maker's robot: basic sign-in with the password's hash."""
 
     def __init__(self, address, port, password=PASSWORD):
-        self.peer = http.client.HTTPConnection(address, port, timeout=5)
+        self.peer = http.client.HTTPConnection(address, port, timeout=60)
         self.headers = {"Authorization": "Basic " + base64.b64encode(b"distributor:" + password.encode()).decode(),
                         "Content-Type": "application/json"}
 

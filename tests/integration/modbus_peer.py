@@ -32,8 +32,7 @@ class Client:
     """Sends given bytes unchanged."""
 
     def __init__(self, address, port):
-        self.peer = socket.create_connection((address, port), 5)
-        self.peer.settimeout(5)
+        self.peer = socket.create_connection((address, port), 60)
 
     def __enter__(self):
         return self

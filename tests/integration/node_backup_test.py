@@ -107,7 +107,10 @@ class Backup(unittest.TestCase):
         # Its PC is lost; what was kept goes onto a new one.
         self.stop_node(ROBOT, signal.SIGKILL)
         lose(self.fleet, ROBOT)
-        self.assertIn("made ", self.restore(file, self.fleet.dir(ROBOT)).stdout)
+        said = self.restore(file, self.fleet.dir(ROBOT)).stdout
+        self.assertIn("made ", said)
+        self.assertIn(f"trb robot repaired {ROBOT}", said)
+        self.assertNotIn("sign in", said)
         self.assertEqual(self.serial_of(self.fleet.dir(ROBOT)), old)
         self.start_node(ROBOT)
         self.assertGreater(self.boot(self.fleet.dir(ROBOT)), before)
@@ -167,17 +170,68 @@ class Backup(unittest.TestCase):
 class Cloud(gateway_case.GatewayCase):
     block, udp_port = 252, 50253
 
+    def backup_of_the_stopped_cloud(self, how):
+        self.fleet.nodes.pop(CLOUD).stop(how)
+        file = support.temporary_folder(self) / "cloud.backup"
+        folder = self.fleet.dir(CLOUD)
+        self.fleet.wait("its router ends", lambda: self.fleet.trb("node", "backup", folder, file, check=False).returncode == 0, 60)
+        return file
+
+    def start_cloud(self):
+        self.fleet.start_node(CLOUD)
+        self.fleet.wait("the gateway is ready", self.is_ready, 60)
+        self.assertEqual(self.admin.sign_in("admin", ADMIN).status, 201)
+
+    def users(self):
+        return {one["name"] for one in self.admin.ask("GET", "/api/v1/users").json["users"]}
+
+    def exported(self, name):
+        path = support.temporary_folder(self) / name
+        path.write_bytes(self.admin.ask("GET", "/api/v1/audit/export").bytes)
+        return path
+
+    def verify(self, *files):
+        return self.fleet.trb("audit", "verify", *files, "--fleet", self.fleet.authority_dir(), check=False)
+
+    def test_a_restore_is_on_record_and_the_log_of_before_parts_from_that_of_after(self):
+        user = {"name": "mallory", "role": "operator", "password": gateway_case.GOOD}
+        self.assertEqual(self.admin.ask("POST", "/api/v1/users", user).status, 201)
+        file = self.backup_of_the_stopped_cloud(signal.SIGTERM)
+        self.start_cloud()
+        self.assertEqual(self.admin.ask("DELETE", "/api/v1/users/mallory").status, 204)
+        before = self.exported("before.jsonl")
+        self.assertEqual(self.verify(before).returncode, 0)
+        self.fleet.nodes.pop(CLOUD).stop(signal.SIGKILL)
+        lose(self.fleet, CLOUD)
+        said = self.fleet.trb("node", "restore", file, self.fleet.dir(CLOUD)).stdout
+        self.assertIn("who was removed, locked or given less since is there again", said)
+        self.assertNotIn("its robot", said)
+        self.start_cloud()
+        self.assertIn("mallory", self.users())
+        after = self.exported("after.jsonl")
+        records = [line["record"] for line in map(json.loads, after.read_text().splitlines()) if "record" in line]
+        restored = next(one for one in records if one["action"] == "restored")
+        self.assertEqual(restored["who"], "console")
+        self.assertGreater(restored["number"], 1_700_000_000_000)  # its time in ms
+        self.assertEqual(records[records.index(restored) + 1]["number"], restored["number"] + 1)
+        alone = self.verify(after)
+        self.assertEqual(alone.returncode, 0, alone.stdout)
+        self.assertIn("restored from the backup of", alone.stdout)
+        both = self.verify(before, after)
+        self.assertEqual(both.returncode, 1, both.stdout)
+        self.assertIn("logs 1 and 2 PART after record", both.stdout)
+        self.assertIn("console: restored", both.stdout)
+
     def test_nobody_is_signed_in_on_the_new_pc(self):
         made = self.admin.ask("POST", "/api/v1/tokens", {"name": "shop", "role": "viewer", "days": 1})
         self.assertEqual(made.status, 201, made.bytes)
         token = made.json["secret"]
         self.assertEqual(self.client(token).ask("GET", "/api/v1/robots").status, 200)
-        self.fleet.nodes.pop(CLOUD).stop(signal.SIGKILL)
-        file = support.temporary_folder(self) / "cloud.backup"
-        folder = self.fleet.dir(CLOUD)
-        self.fleet.wait("its router ends", lambda: self.fleet.trb("node", "backup", folder, file, check=False).returncode == 0, 60)
+        file = self.backup_of_the_stopped_cloud(signal.SIGKILL)
         lose(self.fleet, CLOUD)
-        self.fleet.trb("node", "restore", file, folder)
+        said = self.fleet.trb("node", "restore", file, self.fleet.dir(CLOUD)).stdout
+        self.assertIn("sign in again", said)
+        self.assertNotIn("trb robot", said)
         self.fleet.start_node(CLOUD)
         self.fleet.wait("the gateway is ready", self.is_ready, 60)
         self.assertEqual(self.admin.ask("GET", "/api/v1/robots").status, 401)

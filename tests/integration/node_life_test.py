@@ -3,6 +3,8 @@
 Addresses 127.0.240.x.
 """
 import json
+import os
+import pwd
 import socket
 import subprocess
 import unittest
@@ -27,6 +29,7 @@ class OneNode(trb_fleet.Fleet):
 
 class NodeLife(unittest.TestCase):
     def make(self, below="", services=("router", "scheduler")):
+        support.hold_blocks(BLOCK, BLOCK + 1)
         folder = support.temporary_folder(self)
         fleet = OneNode(folder / below / "fleet", list(services))
         fleet.make()
@@ -41,7 +44,7 @@ class NodeLife(unittest.TestCase):
         done = self.up(fleet)
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         self.assertIn("cloud: ready (pid ", done.stdout)
-        self.assertEqual({one["state"] for one in fleet.services("cloud").values()}, {"up"})
+        fleet.wait("all are up", lambda: {one["state"] for one in fleet.services("cloud").values()} == {"up"}, 60)
         again = self.up(fleet)
         self.assertNotEqual(again.returncode, 0)
         self.assertIn("is up already", again.stderr)
@@ -71,10 +74,66 @@ class NodeLife(unittest.TestCase):
         node = json.loads(path.read_text())
         node["own_services"] = {"never-there": "/bin/false"}
         path.write_text(json.dumps(node))
-        done = self.up(fleet, "--timeout", "10")  # the others have to be up by then
+        for seconds in (10, 30, 60):  # the others have to be up by then
+            done = self.up(fleet, "--timeout", seconds)
+            if "not up: never-there" in done.stderr:
+                break
+            fleet.trb("down", fleet.dir("cloud"), check=False)
         self.assertEqual(done.returncode, 1)
         self.assertIn("is not ready: not up: never-there", done.stderr)
         self.assertIn("trb down", done.stderr)
+
+    def test_ready_says_which_service_waits(self):
+        fleet = self.make()
+        (fleet.dir("cloud") / "state/journal.db").mkdir(parents=True)  # nobody can open it, root neither
+        done = self.up(fleet)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("cloud: ready, but scheduler waits: ", done.stdout)
+        self.assertIn("journal.db", done.stdout)
+        fleet.trb("down", fleet.dir("cloud"))
+        self.assertIn("scheduler waits: ", json.loads(self.up(fleet, "--json").stdout)["notes"][0])
+
+    def test_its_words_do_not_fill_the_disk(self):
+        fleet = self.make()
+        self.up(fleet)
+        log = fleet.dir("cloud") / "log/up.log"
+        with open(log, "a") as words:
+            words.write("x" * 2_000_000)
+        fleet.wait("it is emptied while the node runs", lambda: log.stat().st_size < 1_000_000, 60)
+        self.assertGreaterEqual(log.with_name("up.log.1").stat().st_size, 2_000_000)
+
+    def test_a_folder_that_others_may_write_has_a_fault(self):
+        fleet = self.make()
+        folder = fleet.dir("cloud")
+        self.assertEqual(fleet.trb("check", folder, check=False).stderr, "")
+        for path, mode in ((folder / "keys", 0o777), (folder / "state", 0o777), (folder / "node.json", 0o666)):
+            with self.subTest(path.name):
+                path.mkdir(exist_ok=True) if path.name == "state" else None
+                before = path.stat().st_mode & 0o777
+                path.chmod(mode)
+                done = fleet.trb("check", folder, check=False)
+                self.assertEqual(done.returncode, 1)
+                self.assertIn("other users may write there", done.stderr)
+                self.assertIn(f"chmod go-w {folder.resolve()}/{path.name}", done.stderr)
+                path.chmod(before & ~0o022)
+
+    @unittest.skipIf(os.geteuid(), "only root can leave files of root")
+    def test_root_leaves_no_files_in_the_folder_of_another_user(self):
+        fleet = self.make()
+        folder = fleet.dir("cloud")
+        (folder / "state").mkdir(exist_ok=True)
+        nobody = pwd.getpwnam("nobody")
+        for path in (folder, *folder.rglob("*")):
+            os.chown(path, nobody.pw_uid, nobody.pw_gid)
+        done = self.up(fleet)
+        self.assertEqual(done.returncode, 1, done.stdout)
+        self.assertIn("not_permitted", done.stderr)
+        self.assertIn(f"runuser -u nobody -- trb up {folder.resolve()}", done.stderr)
+        self.assertEqual([path for path in folder.rglob("*") if path.stat().st_uid == 0], [])
+        (folder / "state/news").write_bytes(b"")
+        said = fleet.trb("check", folder, check=False).stderr
+        self.assertIn("state/news: of root, and the services run as nobody", said)
+        self.assertIn("chown -R --reference=", said)
 
     def test_reload_starts_what_was_added_and_ends_what_was_taken_out(self):
         fleet = self.make()
@@ -170,6 +229,26 @@ class Logs(unittest.TestCase):
         self.write("router", "2026-03-01T12:00:00.007Z info router g")
         wait_last("g")
         self.assertEqual([line[-1] for line in out.read_text().splitlines()], ["b", "a", "d", "f", "g"])
+
+
+    def test_a_log_that_logrotate_has_moved_is_named(self):
+        (self.logs / "router.log").rename(self.logs / "router.log.1")
+        done = subprocess.run([support.PROGRAMS / "trb", "logs", self.dir, "router"], capture_output=True, text=True, timeout=30)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("router.log.1: something has moved it away", done.stderr)
+        self.assertIn("logrotate", done.stderr)
+
+    def test_a_log_that_was_emptied_is_followed_from_its_beginning(self):
+        out = self.dir / "out"
+        with open(out, "w") as to:
+            child = subprocess.Popen([support.PROGRAMS / "trb", "logs", self.dir, "up", "--follow"], stdout=to,
+                                     preexec_fn=trb_fleet.end_with_parent)
+        self.addCleanup(child.wait)
+        self.addCleanup(child.kill)
+        self.assertIsNotNone(wait_until(lambda: "starting it again" in out.read_text(), 30), out.read_text())
+        os.truncate(self.logs / "up.log", 0)
+        self.write("up", "cloud: h")
+        self.assertIsNotNone(wait_until(lambda: out.read_text().endswith("cloud: h\n"), 30), out.read_text())
 
 
 class Wire(unittest.TestCase):

@@ -64,6 +64,7 @@ class Metrics(unittest.TestCase):
         self.assertIn('trb_node_info{node="ant",role="cloud",version="', text)
         self.fleet.wait("its scheduler is up", lambda: self.value("ant", 'trb_node_service_up{service="scheduler"}') == 1, 60)
         self.assertGreater(self.value("ant", 'trb_node_events_total{event="sent",about="hello"}'), 0)
+        self.assertGreater(self.value("ant", "trb_node_disk_free_bytes"), 0)
         self.assertGreater(self.value("ant", "trb_node_certificate_ends_seconds"), 1_700_000_000)
         self.assertEqual(self.value("ant", "trb_node_boot"), int((self.fleet.dir("ant") / "state/boot").read_text()))
         for line in text.splitlines():
@@ -89,6 +90,18 @@ class Metrics(unittest.TestCase):
         database.rmdir()
         kept.rename(database)
         self.fleet.wait("it works again", lambda: self.value("bee", noted) == 0, 60)
+
+    def test_an_address_that_is_taken_is_noted(self):
+        path = self.fleet.dir("bee") / "metrics.json"
+        kept = path.read_text()
+        path.write_text(json.dumps({"listen": f"127.0.0.1:{self.fleet.ports['ant']}"}))
+        self.fleet.trb("reload", self.fleet.dir("bee"))
+        note = lambda: self.fleet.services("bee")["router"]["note"]
+        said = lambda words: lambda: (self.fleet.trb("service", "list", node="bee", check=False).returncode == 0) and words(note())
+        self.fleet.wait("it says so", said(lambda now: "no metrics, and Prometheus takes the node for gone" in now), 60)
+        path.write_text(kept)
+        self.fleet.trb("reload", self.fleet.dir("bee"))
+        self.fleet.wait("it is mended", said(lambda now: "no metrics" not in now), 60)
 
     def test_a_page_under_another_name_is_told_nothing(self):
         self.assertEqual(get(self.fleet.ports["ant"], "/metrics", Host="evil.example")[0], 403)

@@ -79,7 +79,7 @@ class OutOfUse(unittest.TestCase):
             profile = next(route for route in routes if route["id"] == ROBOT)["profile"]
             return profile["robot"], profile["detail"]
 
-        self.assertEqual(told()[0], "ONLINE")
+        self.fleet.wait("it is online", lambda: told()[0] == "ONLINE", 60)
         program = self.fleet.programs / "trb-mode-adapter"
         real = program.readlink()
         program.unlink()  # as after a fault of the disk: its supervisor starts it again and again, in vain
@@ -147,6 +147,29 @@ class OutOfUse(unittest.TestCase):
         shown = self.fleet.trb("run", "show", run[:8], node=ROBOT).stdout
         self.assertIn("FINISHED", shown)
         self.assertIn("load", shown)
+
+    def test_the_cloud_says_what_keeps_a_robot_from_its_task_and_what_cures_it(self):
+        path = support.temporary_folder(self) / "s.json"
+        path.write_text(json.dumps({"name": "s", "tasks": [
+            {"id": "go", "robot": ROBOT, "skill": "go_to", "data": {"place": "dock"}}]}))
+        self.addCleanup(self.fleet.trb, "release", ROBOT, node=CLOUD, check=False)
+        self.fleet.trb("stop", ROBOT, node=CLOUD)
+        run = self.fleet.json("scenario", "run", path, node=CLOUD)["run"]
+
+        def wait_shown(words):
+            wanted = f"'{ROBOT}' to begin task 'go': {words}"
+            self.fleet.wait(wanted, lambda: (shown := self.fleet.json("run", "show", run, node=CLOUD))["waits_for"] == wanted
+                            and shown["tasks"][0]["waits_for"] == wanted, 30)
+            listed = self.fleet.json("run", "list", node=CLOUD)["runs"]
+            self.assertEqual([one["waits_for"] for one in listed if one["run"] == run], [wanted])
+
+        wait_shown("the robot is stopped until 'trb release'")
+        self.fleet.trb("robot", "retire", ROBOT, "--reason", "new wheels", "--person", "ann", node=CLOUD)
+        self.fleet.trb("release", ROBOT, node=CLOUD)
+        wait_shown("the robot is out of service: new wheels (ann); trb robot return takes it back")
+        self.fleet.trb("robot", "return", ROBOT, node=CLOUD)
+        self.fleet.wait("the run has FINISHED",
+                        lambda: self.fleet.json("run", "show", run, node=CLOUD)["state"] == "FINISHED", 60)
 
 
 if __name__ == "__main__":

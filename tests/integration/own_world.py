@@ -15,6 +15,7 @@ import skips
 INSIDE = "TRB_OWN_WORLD"
 LIBC = ctypes.CDLL(None, use_errno=True)
 MS_BIND = 4096
+MS_RDONLY, MS_REMOUNT = 1, 32
 SIOCSIFFLAGS, SIOCGIFFLAGS, IFF_UP = 0x8914, 0x8913, 1
 
 
@@ -70,6 +71,9 @@ class SmallDisk:
         subprocess.run(["cp", "-a", f"{aside}/.", self.folder], check=True)
         self.ballast = self.folder / "ballast"
         self.many = self.folder / "many"
+
+    def read_only(self):
+        mount("none", self.folder, "tmpfs", MS_REMOUNT | MS_RDONLY)
 
     def fill(self, but=0):
         """To the last byte, or until so many bytes are left."""

@@ -265,6 +265,48 @@ class Simulate(unittest.TestCase):
         under_way = trb(*words, "--robots", 3, "--tasks", 4, "--seconds", 10)
         self.assertEqual(under_way.returncode, 1, under_way.stdout)
         self.assertIn("cut off before its end: --seconds plays more of it", under_way.stdout)
+        self.assertNotIn("it is FINISHED", under_way.stdout)
+
+    def test_how_long_is_played_counts_from_the_submission_and_0_is_as_without_it(self):
+        words = ("simulate", "--protocol", "talkrobots", "--robots", 3, "--tasks", 4, "--seconds")
+        done = trb(*words, 12.1)  # the tasks take 12.05 s
+        self.assertEqual(done.returncode, 1, done.stdout)
+        self.assertIn("OPEN: 4 tasks in 12.0", done.stdout)
+        self.assertIn("The cloud has its end, it is FINISHED; nodes keep a run for a minute more", done.stdout)
+        self.assertIn("FINISHED", trb(*words, 75).stdout)
+        self.assertIn("FINISHED", trb(*words, 0).stdout)
+
+    def test_links_that_were_not_up_are_told(self):
+        words = ("simulate", "--protocol", "talkrobots", "--robots", 3, "--tasks", 4)
+        with tempfile.TemporaryDirectory() as folder:
+            faults = pathlib.Path(folder) / "faults.json"
+            faults.write_text('[{"kind": "cut", "node": "r0"}]')
+            told = trb(*words, "--seconds", 30, "--faults", faults).stdout
+            self.assertIn("Not all links were up: after 60", told)
+            self.assertNotIn("all links were up after", told)
+        whole = trb(*words)
+        self.assertIn("all links were up after", whole.stdout)
+        self.assertNotIn("Not all links", whole.stdout)
+
+    def test_what_went_wrong_is_told_and_which_faults_were_not_reached(self):
+        words = ("simulate", "--protocol", "talkrobots", "--robots", 3, "--tasks", 4)
+        with tempfile.TemporaryDirectory() as folder:
+            faults = pathlib.Path(folder) / "faults.json"
+            faults.write_text(json.dumps([
+                {"at": 100000, "kind": "fail", "node": "r0"}, {"kind": "disk", "node": "cloud", "commit_s": 0.01},
+                {"at": 2, "kind": "cut", "node": "r1", "other": "cloud", "way": "back"}, {"at": 3, "kind": "heal", "node": "r1"}]))
+            done = trb(*words, "--faults", faults)
+            self.assertEqual(done.returncode, 0, done.stdout)
+            self.assertRegex(done.stdout, r"Not reached: faults\[0\] at 100000 s\nWhat was played ends [\d.]+ s after")
+            self.assertRegex(done.stdout, r"from the start +disk +cloud\n2 s +cut +r1 - cloud, what r1 is sent\n3 s +heal +r1\n")
+            self.assertEqual(answer_of(*words, "--faults", faults)["world"]["not_reached"], [{"fault": 0, "at": 100000}])
+
+    def test_what_is_sent_over_time_ends_with_the_run(self):
+        words = ("simulate", "--protocol", "talkrobots", "--robots", 3, "--tasks", 4)
+        found = answer_of(*words)
+        self.assertEqual(len(found["over_time"]["messages"]), int(found["seconds"]) + 1)
+        self.assertEqual(sum(found["over_time"]["messages"]), found["messages"])
+        self.assertEqual(len(trb(*words, "--csv").stdout.splitlines()), int(found["seconds"]) + 2)
 
     def test_what_cannot_be_is_refused_by_name(self):
         for words, wanted in ((("--robots", 0), "robots"), (("--tasks", "many"), "--tasks: 'many'"), (("--faulty", 5), "faulty"),

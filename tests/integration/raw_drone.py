@@ -77,7 +77,7 @@ class Client:
     def hold(self, reference, motion="0,0,0,0,0"):
         self.state = [f"REF,{reference}", f"PCMD,{motion}"]
 
-    def wait(self, what, condition, timeout=10):
+    def wait(self, what, condition, timeout=60):
         """Waits for a matching navdata; the state is sent meanwhile."""
         end, next_state = time.monotonic() + timeout, 0
         while time.monotonic() < end:

@@ -145,6 +145,8 @@ class AFleetAsItIs(unittest.TestCase):
         table = self.simulate(*words, scenario=scenario).stdout
         self.assertRegex(table, r"\* d +ridgeback .* b; then 5\d\.\d s for something else")
         self.assertIn(", or waits less for something else", table)
+        self.assertRegex(table, r"AT +HAPPENED +WHERE\n2 s +cut +pioneer1\n60 s +heal +pioneer1\n")
+        self.assertNotIn("links were up", table)
 
     def test_one_seed_is_one_run(self):
         self.assertEqual(self.answer("--seed", 7), self.answer("--seed", 7))

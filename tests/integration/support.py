@@ -1,4 +1,5 @@
 """What the integration tests share: fleets in temporary folders, a node's log and counters read as differences."""
+import functools
 import json
 import os
 import pathlib
@@ -37,6 +38,33 @@ def hold_blocks(*blocks, seconds=300):
                 raise TimeoutError(f"127.0.{block}.x is held by {demo_place.in_words(demo_place.pid_of_holder(block))}")
 
 
+def assert_quick(case, times, most):
+    """But for the two slowest: a stall of the machine is one or two of them, what delays by itself delays more."""
+    times = sorted(times)
+    case.assertLess(times[-3:][0], most, times[-9:])
+    case.assertLess(times[-1], 20, times[-9:])
+
+
+def told_again(watch, most=3):
+    """Of a test: it is told anew, at most so many times, if it fails and what watch(case) has returned before it says that a
+    stall of the machine ended it, as it must."""
+    def decorate(story):
+        @functools.wraps(story)
+        def told(case):
+            for _ in range(most - 1):
+                has_stalled = watch(case)
+                try:
+                    return story(case)
+                except Exception:
+                    if not has_stalled():
+                        raise
+                case.doCleanups()
+                case.setUp()
+            return story(case)
+        return told
+    return decorate
+
+
 def adder_of(case):
     """How a test case or class is told what to do at its end."""
     return case.addClassCleanup if isinstance(case, type) else case.addCleanup
@@ -52,6 +80,7 @@ def temporary_folder(case):
 def make_fleet(case, kind=trb_fleet.Fleet, programs=PROGRAMS, **arguments):
     """A fleet in a temporary folder; it ends, and the folder goes, with the test case or class."""
     fleet = kind(temporary_folder(case) / "fleet", programs, **arguments)
+    fleet.patience_s = 30
     hold_blocks(fleet.block, fleet.block + 1)
     adder_of(case)(fleet.stop)
     fleet.make()
@@ -125,11 +154,12 @@ class Tap:
         command = [PROGRAMS / "trb", "tap", "--all", "--json", "--node", fleet.dir(node)]
         self.fleet = fleet
         self.child = trb_fleet.Process(command, fleet.root / f"tap-{node}.log")
+        fleet.listeners.append(self.child)
         self.child.wait_line("{", 60)
         self.start = 0
 
     def bodies(self, subtype):
-        self.child.pump(0)
+        self.child.drain()
         messages = [json.loads(line) for line in self.child.lines[self.start:] if f'"subtype":"{subtype}"' in line]
         return [message["body"] for message in messages]
 

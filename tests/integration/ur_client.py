@@ -7,7 +7,7 @@ import struct
 
 class Dashboard:
     def __init__(self, address, port):
-        self.link = socket.create_connection((address, port), 10)
+        self.link = socket.create_connection((address, port), 60)
         self.lines = self.link.makefile("r", newline="\n")
         self.greeting = self.lines.readline().rstrip("\n")
 
@@ -24,7 +24,7 @@ class Primary:
     """Packets of port 30001 or 30002; scripts are written to it."""
 
     def __init__(self, address, port):
-        self.link = socket.create_connection((address, port), 10)
+        self.link = socket.create_connection((address, port), 60)
         self.stream = self.link.makefile("rb")
 
     def send(self, script):
@@ -89,7 +89,7 @@ class Rtde:
              "UINT32": "I", "INT32": "i", "BOOL": "?", "UINT8": "B"}
 
     def __init__(self, address, port):
-        self.link = socket.create_connection((address, port), 10)
+        self.link = socket.create_connection((address, port), 60)
         self.stream = self.link.makefile("rb")
         self.version, self.outputs, self.inputs = 1, [], {}
 

@@ -49,7 +49,7 @@ class Controller(unittest.TestCase):
         return client
 
     def wait_answer(self, dashboard, line, wanted):
-        deadline = time.monotonic() + 20
+        deadline = time.monotonic() + 60
         while (answer := dashboard.ask(line)) != wanted:
             self.assertLess(time.monotonic(), deadline, f"{line}: {answer}")
         return answer
@@ -87,14 +87,21 @@ class Protection(Controller):
 
     def test_a_protective_stop_is_unlocked_after_5_s_and_not_before(self):
         dashboard, primary = self.dashboard(), self.primary()
-        self.robot.say("protective_stop")
-        self.wait_answer(dashboard, "safetystatus", "Safetystatus: PROTECTIVE_STOP")
-        self.assertEqual(dashboard.ask("close safety popup"), "closing safety popup")
-        refused = dashboard.ask("unlock protective stop")
+        for _ in range(3):  # a stalled machine uses them up
+            began = time.monotonic()
+            self.robot.say("protective_stop")
+            self.wait_answer(dashboard, "safetystatus", "Safetystatus: PROTECTIVE_STOP")
+            self.assertEqual(dashboard.ask("close safety popup"), "closing safety popup")
+            refused = dashboard.ask("unlock protective stop")
+            primary.send("set unlock protective stop")
+            status = dashboard.ask("safetystatus")
+            if time.monotonic() - began < 4:
+                break
+            self.robot.say("clear")
+            self.wait_answer(dashboard, "safetystatus", "Safetystatus: NORMAL")
         self.assertEqual(refused, "Cannot unlock protective stop until 5s after occurrence. Always inspect cause of protective "
                                   "stop before unlocking")
-        primary.send("set unlock protective stop")
-        self.assertEqual(dashboard.ask("safetystatus"), "Safetystatus: PROTECTIVE_STOP")
+        self.assertEqual(status, "Safetystatus: PROTECTIVE_STOP")
         self.wait_answer(dashboard, "unlock protective stop", "Protective stop releasing")
         self.assertEqual(dashboard.ask("safetystatus"), "Safetystatus: NORMAL")
 

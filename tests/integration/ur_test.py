@@ -82,7 +82,7 @@ class Case(unittest.TestCase):
             self.fleet.send(subtype)
         self.fleet.wait("the arm can move", lambda: self.fleet.mode() == "7", 60)
         self.start = len(self.lines())
-        self.tap.child.pump(0)
+        self.tap.child.drain()
         self.tap.start = len(self.tap.child.lines)
 
     def lines(self):

@@ -22,7 +22,7 @@ class Wire(unittest.TestCase):
         self.primary, self.secondary, self.dashboard = map(int, ready.split()[1:4])
 
     def dial(self, port):
-        link = socket.create_connection(("127.0.155.9", port), 5)
+        link = socket.create_connection(("127.0.155.9", port), 60)
         self.addCleanup(link.close)
         return link.makefile("rwb", buffering=0)
 

@@ -51,7 +51,13 @@ class Client:
                 out["X-CSRF-Token"] = self.csrf
         return out
 
-    def begin(self, method, path, body=None, **more):
+    def connect(self):
+        """A connection on which nothing was sent yet."""
+        connection = http.client.HTTPSConnection("localhost", self.port, context=self.tls, timeout=60)
+        connection.connect()
+        return connection
+
+    def begin(self, method, path, body=None, connection=None, **more):
         """Sends, and returns the connection and the body that were used. `more`: headers with '_' for '-'; None takes one
         away."""
         headers = self.headers(method not in ("GET", "HEAD"))
@@ -64,7 +70,7 @@ class Client:
             headers = {known: had for known, had in headers.items() if known.lower() != name.lower()}
             if value is not None:
                 headers[name] = value
-        connection = http.client.HTTPSConnection("localhost", self.port, context=self.tls, timeout=60)
+        connection = connection or http.client.HTTPSConnection("localhost", self.port, context=self.tls, timeout=60)
         try:
             connection.request(method, path, data, headers)
         except OSError:

@@ -74,10 +74,11 @@ void NodeFolder::sign(const std::string& id, Role role) const {
   REQUIRE(text.ok());
   const auto request = from_json<SignedRecord>(*text);
   REQUIRE(request.ok());
-  auto authority = make_authority(folder_.path + "/authority", "test", "a long passphrase");
+  const TemporaryFolder fleet;  // its key lies on no node
+  auto authority = make_authority(fleet.path + "/authority", "test", "a long passphrase");
   REQUIRE(authority.ok());
   const UtcTime today{1'800'000'000'000'000'000};
-  const auto file = sign_request(*authority, folder_.path + "/authority", *request, today, seconds(3600.0 * 24 * 3650));
+  const auto file = sign_request(*authority, fleet.path + "/authority", *request, today, seconds(3600.0 * 24 * 3650));
   REQUIRE(file.ok());
   REQUIRE(write_file(folder_.path + "/keys/certificate.json", certificate_file_to_json(*file)).ok());
 }

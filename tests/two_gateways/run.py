@@ -5,7 +5,6 @@ all of it up.
 Addresses 127.0.100.x, 127.0.101.x.
 """
 import concurrent.futures
-import json
 import os
 import pathlib
 import signal
@@ -22,38 +21,15 @@ import trb_fleet  # noqa: E402
 import gateway_client  # noqa: E402
 import gateway_contract  # noqa: E402
 import servers  # noqa: E402
+from two_clouds import CLOUDS, SECOND, TwoClouds  # noqa: E402
 from trb_fleet import CLOUD  # noqa: E402
 
-SECOND = "cloud2"
-CLOUDS = (CLOUD, SECOND)
 ROBOT = "pioneer1"
 DRIVEN = "pioneer2"  # by hand
 GOOD = "a good long password"
 SCENARIO = {"name": "short", "tasks": [{"id": "go", "robot": ROBOT, "skill": "go_to", "data": {"place": "dock"}}]}
 SIGNED_OUT_S = 1.0
 BACK_S = 3.0
-
-
-class TwoClouds(trb_fleet.Fleet):
-    def __init__(self, root, programs, database, authority, **more):
-        super().__init__(root, programs, **more)
-        self.node_names.append(SECOND)
-        self.ports = {CLOUD: self.gateway_port, SECOND: trb_fleet.free_port()}
-        self.proxy_port = trb_fleet.free_port()
-        self.database, self.authority = database, authority
-
-    def make_node(self, node):
-        super().make_node(node)
-        if node not in CLOUDS:
-            return
-        folder = self.dir(node)
-        settings = {"listen": f"127.0.0.1:{self.ports[node]}", "names": [f"localhost:{self.proxy_port}"],
-                    "database": self.database.url}
-        (folder / "cloud.json").write_text(json.dumps(settings) + "\n")
-        self.authority.issue(folder / "keys/gateway.crt", folder / "keys/gateway.key")
-        secret = folder / "keys/database.password"
-        secret.touch(mode=0o600)
-        secret.write_text(self.database.password + "\n")
 
 
 class TwoGateways(unittest.TestCase):

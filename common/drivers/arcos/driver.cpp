@@ -98,6 +98,7 @@ void ArcosDriver::halt(Token token, Now now, const DriverOut& out) {
 }
 
 Result<Token> ArcosDriver::stop(Now now, const DriverOut& out) {
+  const bool was_still = sip_ && sip_->is_still() && !journey_;
   end_journey("the robot was stopped", out);
   halting_.reset();
   if (!online()) return offline();
@@ -108,6 +109,7 @@ Result<Token> ArcosDriver::stop(Now now, const DriverOut& out) {
   told_at_ = now.mono;
   out.out.count("to_robot.stop");
   send(*words, now, out);
+  stood_ = was_still && (!stop_waits_ || stood_);
   stop_waits_ = ++last_ticket_;
   return last_ticket_;
 }
@@ -202,7 +204,7 @@ void ArcosDriver::go_on(Now now, const DriverOut& out) {
 void ArcosDriver::confirm(Now now, const DriverOut& out) {
   if (now.mono - told_at_ < kSipPeriod) return;
   if (halting_ && sip_->is_still()) out.emit(Halted{*std::exchange(halting_, std::nullopt)});
-  if (stop_waits_ && sip_->is_still()) out.emit(Stopped{*std::exchange(stop_waits_, std::nullopt)});
+  if (stop_waits_ && sip_->is_still()) out.emit(Stopped{*std::exchange(stop_waits_, std::nullopt), true, stood_});
   if (release_waits_ && sip_->motors()) out.emit(Released{*std::exchange(release_waits_, std::nullopt)});
 }
 

@@ -69,6 +69,7 @@ class ArcosDriver : public CommandsDriver<std::vector<ArcosStep>> {
   MonotonicTime enabled_at_;  ///< when ENABLE was sent
   MonotonicTime told_at_;     ///< when stop, release or a halt was sent
   std::optional<Token> stop_waits_;
+  bool stood_ = false;  ///< when that stop was given
   std::optional<Token> release_waits_;
   std::optional<Token> halting_;  ///< the command that is to end
 };

@@ -2,6 +2,7 @@
 #include "common/config/transports.hpp"
 #include "common/drivers/http-json/commands.hpp"
 #include "common/drivers/polled_check.hpp"
+#include "common/drivers/text/number_text.hpp"
 
 namespace trb::drivers {
 
@@ -12,6 +13,21 @@ namespace {
 
 constexpr Range kPoll{0.05, 60, false};
 constexpr Range kTimeout{0.1, 30, false};
+
+/// A text becomes the number that TEXT=NUMBER gives it, and no other.
+std::optional<Error> never(const VendorCommands& vendor, const WaitedValue& one) {
+  const auto words = vendor.values.find(one.name);
+  if (words == vendor.values.end() || !one.wanted.is_number()) return std::nullopt;
+  const auto question = read_http_question(words->second);
+  if (!question || question->parts.size() != 1 || question->parts[0].numbers.empty()) return std::nullopt;
+  std::string given;
+  for (const auto& [text, number] : question->parts[0].numbers) {
+    if (number == one.wanted.number()) return std::nullopt;
+    given += (given.empty() ? "" : ", ") + text + "=" + number_text(number);
+  }
+  return fail(Errc::bad_value, "it gives its texts the numbers " + given,
+              "write one of these numbers there, or add TEXT=" + number_text(one.wanted.number()) + " to the value");
+}
 
 }  // namespace
 
@@ -24,12 +40,14 @@ void check_http_json(const NodeConfig& config, const FileFaults& faults) {
   check_words(config.commands, config.framework, faults);
   read_http_commands(config.commands, config.description, VendorFaults(config.framework, faults));
   check.check_names();
+  check.check_waited([&](const WaitedValue& one) { return never(config.commands, one); });
 }
 
 void read_http_json_keys(ObjectReader& vendor, VendorCommands& into) {
   if (const auto poll_s = vendor.number("poll_s", Need::optional, kPoll)) into.numbers["poll_s"] = *poll_s;
   if (const auto timeout_s = vendor.number("timeout_s", Need::optional, kTimeout))
     into.numbers["timeout_s"] = *timeout_s;
+  read_hold_key(vendor, into);
 }
 
 }  // namespace trb::drivers

@@ -38,7 +38,8 @@ HttpJsonDriver::HttpJsonDriver(const DriverSettings& settings, HttpCommands comm
                    {.offline = "the robot's controller does not answer",
                     .robot = "robot",
                     .answered = "it had answered",
-                    .steps = "requests"}),
+                    .step = "request",
+                    .well = "answered well"}),
       host_(settings.host),
       authorization_(settings.authorization),
       timeout_(seconds(http_timing(settings.commands).timeout_s)) {
@@ -58,8 +59,9 @@ Result<std::vector<HttpStep>> HttpJsonDriver::fill(std::string_view subtype, Byt
 }
 
 void HttpJsonDriver::pump(Now now, const DriverOut& out) {
+  look_at_hold(now, out);
   while (up_) {
-    const Awaits next = queue_.next(now.mono >= poll_.due());
+    const Awaits next = queue_.next(now.mono >= poll_.due(), now.mono);
     if (next == Awaits::nothing) return;
     if (next == Awaits::job) {
       begin_step(now, out);
@@ -74,11 +76,8 @@ void HttpJsonDriver::begin_step(Now now, const DriverOut& out) {
   const HttpStep& step = job.steps[job.done];
   const auto target = step.words.path.fill(remembered_);
   if (target) return send({step.words.method, *target, step.body}, Awaits::job, now, out);
-  const Job gone = queue_.pop();
-  on_refused(
-      gone,
-      fail(target.error().code, text_of(gone.steps[gone.done].words) + ": " + target.error().what, target.error().hint),
-      out);
+  on_step_over(fail(target.error().code, text_of(step.words) + ": " + target.error().what, target.error().hint), false,
+               now, out);
 }
 
 void HttpJsonDriver::send(const HttpRequest& request, Awaits whose, Now now, const DriverOut& out) {
@@ -114,7 +113,7 @@ void HttpJsonDriver::on_answer(const HttpAnswer& answer, Now now, const DriverOu
   unanswered_ = 0;
   if (whose == Awaits::nothing) return out.refuse("bad_packet", "an answer that nobody has asked for");
   if (whose == Awaits::poll) on_poll(answer, now, out);
-  if (whose == Awaits::job) on_step(answer, out);
+  if (whose == Awaits::job) on_step(answer, now, out);
   look_at_link(whose, answer, out);
   if (!answer.closes || !up_) return;
   // Nothing more is sent on it; the shell dials anew.
@@ -155,13 +154,11 @@ void HttpJsonDriver::on_poll(const HttpAnswer& answer, Now now, const DriverOut&
   poll_.on_answer(answer, now).report(out);
 }
 
-void HttpJsonDriver::on_step(const HttpAnswer& answer, const DriverOut& out) {
-  Job& job = queue_.front();
+void HttpJsonDriver::on_step(const HttpAnswer& answer, Now now, const DriverOut& out) {
+  const Job& job = queue_.front();
   const HttpCall& words = job.steps[job.done].words;
   const Status kept = answer.good() ? remember(words, answer) : Status(http_refusal(text_of(words), answer));
-  if (kept && ++job.done < job.steps.size()) return;
-  const Job over = queue_.pop();
-  kept ? on_done(over, out) : on_refused(over, kept.error(), out);
+  on_step_over(kept ? std::nullopt : std::optional(kept.error()), false, now, out);
 }
 
 Status HttpJsonDriver::remember(const HttpCall& words, const HttpAnswer& answer) {
@@ -177,34 +174,13 @@ Status HttpJsonDriver::remember(const HttpCall& words, const HttpAnswer& answer)
   return Done{};
 }
 
-void HttpJsonDriver::on_done(const Job& job, const DriverOut& out) {
+void HttpJsonDriver::on_done(const Job& job, Now now, const DriverOut& out) {
   if (job.purpose == Purpose::stop) out.emit(Stopped{job.token});
-  if (job.purpose == Purpose::halt) {
-    out.emit(Halted{job.token});
-    resume(out);
-  }
-  if (stops(job)) return out.emit(refused_turn_over(true));
+  if (job.purpose == Purpose::halt) on_halt_taken(job.token, now, out);
+  if (Queue::stops(job)) return out.emit(refused_turn_over(true));
   if (job.purpose != Purpose::command) return on_released(job, out);
   out.emit(HandedOver{job.token});
   if (job.skill) out.emit(Ended{job.token, true, {}});
-}
-
-void HttpJsonDriver::on_refused(const Job& job, Error error, const DriverOut& out) {
-  if (job.done > 0) error.what += "; the " + std::to_string(job.done) + " requests before it were answered well";
-  if (job.purpose == Purpose::command) return out.emit(Refused{job.token, std::move(error)});
-  out.refuse("robot_error", error.text());
-  if (job.purpose == Purpose::stop) out.emit(NotStopped{job.token, error});
-  stops(job) ? report_not_stopped(job, error, out) : report_not_going_on(error, out);
-}
-
-/// Not only its requester must know at once.
-void HttpJsonDriver::report_not_stopped(const Job& job, const Error& error, const DriverOut& out) {
-  std::string text = "the robot refused to stop: " + error.what;
-  if (job.purpose == Purpose::halt) {
-    out.emit(Halted{job.token, false, error.what});
-    text += half_taken(job);
-  }
-  out.emit(refused_turn(true, std::move(text)));
 }
 
 void HttpJsonDriver::on_down(Channel channel, const std::string& reason, Now now, const DriverOut& out) {
@@ -216,7 +192,7 @@ void HttpJsonDriver::on_down(Channel channel, const std::string& reason, Now now
   if (!lost_at_) lost_at_ = now.mono;
   lost_why_ = reason;
   const Awaits whose = queue_.answered();
-  if (whose == Awaits::job) on_lost_job(reason, out);
+  if (whose == Awaits::job) on_lost_job(reason, now, out);
   if (whose != Awaits::nothing) on_unanswered(reason, now, out);
 }
 
@@ -227,24 +203,24 @@ void HttpJsonDriver::on_unanswered(const std::string& reason, Now now, const Dri
   if (heard_ && unanswered_ >= kMostUnanswered && long_enough) go_offline(reason, out);
 }
 
-void HttpJsonDriver::on_lost_job(const std::string& reason, const DriverOut& out) {
+void HttpJsonDriver::on_lost_job(const std::string& reason, Now now, const DriverOut& out) {
   Job& job = queue_.front();
   const Error lost = fail(Errc::robot_offline,
                           "the connection was lost before the answer to " + text_of(job.steps[job.done].words) +
                               ", and nobody knows whether it was taken: " + reason,
                           "look at the robot before you send it again");
-  if (job.purpose == Purpose::command) return on_refused(queue_.pop(), lost, out);
+  if (job.purpose == Purpose::command) return on_step_over(lost, false, now, out);
   // Stopping or releasing twice does no harm: it stays, and is sent first on the next connection.
-  out.out.count(stops(job) ? "to_robot.stop_again" : "to_robot.release_again");
+  out.out.count(Queue::stops(job) ? "to_robot.stop_again" : "to_robot.release_again");
   if (++job.lost != kLostOften) return;
-  stops(job) ? report_not_stopped(job, lost, out) : report_not_going_on(lost, out);
+  Queue::stops(job) ? report_not_stopped(job, lost, out) : report_not_going_on(lost, out);
 }
 
 void HttpJsonDriver::go_offline(const std::string& reason, const DriverOut& out) {
   heard_ = false;
   sign_ins_refused_ = 0;
   refused_why_.clear();
-  for (const Job& job : queue_.clear()) {
+  for (const Job& job : clear_queue()) {
     if (job.purpose != Purpose::command) continue;
     out.emit(Refused{job.token, fail(Errc::robot_offline, "the robot does not answer any more: " + reason,
                                      "look at its power and network, then send it again")});
@@ -263,7 +239,7 @@ void HttpJsonDriver::tick(Now now, const DriverOut& out) {
 }
 
 std::optional<MonotonicTime> HttpJsonDriver::next_deadline() const {
-  std::optional<MonotonicTime> next;
+  std::optional<MonotonicTime> next = next_own();
   if (queue_.awaits() != Awaits::nothing) next = sent_at_ + timeout_;
   if (heard_ && lost_at_) next = earlier(next, *lost_at_ + timeout_);
   if (up_ && queue_.awaits() == Awaits::nothing) next = earlier(next, poll_.due());

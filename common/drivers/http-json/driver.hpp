@@ -26,7 +26,7 @@ struct HttpStep {
 /// connection ends     | dialled again, and said  | Refused: nobody knows      | asked for again
 ///                     | only if that takes long  | whether it was taken; a    |
 ///                     |                          | stop, a release go again   |
-/// halt answered       | -                        | the release follows        | -
+/// halt answered       | -                        | held, then the release     | -
 /// stop                | at once                  | behind that one answer     | behind that one answer
 class HttpJsonDriver : public PolledDriver<std::vector<HttpCall>, HttpStep, HttpPoll> {
  public:
@@ -35,8 +35,9 @@ class HttpJsonDriver : public PolledDriver<std::vector<HttpCall>, HttpStep, Http
   /// Connections come and go with HTTP: the robot is online if it has answered, until no connection can be made for
   /// long, or none of them brings an answer. One that refuses the sign-in for a whole round of polls is not online.
   [[nodiscard]] bool online() const override { return heard_; }
-  /// An answer to each request of a halt, on one of three connections, and to the request that is under way.
-  [[nodiscard]] Duration silence_bound() const override { return kMostRequests * timeout_; }
+  /// An answer to each request of a halt, on one of three connections, and to the request that is under way; then the
+  /// halt is held.
+  [[nodiscard]] Duration silence_bound() const override { return kMostRequests * timeout_ + halt_time(); }
 
   void on_up(Channel channel, Now now, const DriverOut& out) override;
   void on_down(Channel channel, const std::string& reason, Now now, const DriverOut& out) override;
@@ -58,15 +59,10 @@ class HttpJsonDriver : public PolledDriver<std::vector<HttpCall>, HttpStep, Http
   void look_at_link(Awaits whose, const HttpAnswer& answer, const DriverOut& out);
   void lose_sign_in(std::string reason, const DriverOut& out);
   [[nodiscard]] Error offline_error() const override;
-  void on_step(const HttpAnswer& answer, const DriverOut& out);
+  void on_step(const HttpAnswer& answer, Now now, const DriverOut& out);
   Status remember(const HttpCall& words, const HttpAnswer& answer);
-  void on_done(const Job& job, const DriverOut& out);
-  void on_refused(const Job& job, Error error, const DriverOut& out);
-  [[nodiscard]] static bool stops(const Job& job) {
-    return job.purpose == Purpose::stop || job.purpose == Purpose::halt;
-  }
-  void on_lost_job(const std::string& reason, const DriverOut& out);
-  void report_not_stopped(const Job& job, const Error& error, const DriverOut& out);
+  void on_done(const Job& job, Now now, const DriverOut& out) override;
+  void on_lost_job(const std::string& reason, Now now, const DriverOut& out);
   void on_unanswered(const std::string& reason, Now now, const DriverOut& out);
   void go_offline(const std::string& reason, const DriverOut& out);
 

@@ -61,7 +61,10 @@ HttpPoll::Changes HttpPoll::on_answer(const HttpAnswer& answer, Now now) {
 
 void HttpPoll::take(const std::string& name, const std::vector<HttpQuestion::Part>& parts, const Result<Value>& json,
                     Now now, Changes& changes) {
-  if (!json) return lose(name, fail(Errc::robot_error, name + ": " + json.error().what, json.error().hint), changes);
+  if (!json) {
+    const Error& why = json.error();
+    return lose(name, fail(Errc::robot_error, name + ": " + why.what, why.hint), changes, why.what);
+  }
   RobotValue value{{}, "", now.mono};
   Value::List all;
   for (const HttpQuestion::Part& part : parts) {

@@ -1,7 +1,9 @@
 // What the transport modbus requires of commands.json.
 #include "common/config/transports.hpp"
 #include "common/drivers/modbus/commands.hpp"
+#include "common/drivers/modbus/written_bounds.hpp"
 #include "common/drivers/polled_check.hpp"
+#include "common/drivers/text/number_text.hpp"
 
 namespace trb::drivers {
 namespace {
@@ -22,8 +24,27 @@ std::optional<Error> never(const VendorCommands& vendor, const WaitedValue& one)
                 bit ? "write true or false there, without quotes" : "write a number there, without quotes");
   }
   const double number = one.wanted.is_bool() ? double(one.wanted.boolean()) : one.wanted.number();
-  if (Status held = modbus_holds(*place, number); !held) return held.error();
+  if (Status held = modbus_has(*place, number); !held) return held.error();
   return std::nullopt;
+}
+
+/// A limit that the register never passes.
+void check_limits(const NodeConfig& config, const ModbusPlaces& values, const VendorFaults& faults) {
+  for (const FaultRule& rule : config.description.faults) {
+    const bool above = rule.when == FaultWhen::above;
+    if (!above && rule.when != FaultWhen::below) continue;
+    const auto request = config.commands.requests.find(rule.value);
+    const std::string& name = request == config.commands.requests.end() ? rule.value : request->second;
+    const auto place = values.find(name);
+    if (place == values.end()) continue;
+    const Status passes = modbus_passes(place->second, rule.limit, above);
+    if (passes) continue;
+    const std::string key = above ? "above" : "below";
+    faults.add("values." + name,
+               "is never " + key + " " + number_text(rule.limit) + ", for which faults." + rule.name + "." + key +
+                   " of the description waits: " + passes.error().what,
+               passes.error().hint);
+  }
 }
 
 }  // namespace
@@ -38,6 +59,7 @@ void read_modbus_keys(ObjectReader& vendor, VendorCommands& into) {
   if (const auto poll_s = vendor.number("poll_s", Need::optional, kPoll)) into.numbers["poll_s"] = *poll_s;
   if (const auto timeout_s = vendor.number("timeout_s", Need::optional, kTimeout))
     into.numbers["timeout_s"] = *timeout_s;
+  read_hold_key(vendor, into);
 }
 
 ModbusSettings modbus_settings(const VendorCommands& vendor) {
@@ -60,8 +82,10 @@ void check_modbus(const NodeConfig& config, const FileFaults& faults) {
   check.check_foreign_keys();
   ModbusPlaces values = read_modbus_values(vendor, vendor_faults);
   check_words(vendor, config.framework, faults);
-  read_modbus_commands(vendor, std::move(values), vendor_faults);
+  const ModbusCommands commands = read_modbus_commands(vendor, std::move(values), vendor_faults);
   check.check_names();
+  check_written_bounds(config, commands, vendor_faults);
+  check_limits(config, commands.values, vendor_faults);
   check.check_waited([&](const WaitedValue& one) { return never(vendor, one); });
 }
 

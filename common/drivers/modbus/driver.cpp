@@ -31,7 +31,8 @@ ModbusDriver::ModbusDriver(const DriverSettings& settings, ModbusCommands comman
                    {.offline = "the robot's controller is not connected",
                     .robot = "device",
                     .answered = "the device had acknowledged",
-                    .steps = "writes"}),
+                    .step = "write",
+                    .well = "done"}),
       timeout_(seconds(modbus_settings(settings.commands).timeout_s)) {
   commands_ = std::move(commands.commands);
 }
@@ -39,6 +40,7 @@ ModbusDriver::ModbusDriver(const DriverSettings& settings, ModbusCommands comman
 Result<std::vector<ModbusWrite>> ModbusDriver::fill(std::string_view subtype, BytesView data) const {
   const auto found = commands_.find(subtype);
   if (found == commands_.end()) return fail(Errc::unknown_subtype, "commands.json has no such command");
+  if (Status all = modbus_takes_all(found->second, data); !all) return all.error();
   std::vector<ModbusWrite> out;
   for (const ModbusAssignment& one : found->second) {
     const auto number = modbus_data(one, data);
@@ -52,7 +54,8 @@ Result<std::vector<ModbusWrite>> ModbusDriver::fill(std::string_view subtype, By
 }
 
 void ModbusDriver::pump(Now now, const DriverOut& out) {
-  const Awaits next = up_ ? queue_.next(now.mono >= poll_.due()) : Awaits::nothing;
+  look_at_hold(now, out);
+  const Awaits next = up_ ? queue_.next(now.mono >= poll_.due(), now.mono) : Awaits::nothing;
   if (next == Awaits::nothing) return;
   queue_.sent(next);
   out.robot.write(Channel::command, encode(next == Awaits::poll ? poll_.call() : call_of(queue_.front())));
@@ -77,7 +80,7 @@ void ModbusDriver::on_bytes(Channel channel, BytesView bytes, Now now, const Dri
   const Awaits whose = answer ? queue_.answered() : Awaits::nothing;
   if (whose == Awaits::nothing) return out.refuse("bad_packet", "an answer that nobody has asked for");
   if (whose == Awaits::poll) on_poll(*answer, now, out);
-  if (whose == Awaits::job) on_write(*answer, out);
+  if (whose == Awaits::job) on_write(*answer, now, out);
   if (!std::exchange(heard_, true)) out.emit(LinkUp{});
   pump(now, out);
 }
@@ -86,46 +89,24 @@ void ModbusDriver::on_poll(const ModbusAnswer& answer, Now now, const DriverOut&
   poll_.on_answer(answer, now).report(out);
 }
 
-void ModbusDriver::on_write(const ModbusAnswer& answer, const DriverOut& out) {
-  Job& job = queue_.front();
-  if (answer.exception == 0 && ++job.done < job.steps.size()) return;
-  const Job ended = queue_.pop();
-  if (answer.exception != 0) return on_exception(ended, answer.exception, out);
-  on_done(ended, out);
+void ModbusDriver::on_write(const ModbusAnswer& answer, Now now, const DriverOut& out) {
+  const Job& job = queue_.front();
+  std::optional<Error> refused;
+  if (answer.exception != 0) refused = modbus_exception(answer.exception, job.steps[job.done].meant);
+  on_step_over(std::move(refused), modbus_busy(answer.exception), now, out);
 }
 
-void ModbusDriver::on_done(const Job& job, const DriverOut& out) {
+void ModbusDriver::on_done(const Job& job, Now now, const DriverOut& out) {
   if (job.purpose == Purpose::stop) {
     out.emit(Stopped{job.token, true});
     out.emit(refused_turn_over(true));
   }
-  if (job.purpose == Purpose::halt) {
-    out.emit(Halted{job.token});
-    resume(out);
-  }
+  if (job.purpose == Purpose::halt) on_halt_taken(job.token, now, out);
   if (job.purpose == Purpose::release || job.purpose == Purpose::resume) on_released(job, out);
   if (job.purpose != Purpose::command) return;
   out.out.count("from_robot.done");
   out.emit(HandedOver{job.token});
   if (job.skill) out.emit(Ended{job.token, true, {}});
-}
-
-void ModbusDriver::on_exception(const Job& job, std::uint8_t exception, const DriverOut& out) {
-  Error error = modbus_exception(exception, job.steps[job.done].meant);
-  if (job.done > 0) error.what += "; the " + std::to_string(job.done) + " writes before it were done";
-  if (job.purpose == Purpose::command) return out.emit(Refused{job.token, error});
-  out.refuse("robot_error", error.text());
-  std::string half;
-  if (job.purpose == Purpose::halt) {
-    out.emit(Halted{job.token, false, error.what});
-    half = half_taken(job);
-  }
-  // Its requester is notified at its deadline that nothing was confirmed; all others must know at once.
-  if (job.purpose == Purpose::release || job.purpose == Purpose::resume) {
-    report_not_going_on(error, out);
-  } else {
-    out.emit(refused_turn(true, "the device refused to stop: " + error.what + half));
-  }
 }
 
 void ModbusDriver::on_down(Channel channel, const std::string& reason, Now now, const DriverOut& out) {
@@ -135,7 +116,7 @@ void ModbusDriver::on_down(Channel channel, const std::string& reason, Now now, 
   up_ = heard_ = false;
   poll_.restart(now);
   bool first = true;
-  for (const Job& job : queue_.clear()) {
+  for (const Job& job : clear_queue()) {
     if (job.purpose == Purpose::command) out.emit(Refused{job.token, lost(job, under_way && first, reason)});
     first = false;
   }
@@ -154,8 +135,8 @@ Error ModbusDriver::lost(const Job& job, bool under_way, const std::string& reas
 }
 
 std::optional<MonotonicTime> ModbusDriver::next_deadline() const {
-  if (!up_ || queue_.awaits() != Awaits::nothing) return std::nullopt;
-  return poll_.due();
+  if (!up_ || queue_.awaits() != Awaits::nothing) return next_own();
+  return earlier(next_own(), poll_.due());
 }
 
 }  // namespace trb::drivers

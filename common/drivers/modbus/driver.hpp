@@ -26,8 +26,9 @@ class ModbusDriver : public PolledDriver<std::vector<ModbusAssignment>, ModbusWr
   /// A connection alone is not enough: a hung device still accepts it.
   [[nodiscard]] bool online() const override { return up_ && heard_; }
 
-  /// An answer to each write of a halt, and to the call that is under way, or the connection is closed.
-  [[nodiscard]] Duration silence_bound() const override { return kMostCalls * timeout_; }
+  /// An answer to each write of a halt, and to the call that is under way, or the connection is closed; then the halt
+  /// is held.
+  [[nodiscard]] Duration silence_bound() const override { return kMostCalls * timeout_ + halt_time(); }
 
   void on_up(Channel channel, Now now, const DriverOut& out) override;
   void on_down(Channel channel, const std::string& reason, Now now, const DriverOut& out) override;
@@ -43,9 +44,8 @@ class ModbusDriver : public PolledDriver<std::vector<ModbusAssignment>, ModbusWr
   [[nodiscard]] bool takes_orders() const override { return up_; }
   static ModbusCall call_of(const Job& job);
   void on_poll(const ModbusAnswer& answer, Now now, const DriverOut& out);
-  void on_write(const ModbusAnswer& answer, const DriverOut& out);
-  void on_done(const Job& job, const DriverOut& out);
-  void on_exception(const Job& job, std::uint8_t exception, const DriverOut& out);
+  void on_write(const ModbusAnswer& answer, Now now, const DriverOut& out);
+  void on_done(const Job& job, Now now, const DriverOut& out) override;
   [[nodiscard]] static Error lost(const Job& job, bool under_way, const std::string& reason);
 
   Duration timeout_;

@@ -30,12 +30,29 @@ constexpr std::array<Exception, 9> kExceptions{{
 
 }  // namespace
 
-Error modbus_exception(std::uint8_t code, const std::string& meant) {
+bool modbus_blames_place(std::uint8_t code) {
+  constexpr std::uint8_t kAddress = 2;
+  constexpr std::uint8_t kValue = 3;
+  return code == kAddress || code == kValue;
+}
+
+bool modbus_busy(std::uint8_t code) {
+  constexpr std::uint8_t kAcknowledge = 5;
+  constexpr std::uint8_t kBusy = 6;
+  return code == kAcknowledge || code == kBusy;
+}
+
+std::string modbus_exception_text(std::uint8_t code) {
   const auto* const known = std::ranges::find(kExceptions, code, &Exception::code);
   const bool is_known = known != kExceptions.end();
   const std::string name = is_known ? "'" + std::string(known->name) + "'" : "an exception of its own";
-  return fail(Errc::robot_error, meant + ": the device answered " + name + " (exception " + std::to_string(code) + ")",
-              is_known ? std::string(known->hint) : "look the exception up in the device's manual");
+  return "the device answered " + name + " (exception " + std::to_string(code) + ")";
+}
+
+Error modbus_exception(std::uint8_t code, const std::string& meant) {
+  const auto* const known = std::ranges::find(kExceptions, code, &Exception::code);
+  return fail(Errc::robot_error, meant + ": " + modbus_exception_text(code),
+              known != kExceptions.end() ? std::string(known->hint) : "look the exception up in the device's manual");
 }
 
 }  // namespace trb::drivers

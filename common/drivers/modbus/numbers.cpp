@@ -1,4 +1,5 @@
 // Converts numbers to a Modbus device's registers and back.
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <charconv>
@@ -120,6 +121,26 @@ Status modbus_holds(const ModbusPlace& place, double number) {
   return fail(Errc::bad_value,
               text_of(number) + " does not fit " + to_text(place) + ", a " + std::string(name_of(place.type)),
               place.type == ModbusType::boolean ? "give true, false, 1 or 0" : "give " + range_text(place));
+}
+
+Status modbus_has(const ModbusPlace& place, double number) {
+  if (Status held = modbus_holds(place, number); !held || place.type == ModbusType::float32) return held;
+  const double raw = (number - place.offset) / place.factor;
+  const auto told = [&](double whole) { return whole * place.factor + place.offset; };
+  constexpr double kSame = 1e-9;
+  if (std::abs(told(std::nearbyint(raw)) - number) < kSame) return Done{};
+  return fail(
+      Errc::bad_value,
+      text_of(number) + " lies between two numbers of " + to_text(place) + ", a " + std::string(name_of(place.type)),
+      "give " + text_of(told(std::floor(raw))) + " or " + text_of(told(std::ceil(raw))));
+}
+
+Status modbus_passes(const ModbusPlace& place, double number, bool above) {
+  const Bounds raw = bounds_of(place.type);
+  const double one = raw.from * place.factor + place.offset;
+  const double other = raw.to * place.factor + place.offset;
+  if (above ? number < std::max(one, other) : number > std::min(one, other)) return Done{};
+  return fail(Errc::bad_value, to_text(place) + " is " + range_text(place), "give a limit within that");
 }
 
 Result<double> modbus_number(const ModbusPlace& place, const std::vector<std::uint16_t>& words) {

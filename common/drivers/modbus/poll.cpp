@@ -29,6 +29,7 @@ ModbusPoll::ModbusPoll(const ModbusPlaces& polled, const ModbusPlace& probe, Dur
     block.count = std::max(block.count, end);
     block.items.push_back(std::move(item));
   }
+  whole_ = blocks_;
 }
 
 /// Only adjacent or overlapping values: the device may not have the registers between others.
@@ -40,6 +41,7 @@ bool ModbusPoll::continues(const Block& block, const ModbusPlace& place) {
 
 void ModbusPoll::restart(Now now) {
   drop_values();
+  blocks_ = whole_;
   at_ = 0;
   due_ = now.mono;
 }
@@ -53,8 +55,8 @@ ModbusCall ModbusPoll::call() const {
 ModbusPoll::Changes ModbusPoll::on_answer(const ModbusAnswer& answer, Now now) {
   Changes changes;
   const Block& block = blocks_[at_];
-  if (answer.exception != 0 && block.items.size() > 1) {
-    split(block);  // one of them is faulty: each is read alone from now on
+  if (modbus_blames_place(answer.exception) && block.items.size() > 1) {
+    split(block);  // one of them is faulty: each is read alone while the connection lasts
     return changes;
   }
   if (!probes_) take(block, answer, now, changes);
@@ -71,10 +73,17 @@ void ModbusPoll::split(Block block) {
 
 void ModbusPoll::take(const Block& block, const ModbusAnswer& answer, Now now, Changes& changes) {
   const std::uint16_t first = block.items.front().place.address;
+  const bool busy = modbus_busy(answer.exception) && is_busy_briefly(now);
+  if (answer.exception == 0) busy_since_.reset();
   for (const Item& item : block.items) {
     const std::string meant = item.name + " (" + to_text(item.place) + ")";
     if (answer.exception != 0) {
-      lose(item.name, modbus_exception(answer.exception, meant), changes);
+      const Error why = modbus_exception(answer.exception, meant);
+      if (busy) {
+        lose_quietly(item.name, why);
+      } else {
+        lose(item.name, why, changes, modbus_exception_text(answer.exception));
+      }
       continue;
     }
     const auto begin = static_cast<std::size_t>(item.place.address - first);
@@ -89,6 +98,13 @@ void ModbusPoll::take(const Block& block, const ModbusAnswer& answer, Now now, C
     }
     keep(item.name, {{*number}, json_of(item.place, *number), now.mono}, changes);
   }
+}
+
+/// Such a device is well again soon: no fault for each time that it is busy.
+bool ModbusPoll::is_busy_briefly(Now now) {
+  constexpr Duration kBriefly = std::chrono::seconds(3);
+  if (!busy_since_) busy_since_ = now.mono;
+  return now.mono - *busy_since_ < kBriefly;
 }
 
 void ModbusPoll::advance(Now now) {

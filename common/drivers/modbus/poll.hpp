@@ -15,7 +15,7 @@ class ModbusPoll : public PolledValues {
   /// `probe` is polled if nothing else is, so that a lost device is noticed; any answer to it is good.
   ModbusPoll(const ModbusPlaces& polled, const ModbusPlace& probe, Duration period);
 
-  /// A new connection: no value is known, all are requested at once.
+  /// A new connection: no value is known, all are requested at once, neighbours together.
   void restart(Now now);
   /// When call() is to be made.
   [[nodiscard]] MonotonicTime due() const { return due_; }
@@ -38,12 +38,15 @@ class ModbusPoll : public PolledValues {
   static bool continues(const Block& block, const ModbusPlace& place);
   void split(Block block);
   void take(const Block& block, const ModbusAnswer& answer, Now now, Changes& changes);
+  bool is_busy_briefly(Now now);
   void advance(Now now);
 
   Duration period_;
-  std::vector<Block> blocks_;
-  bool probes_ = false;  ///< the only block is the probe
+  std::vector<Block> whole_;   ///< as on a new connection
+  std::vector<Block> blocks_;  ///< of these, what a device refuses is read alone
+  bool probes_ = false;        ///< the only block is the probe
   std::size_t at_ = 0;
+  std::optional<MonotonicTime> busy_since_;
   MonotonicTime due_;  ///< when the current or next round begins
 };
 

@@ -77,6 +77,12 @@ Result<std::vector<std::uint16_t>> modbus_words(const ModbusPlace& place, double
 /// Whether the type can hold that number, or the nearest one. Errors: bad_value.
 Status modbus_holds(const ModbusPlace& place, double number);
 
+/// Whether the register ever has that number, as a person reads it. Errors: bad_value.
+Status modbus_has(const ModbusPlace& place, double number);
+
+/// Whether the register ever goes above that number, or below it. Errors: bad_value.
+Status modbus_passes(const ModbusPlace& place, double number, bool above);
+
 /// The value of size() words. Errors: bad_value (a float32 that is not a number).
 Result<double> modbus_number(const ModbusPlace& place, const std::vector<std::uint16_t>& words);
 

@@ -134,6 +134,8 @@ void TcpTextDriver::look_at_halt(Now now, const DriverOut& out) {
 Result<Token> TcpTextDriver::stop(Now now, const DriverOut& out) {
   const bool was_idle = surely_idle() && now.mono - last_state_ < kHung;
   halting_.reset();
+  program_ran_ = program_running_ || track_.runs_any();
+  program_unanswered_ = track_.has_sent();
   track_.drop_all(fail(Errc::fenced, "the robot was stopped before it took this message", "trb release " + own_id_),
                   out);
   if (!command_up_) return fail(Errc::robot_offline, "the robot's controller is not connected");
@@ -141,15 +143,32 @@ Result<Token> TcpTextDriver::stop(Now now, const DriverOut& out) {
   may_be_stopped_ = true;
   out.out.count("to_robot.stop");
   write_line(stop_text_, now, out);
+  const bool only_stop = !stop_waits_;
   stop_waits_ = ++last_ticket_;
-  if (was_idle || !has_monitor_) confirm_stop(out);
+  if (was_idle || !has_monitor_) confirm_stop(has_monitor_ && only_stop, out);
   return last_ticket_;
 }
 
-void TcpTextDriver::confirm_stop(const DriverOut& out) {
+void TcpTextDriver::confirm_stop(bool stood, const DriverOut& out) {
   if (!stop_waits_) return;
-  out.emit(Stopped{*stop_waits_, has_monitor_});
+  out.emit(Stopped{*stop_waits_, has_monitor_, stood});
   stop_waits_.reset();
+}
+
+/// The controller names no text that it refuses, but answers in the order in which it got them.
+bool TcpTextDriver::is_about_stop(std::string_view exception) {
+  if (!stop_waits_) return false;
+  const bool about_script = exception.starts_with("compile_error") || exception.starts_with("syntax_error");
+  if (program_ran_ && !about_script) return false;  // so the program ended that ran
+  return !std::exchange(program_unanswered_, false);
+}
+
+void TcpTextDriver::on_exception(const UrException& raised, const DriverOut& out) {
+  const std::string shown =
+      "line " + std::to_string(raised.line) + ", column " + std::to_string(raised.column) + ": " + raised.text;
+  if (is_about_stop(raised.text))
+    out.emit(NotStopped{*stop_waits_, fail(Errc::robot_error, shown, R"(correct "stop" in commands.json)")});
+  track_.on_exception(raised.text, shown, out);
 }
 
 Result<Token> TcpTextDriver::release(Now now, const DriverOut& out) {
@@ -208,15 +227,13 @@ void TcpTextDriver::on_bytes(Channel channel, BytesView bytes, Now now, const Dr
 void TcpTextDriver::on_event(const UrEvent& event, Now now, const DriverOut& out) {
   std::visit(Overloaded{
                  [&](const UrState& state) { on_state(state, now, out); },
-                 [&](const UrProgramStarted& started) { track_.on_started(started.name, out); },
+                 [&](const UrProgramStarted& started) {
+                   program_unanswered_ = false;
+                   track_.on_started(started.name, out);
+                 },
                  [&](const UrProgramStopped& stopped) { track_.on_stopped(stopped.name, now, out); },
                  [&](const UrText& text) { track_.on_text(text.text, out); },
-                 [&](const UrException& raised) {
-                   track_.on_exception(raised.text,
-                                       "line " + std::to_string(raised.line) + ", column " +
-                                           std::to_string(raised.column) + ": " + raised.text,
-                                       out);
-                 },
+                 [&](const UrException& raised) { on_exception(raised, out); },
                  [&](const UrError& error) { on_error(error, now, out); },
              },
              event);
@@ -253,7 +270,7 @@ void TcpTextDriver::on_state(const UrState& state, Now now, const DriverOut& out
   report_safety(state.safety, now, out);
   if (const auto why = disabled(now)) track_.on_disabled(*why, out);
   look_at_halt(now, out);
-  if (surely_idle()) confirm_stop(out);
+  if (surely_idle()) confirm_stop(false, out);
   out.emit(ValuesHeard{});
 }
 

@@ -54,6 +54,7 @@ class TcpTextDriver : public CommandsDriver<TcpCommand> {
   void write_line(std::string_view text, Now now, const DriverOut& out);
   void look_at_halt(Now now, const DriverOut& out);
   void on_event(const UrEvent& event, Now now, const DriverOut& out);
+  void on_exception(const UrException& raised, const DriverOut& out);
   void on_state(const UrState& state, Now now, const DriverOut& out);
   void remember_state(const UrState& state, Now now);
   void on_data(BytesView bytes, Now now, const DriverOut& out);
@@ -69,7 +70,8 @@ class TcpTextDriver : public CommandsDriver<TcpCommand> {
   void remember_six(const std::string& name, const std::array<double, 6>& numbers, Now now);
   void remember(const std::string& name, std::vector<double> numbers, std::string json, Now now);
   [[nodiscard]] bool surely_idle() const;
-  void confirm_stop(const DriverOut& out);
+  void confirm_stop(bool stood, const DriverOut& out);
+  [[nodiscard]] bool is_about_stop(std::string_view exception);
   void drop_monitor(std::string_view counted, const std::string& reason, Now now, const DriverOut& out);
 
   std::string stop_text_;
@@ -94,6 +96,8 @@ class TcpTextDriver : public CommandsDriver<TcpCommand> {
   MonotonicTime last_write_;
   std::uint64_t programs_ = 0;
   std::optional<Token> stop_waits_;
+  bool program_ran_ = false;         ///< when the stop was given
+  bool program_unanswered_ = false;  ///< before the stop: the controller has neither started nor refused it yet
   std::optional<Halting> halting_;
   RobotValues values_;
   ProgramTrack track_;

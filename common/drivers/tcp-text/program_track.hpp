@@ -50,6 +50,8 @@ class ProgramTrack {
   /// It waits, was sent or runs.
   [[nodiscard]] bool holds(Token token) const;
   [[nodiscard]] bool idle() const { return !sent_ && !running_; }
+  [[nodiscard]] bool has_sent() const { return sent_.has_value(); }
+  [[nodiscard]] bool runs_any() const { return running_.has_value(); }
   void tick(Now now, const DriverOut& out);
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const;
 

@@ -122,3 +122,18 @@ TEST_CASE("a release joins the one that waits, never one of which something was 
   queue.drop_for_stop();
   CHECK_FALSE(queue.join_release(7));
 }
+
+TEST_CASE("while it is held, only stops and halts go; the values are polled") {
+  Queue queue;
+  queue.hold(true);
+  CHECK(queue.next(true) == Awaits::poll);
+  queue.add(job(1));
+  queue.add_urgent(job(2, Purpose::release));
+  CHECK(queue.next(false) == Awaits::nothing);
+  CHECK(queue.next(true) == Awaits::poll);
+  queue.add_urgent(job(3, Purpose::halt));
+  CHECK(queue.next(true) == Awaits::job);
+  CHECK(queue.pop().token == 3);
+  queue.hold(false);
+  CHECK(queue.next(true) == Awaits::job);
+}

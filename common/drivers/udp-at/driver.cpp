@@ -130,6 +130,7 @@ Result<Token> AtDriver::stop(Now now, const DriverOut& out) {
   halting_.reset();
   out.out.count("to_robot.stop");
   flight_.stop(drone_, stop_lands_);
+  stood_ = at_is_still(drone_) && (!stop_waits_ || stood_);
   stop_waits_ = ++last_ticket_;
   stopped_at_ = now.mono;
   write(now, out);
@@ -139,7 +140,7 @@ Result<Token> AtDriver::stop(Now now, const DriverOut& out) {
 void AtDriver::confirm_stop(Now now, const DriverOut& out) {
   if (now.mono - stopped_at_ < kYounger || !at_is_still(drone_)) return;
   if (halting_) out.emit(Halted{*std::exchange(halting_, std::nullopt)});
-  if (stop_waits_) out.emit(Stopped{*std::exchange(stop_waits_, std::nullopt), true});
+  if (stop_waits_) out.emit(Stopped{*std::exchange(stop_waits_, std::nullopt), true, stood_});
 }
 
 Result<Token> AtDriver::release(Now, const DriverOut& out) {

@@ -69,6 +69,7 @@ class AtDriver : public CommandsDriver<std::vector<AtLine>> {
   bool watchdog_due_ = false;
   std::optional<MonotonicTime> bitten_;  ///< since when its watchdog's bit is set
   std::optional<Token> stop_waits_;
+  bool stood_ = false;            ///< when that stop was given
   std::optional<Token> halting_;  ///< the command that is to end
   MonotonicTime stopped_at_;      ///< when one of them was sent
   std::vector<AtCall> calls_;     ///< for the next datagram

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "common/fleet/did_you_mean.hpp"
+#include "proto/value_words.hpp"
 
 namespace trb::drivers {
 namespace {
@@ -152,8 +153,7 @@ Result<std::string> integer_literal(const Value& value) {
 }
 
 Result<std::string> real_literal(const Value& value, double limit) {
-  if (!value.is_number())
-    return bad("is a " + std::string(value.kind()) + ", not a number", "give a number such as 0.5");
+  if (!value.is_number()) return bad("is " + in_words(value) + ", not a number", "give a number such as 0.5");
   if (!(std::abs(value.number()) <= limit)) {
     return bad("is out of its range",
                limit == 1 ? "give a part of the largest tilt or speed, from -1 to 1" : "give less");
@@ -163,8 +163,7 @@ Result<std::string> real_literal(const Value& value, double limit) {
 
 /// A value of CONFIG is always a text: numbers and truth values are written as one.
 Result<std::string> text_literal(const Value& value) {
-  if (value.is_list() || value.is_object())
-    return bad("is a " + std::string(value.kind()) + ", not a text", "give a text");
+  if (value.is_list() || value.is_object()) return bad("is " + in_words(value) + ", not a text", "give a text");
   const std::string text = value.is_text()   ? value.text()
                            : value.is_bool() ? (value.boolean() ? "TRUE" : "FALSE")
                                              : dump_json(value);

@@ -16,16 +16,22 @@ constexpr Cause kCauses[] = {
     {"cert_expired", "cert_expired", "its certificate has ended",
      "renew it where the authority is: trb fleet renew; if it is new, look at the clocks"},
     {"cert_not_yet_valid", "clock_off", "its certificate is not valid yet by this node's clock",
-     "set the clock of this node: timedatectl"},
+     "compare with a true clock: if this node's is behind, set it (timedatectl); if the authority's was ahead, renew "
+     "it "
+     "again there: trb fleet renew"},
     {"cert_revoked", "cert_revoked", "its certificate was revoked",
      "if the node is yours again: new keys (rm keys/identity.key keys/link.key), trb fleet request, trb fleet sign"},
+    {"revocations_unknown", "revocations_unknown", "",
+     "if it cannot be read: chown -R --reference=NODE_DIR NODE_DIR/state; if it is damaged: the newest news.json of "
+     "the "
+     "authority's folder into NODE_DIR/keys, then rm NODE_DIR/state/news NODE_DIR/state/news.copy"},
     {"wrong_key", "wrong_key", "its certificate is for another link key than it used",
      "the certificate in its keys/ belongs to other keys: trb fleet request, trb fleet sign"},
     {"duplicate", "id_taken", "two nodes have the same id", "give each node its own id in node.json, and sign again"},
     {"downgraded", "downgraded", "it showed an older certificate than one that was seen",
      "put the newest certificate.json into its keys/"},
     {"conflict", "old_start", "it showed an older certificate or an older start than one that was seen",
-     "put its newest certificate.json and its state/ back, or restart this node"},
+     "if two computers use its keys, stop one; else put its newest certificate.json and its state/ back"},
     {"version_mismatch", "versions_apart", "it speaks another version of the messages",
      "install the same release on both"},
     {"clock_off", "clock_off", "", "set the clock: timedatectl; on a PC without a battery let NTP do it"},

@@ -8,6 +8,7 @@
 #include "common/operator/doctor/causes.hpp"
 #include "common/operator/doctor/machine_findings.hpp"
 #include "common/operator/doctor/service_findings.hpp"
+#include "common/operator/doctor/shared_keys_findings.hpp"
 #include "common/operator/doctor/use_findings.hpp"
 
 namespace trb::op {
@@ -37,6 +38,7 @@ class Doctor {
     seeds();
     asked();
     strangers();
+    add_shared_keys_findings(seen_, out_);
     std::stable_sort(out_.begin(), out_.end(), [](const Finding& a, const Finding& b) { return a.weight > b.weight; });
     return std::move(out_);
   }
@@ -79,7 +81,7 @@ class Doctor {
       problem("clock_off", seen_.node,
               "this node's clock (" + to_iso8601(seen_.now) + ") is before the beginning of its own certificate (" +
                   to_iso8601({seen_.own->not_before}) + ")",
-              "set the clock: timedatectl; on a PC without a battery let NTP do it");
+              "if this clock is behind: timedatectl; if the authority's was ahead: " + hint);
     } else if (left <= 0) {
       problem("cert_expired", seen_.node, "its certificate ended " + until, hint);
     } else if (left < kWarnDays * kDay) {
@@ -108,6 +110,7 @@ class Doctor {
         problem("router_down", seen_.node, "its router does not answer on the bus", "start the node: trb up NODE_DIR");
       return;
     }
+    add_missing_adapter(seen_, out_);
     for (const ServiceEntry& entry : seen_.services.services) {
       if (entry.state != "up")
         problem("service_down", entry.service, "the service is " + entry.state,
@@ -146,6 +149,8 @@ class Doctor {
         hint = "nothing listens at " + at + ": start the robot's controller, or correct its port in commands.json";
       } else if (seen_.robot.port == Port::no_answer || seen_.robot.port == Port::no_route) {
         hint = "nothing answers at " + at + ": look at its power and cable, and at robot.host in node.json";
+      } else if (what.find("closed by the device") != std::string::npos) {
+        hint = at + " closes the connection at once: has it another client (a panel, a second node)?";
       } else {
         hint =
             at +
@@ -156,10 +161,8 @@ class Doctor {
   }
 
   const Route* find(const std::string& id) const {
-    for (const Route& route : seen_.routes.routes) {
-      if (route.id == id) return &route;
-    }
-    return nullptr;
+    const auto at = std::ranges::find(seen_.routes.routes, id, &Route::id);
+    return at == seen_.routes.routes.end() ? nullptr : &*at;
   }
 
   const AddressProbe* probe_of(const std::string& address) const {

@@ -60,6 +60,7 @@ struct Observed {
   bool beacon = true;                ///< node.json
   std::size_t seeds = 0;             ///< node.json
   std::vector<std::string> named{};  ///< node.json's services; empty if it could not be read
+  bool has_robot = false;            ///< node.json names a framework
   std::optional<Certificate> own;
   UtcTime now;
   std::optional<DiskState> disk;             ///< that the node's folder is on

@@ -88,6 +88,30 @@ TEST_CASE("a node that is well has nothing to tell") {
   CHECK(diagnose(Ant().seen).empty());
 }
 
+TEST_CASE(
+    "a robot's node without a mode-adapter: a problem, or a note where a service of the operator's own may do it") {
+  Ant ant;
+  ant.seen.has_robot = true;
+  ant.seen.named = {"router", "scheduler"};
+  check_only(ant.seen, "service_down", "mode-adapter");
+  ant.seen.named.emplace_back("own-arm");
+  const auto note = diagnose(ant.seen);
+  REQUIRE(note.size() == 1);
+  CHECK(note[0].weight == Weight::note);
+  CHECK(note[0].subject == "mode-adapter");
+  Ant seen = ant;  // started elsewhere, it has claimed its name on the bus
+  seen.seen.services.services.push_back({.service = "mode-adapter", .state = "up"});
+  CHECK(diagnose(seen.seen).empty());
+  Ant told = ant;  // something tells of the robot
+  told.seen.routes.routes[0].profile.robot = "ONLINE";
+  CHECK(diagnose(told.seen).empty());
+  ant.seen.has_robot = false;
+  CHECK(diagnose(ant.seen).empty());
+  ant.seen.has_robot = true;
+  ant.seen.named = {"router", "mode-adapter"};
+  CHECK(diagnose(ant.seen).empty());
+}
+
 TEST_CASE("a wrong key in a seed looks like a router that answers and a handshake that fails") {
   Ant ant;
   ant.add_seed("10.0.0.9:45000", Port::zmtp);
@@ -222,6 +246,13 @@ TEST_CASE("on the node itself: no router, a socket that is gone, a service that 
   robot.seen.routes.routes[0].profile.detail = "connection refused";
   robot.seen.robot = {"192.168.1.20:30002", Port::refused};
   check_only(robot.seen, "robot_silent", "ant");
+  robot.seen.routes.routes[0].profile.detail = "closed by the device";
+  robot.seen.robot = {"192.168.1.20:502", Port::not_zmtp};
+  check_only(robot.seen, "robot_silent", "ant");
+  const std::vector<Finding> closed = diagnose(robot.seen);
+  const Finding* silent = find(closed, "robot_silent", "ant");
+  REQUIRE(silent != nullptr);
+  CHECK(silent->hint.find("has it another client") != std::string::npos);
   robot.seen.routes.routes[0].profile.detail = "its poll was answered with 401, the robot refuses the sign-in";
   CHECK(diagnose(robot.seen).at(0).hint.find("sha256sum") != std::string::npos);
   robot.seen.services.services = {{"mode-adapter", "silent", 1, 1, "1.0", 5, 5, {}, {}}};

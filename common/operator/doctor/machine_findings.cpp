@@ -14,7 +14,7 @@ void add_room(const Observed& seen, std::vector<Finding>& out) {
     out.push_back({full ? Weight::problem : Weight::note, full ? "disk_full" : "disk_low", seen.node,
                    megabytes(disk.free_bytes) + " are free where its folder is" +
                        (full ? ": what it cannot store, it does not take" : ""),
-                   "make room: df -h NODE_DIR; its own logs and archives have bounds in node.json"});
+                   "make room, " + megabytes(kFullBytes) + " at least: df -h NODE_DIR; " + kOwnFiles});
   }
   if (disk.files != 0 && disk.free_files < kFewFiles) {
     const bool full = disk.free_files < kFullFiles;

@@ -5,9 +5,7 @@
 
 namespace trb::op {
 
-/// Less than this is told before the disk is full (kFullBytes), in bytes.
-inline constexpr std::uint64_t kLittleBytes = 200'000'000;
-/// The same in files.
+/// Less than this is told before no file can be made any more (kFullFiles).
 inline constexpr std::uint64_t kFewFiles = 1'000;
 
 /// A disk that takes nothing more is a problem, one with little room a note; so is a clock that nothing sets.

@@ -38,6 +38,8 @@ TEST_CASE("a disk that is full is a problem, one that will be is a note") {
   CHECK(is_one(with(disk), Weight::note, "disk_low"));
   disk.free_bytes = kFullBytes - 1;
   CHECK(is_one(with(disk), Weight::problem, "disk_full"));
+  // Who frees less than is needed waits in vain.
+  CHECK(with(disk)[0].hint.find("8 MB at least") != std::string::npos);
 }
 
 TEST_CASE("a disk that takes no more files, though it has room") {

@@ -117,7 +117,11 @@ std::vector<AddressProbe> addresses_to_try(const Observed& seen, const std::vect
     }
   };
   for (const Route& route : seen.routes.routes) {
-    if (route.state != "self" && is_asked(seen, route)) add(route.address, false);
+    if (route.state == "self" || !is_asked(seen, route)) continue;
+    add(route.address, false);
+    // The link itself shows that a router is there.
+    if (route.state == "ONLINE" && route.via.empty() && !out.empty() && out.back().address == route.address)
+      out.back().port = Port::zmtp;
   }
   for (const std::string& seed : seeds) add(seed, true);
   if (seen.asked.find(':') != std::string::npos) add(seen.asked, false);

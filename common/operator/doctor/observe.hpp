@@ -22,7 +22,7 @@ void observe_router(Session& session, Observed seen, const ObservedNext& next);
 void observe_links(Session& session, Observed seen, const ObservedNext& next);
 
 /// The addresses to try: of the nodes to be checked in the routing table, of the seeds, and the one that the person
-/// named. At most 64.
+/// named. At most 64. Of a linked one the port is known.
 std::vector<AddressProbe> addresses_to_try(const Observed& seen, const std::vector<std::string>& seeds,
                                            const std::function<bool(const std::string&)>& in_own_subnet);
 

@@ -98,6 +98,11 @@ TEST_CASE("the addresses of the table, of seeds, and of what was asked for are t
   Observed seen = fleet();
   CHECK(addresses(addresses_to_try(seen, {"10.0.0.3:45000", "10.9.9.9:45000"}, near)) ==
         "10.0.0.2:45000 10.0.0.3:45000* 10.0.0.4:45000 10.9.9.9:45000* ");
+  const auto tried = addresses_to_try(seen, {"10.0.0.2:45000"}, near);
+  CHECK(tried[0].port == Port::zmtp);  // it is linked
+  CHECK(tried[1].port == Port::not_tried);
+  seen.routes.routes[3].via = "bee";
+  CHECK(addresses_to_try(seen, {}, near)[2].port == Port::not_tried);
   seen.asked = "10.7.7.7:45000";
   const auto asked = addresses_to_try(seen, {}, near);
   CHECK(addresses(asked) == "10.7.7.7:45000 ");

@@ -4,6 +4,7 @@
 
 #include "common/fleet/did_you_mean.hpp"
 #include "common/operator/doctor/machine_findings.hpp"
+#include "common/security/services.hpp"
 
 namespace trb::op {
 namespace {
@@ -45,6 +46,18 @@ void add_unnamed(const Observed& seen, const std::string& service, std::vector<F
 }
 
 }  // namespace
+
+void add_missing_adapter(const Observed& seen, std::vector<Finding>& out) {
+  const std::string adapter = "mode-adapter";
+  if (!seen.has_robot || seen.named.empty() || std::ranges::find(seen.named, adapter) != seen.named.end()) return;
+  const auto self = std::ranges::find(seen.routes.routes, seen.node, &Route::id);
+  const bool is_heard = self != seen.routes.routes.end() && !self->profile.robot.empty();
+  const auto& services = seen.services.services;
+  if (is_heard || std::ranges::find(services, adapter, &ServiceEntry::service) != services.end()) return;
+  const bool may_be_own = !std::ranges::all_of(seen.named, is_reserved_service);
+  out.push_back({may_be_own ? Weight::note : Weight::problem, "service_down", adapter, std::string(kNoModeAdapter),
+                 std::string(kAddModeAdapter)});
+}
 
 Finding finding_of(const ConfigFault& fault) {
   const std::string key = fault.key.empty() ? "" : fault.key + ": ";

@@ -23,6 +23,8 @@ class BusSession final : private NodeLink {
   [[nodiscard]] bool is_up() const { return link_.up(); }
   /// Over TCP: the router does not know this session's key.
   [[nodiscard]] bool key_refused() const { return link_.key_refused(); }
+  /// A router is there, though it may not have answered yet.
+  [[nodiscard]] bool was_reached() { return link_.was_reached(); }
   /// Why the router refuses this link; empty if it does not, or has not answered.
   [[nodiscard]] const std::string& refusal() const { return link_.refusal(); }
 

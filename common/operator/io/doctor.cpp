@@ -20,8 +20,10 @@ AddressProbe to_try(const std::string& address) {
   return out;
 }
 
-bool is_number(const AddressProbe& probe) {
-  return is_numeric_endpoint(probe.address);
+/// Only a router looks names up; and of what has a link nothing need be tried: there it would look like an intruder's
+/// try.
+bool may_be_tried(const AddressProbe& probe) {
+  return is_numeric_endpoint(probe.address) && probe.port == Port::not_tried;
 }
 
 /// Only a way that carries something can carry too little.
@@ -52,6 +54,8 @@ void Doctor::look_at_folder() {
   config_ = std::move(check.config);
   seen_.node = config_.id;
   seen_.beacon = config_.beacon;
+  seen_.named = config_.services;
+  seen_.has_robot = !config_.framework.empty();
   seen_.seeds = config_.seeds.size();
   seen_.now = read_clocks().utc;
   seen_.disk = disk_state(".");
@@ -94,7 +98,7 @@ void Doctor::try_bus() {
 
 void Doctor::try_inbox() {
   const Network& network = config_.network;
-  if (network.address.empty()) return find_addresses();
+  if (network.address.empty() || seen_.answers) return find_addresses();
   probes_.try_ports({to_try(join_host_port(network.address, network.tcp_port_ext))},
                     [this](const std::vector<AddressProbe>& tried) {
                       seen_.inbox_open = tried.front().port == Port::zmtp;
@@ -107,8 +111,8 @@ void Doctor::find_addresses() {
   for (const Seed& seed : config_.seeds) seeds.push_back(seed.address);
   seen_.addresses = addresses_to_try(seen_, seeds, in_own_subnet);
   progress("trying " + std::to_string(seen_.addresses.size()) + " addresses");
-  std::stable_partition(seen_.addresses.begin(), seen_.addresses.end(), is_number);
-  try_some(is_number, &AddressProbes::try_ports, &Doctor::try_datagrams);
+  std::stable_partition(seen_.addresses.begin(), seen_.addresses.end(), may_be_tried);
+  try_some(may_be_tried, &AddressProbes::try_ports, &Doctor::try_datagrams);
 }
 
 void Doctor::try_datagrams() {

@@ -10,7 +10,9 @@ class LooplessService : public Service {
  public:
   void on_journal(std::function<Status(const std::vector<Journal>&)>) override {}
   void before_end(Effect, std::function<bool()>, Duration) override {}
+  void set_note(std::string) override {}
   [[nodiscard]] bool has_room() const override { return true; }
+  [[nodiscard]] MonotonicTime router_heard() const override { return {}; }
   int run(Core&, std::function<bool()>) override { return 0; }
   void start(Core&, std::function<bool()>) override {}
   [[nodiscard]] int descriptor() const override { return -1; }

@@ -4,7 +4,9 @@
 #include <cstdlib>
 
 #include "common/operator/decide.hpp"
+#include "common/transport/loop.hpp"
 #include "services/cli/commands/command.hpp"
+#include "services/cli/core/alert_words.hpp"
 #include "services/cli/core/table.hpp"
 #include "services/cli/io/print.hpp"
 #include "services/cli/io/probe.hpp"
@@ -15,9 +17,9 @@ namespace {
 constexpr std::size_t kShortId = 8;
 constexpr std::size_t kMostShown = 10;
 
-std::string shown(double number, const char* format = "%.3f") {
+std::string shown(double number) {
   char out[32];
-  std::snprintf(out, sizeof out, format, number);
+  std::snprintf(out, sizeof out, "%.3f", number);
   return out;
 }
 
@@ -26,19 +28,6 @@ bool is_open(const Alert& alert) {
 }
 
 // ---- list
-
-/// What the robot cannot do any more; some alerts are of no loss.
-std::string lost_of(const Alert& alert) {
-  for (const char* whole : {"peer_expired", "robot_connection", "robot_fault", "robot_retired"}) {
-    if (alert.cause == whole && alert.capability.empty()) return "all of it";
-  }
-  return or_dash(alert.capability);
-}
-
-/// Somebody can take its tasks over.
-bool has_ways(const Alert& alert) {
-  return !alert.run.empty() && alert.cause != "double_execution" && alert.cause != "run_ends";
-}
 
 void print_table(const AlertTable& table) {
   std::vector<std::vector<std::string>> rows{{"ALERT", "TIME", "STATE", "RUN", "ROBOT", "LOST", "SEVERITY", "TASKS"}};
@@ -49,12 +38,6 @@ void print_table(const AlertTable& table) {
                     joined(alert.tasks, ",")});
   }
   print(format_table(rows));
-}
-
-/// "battery 80 % (0.12)": the value, and what it gave to the score; before it whose it is, if several take over.
-std::string part_text(const CriterionPart& part, bool several) {
-  return (several && !part.robot.empty() ? part.robot + " " : "") + part.criterion + " " + shown(part.value, "%.4g") +
-         (part.unit.empty() ? "" : " " + part.unit) + " (" + shown(part.contribution) + ")";
 }
 
 std::string takers_of(const Proposal& proposal) {
@@ -69,8 +52,7 @@ void print_proposals(const Alert& alert) {
   for (std::size_t i = 0; i < alert.proposals.size() && i < kMostShown; ++i) {
     const Proposal& one = alert.proposals[i];
     std::string parts;
-    for (const CriterionPart& part : one.parts)
-      parts += (parts.empty() ? "" : ", ") + part_text(part, one.robot.empty());
+    for (const CriterionPart& part : one.parts) parts += (parts.empty() ? "" : ", ") + part_text(one, part);
     rows.push_back(
         {std::to_string(i + 1), takers_of(one), shown(one.score), shown(one.merit), or_dash(parts), one.note});
   }
@@ -86,8 +68,8 @@ void print_open(const Alert& alert) {
   if (alert.verdict != Verdict::none) {
     print_line("decided by " + (alert.person.empty() ? "the policy" : alert.person) + ": " +
                std::string(name_of(alert.verdict)) + (alert.reason.empty() ? "" : " (" + alert.reason + ")"));
-  } else if (has_ways(alert)) {
-    print_line("policy: " + alert.policy + "; proposals hold until " + to_iso8601({alert.expires}));
+  } else if (const std::string hold = hold_text(alert, read_clocks().utc); !hold.empty()) {
+    print_line(hold);
   }
   print_proposals(alert);
   for (std::size_t i = 0; i < alert.unfit.size() && i < kMostShown; ++i) {

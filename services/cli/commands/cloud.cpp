@@ -77,6 +77,8 @@ int run_password(const Arguments& arguments) {
   print_line("password: " + password);
   print_line(
       "It is shown this once, and counts from the next sign-in on; the page asks for a new one at the first sign-in.");
+  print_line("note: whoever is '" + user +
+             "' among the gateway's users is an enabled admin from then on; the audit log says so");
   if (!before.empty() && before != user)
     print_line("note: the password that was made for '" + before + "' before, and not used yet, counts no more");
   return kGood;
@@ -86,7 +88,8 @@ const std::vector<Command> kCloudCommands = {
     {{"cloud", "password"},
      {"cloud password NODE_DIR",
       "Makes a password for an admin of the cloud's gateway: for the first sign-in, or if nobody remembers one.\n"
-      "There is none by default. Whoever can write to the node's folder can do this.",
+      "There is none by default. Whoever can write to the node's folder can do this. A user who was a viewer, an\n"
+      "operator, or disabled becomes an enabled admin by it; of those, an admin makes new passwords on the page.",
       {"--user NAME|whose (admin)", kJson},
       {"trb cloud password nodes/cloud"},
       1,

@@ -83,19 +83,8 @@ Status make_fleet(const DemoFleet& fleet, const std::string& dir) {
   return write_file(dir + "/first.json", demo_scenario());
 }
 
-/// Beside it first: whoever stops this half way finds no half fleet.
 Status make_folder(const DemoFleet& fleet, const std::string& dir) {
-  std::error_code problem;
-  if (fs::exists(dir, problem) && !fs::is_empty(dir, problem))
-    return fail(Errc::conflict, dir + " is there already, with files in it", "name a new folder");
-  const std::string making = dir + ".making";
-  fs::remove_all(making, problem);
-  Status made = make_fleet(fleet, making);
-  if (made) fs::rename(making, dir, problem);
-  if (made && problem)
-    made = fail(Errc::io_error, dir + ": " + problem.message(), "name a folder in one that you may write");
-  if (!made) fs::remove_all(making, problem);
-  return made;
+  return make_whole_folder(dir, [&](const std::string& making) { return make_fleet(fleet, making); });
 }
 
 // ---- running it
@@ -172,6 +161,7 @@ int supervise(const DemoFleet& fleet, const std::string& dir) {
   supervisor::block_signals();
   supervisor::Supervisor supervisor(
       dir, programs_of(fleet, dir), [](const std::string& text) { print_line(text); }, kNodesGrace);
+  supervisor.each_round([&] { bound_log(dir); });
   const int status = supervisor.run([] { return std::nullopt; }, [] { return std::string(); });
   forget_lost_output();
   return status;

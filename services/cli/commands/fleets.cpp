@@ -8,11 +8,13 @@
 #include "common/config/node_config.hpp"
 #include "common/security/authority.hpp"
 #include "common/security/bus_keys.hpp"
+#include "common/security/ever_revoked.hpp"
 #include "common/security/node_keys.hpp"
 #include "common/security/revocations.hpp"
 #include "common/transport/loop.hpp"
 #include "proto/body.hpp"
 #include "services/cli/commands/command.hpp"
+#include "services/cli/commands/fleet_via.hpp"
 #include "services/cli/commands/relay_right.hpp"
 #include "services/cli/core/table.hpp"
 #include "services/cli/io/fleet_lock.hpp"
@@ -100,6 +102,14 @@ Result<CertificateFile> sign_file(Authority& authority, const Arguments& argumen
   return sign_request(authority, arguments.words[0], *record, read_clocks().utc, seconds(*days * 86400), *relay);
 }
 
+/// A clock that is wrong shows in them.
+std::string dates_of(const CertificateFile& file) {
+  const auto certificate = decode<Certificate>(file.certificate.payload.bytes);
+  if (!certificate) return "";
+  return ": serial " + std::to_string(certificate->serial) + ", valid from " + to_iso8601({certificate->not_before}) +
+         " to " + to_iso8601({certificate->not_after});
+}
+
 /// The certificate's file: beside its request.
 std::string certificate_beside(const std::string& request) {
   const auto slash = request.rfind('/');
@@ -124,12 +134,17 @@ Status check_places(const Arguments& arguments) {
 int run_sign(const Arguments& arguments) {
   init_crypto();
   if (Status good = check_places(arguments); !good) return print_error(arguments, good.error());
+  if (Status node = check_via(arguments); !node) return print_error(arguments, node.error());
   auto secret = ask_for_passphrase(arguments, false);
   if (!secret) return print_error(arguments, secret.error());
   const auto lock = FleetLock::take(arguments.words[0]);
   if (!lock) return print_error(arguments, lock.error());
   auto authority = open_authority(arguments.words[0], *secret);
   if (!authority) return print_error(arguments, authority.error());
+  const auto learned = learn_from(*authority, arguments, arguments.get("--via"));
+  if (!learned) return print_error(arguments, learned.error());
+  if (Status right = check_clock(arguments, *authority, *learned, read_clocks().utc); !right)
+    return print_error(arguments, right.error());
   Value::List written_to;
   for (std::size_t i = 1; i < arguments.words.size(); ++i) {
     const std::string& path = arguments.words[i];
@@ -139,7 +154,7 @@ int run_sign(const Arguments& arguments) {
     // For anybody to read: it holds no secret, and is carried to the node as another user than the node's.
     if (Status written = write_file(out, certificate_file_to_json(*signed_file), 0644); !written)
       return print_error(arguments, written.error());
-    if (!arguments.has("--json")) print_line("wrote " + out);
+    if (!arguments.has("--json")) print_line("wrote " + out + dates_of(*signed_file));
     written_to.push_back(Value{out});
   }
   if (arguments.has("--json")) print_json(Value{Value::Object{{"certificates", Value{std::move(written_to)}}}});
@@ -166,7 +181,7 @@ int show_certificate(const Arguments& arguments, const std::string& path) {
 }
 
 std::string_view state_of(const Authority& authority, const Certificate& certificate, UtcTime now) {
-  if (find_revocation(authority.list, certificate) != nullptr) return "revoked";
+  if (find_ever_revoked(authority, certificate) != nullptr) return "revoked";
   if (now.ns > certificate.not_after) return "expired";
   return now.ns < certificate.not_before ? "not yet valid" : "valid";
 }
@@ -182,6 +197,33 @@ Newest newest_certificates(const Authority& authority) {
   return newest;
 }
 
+using Unknown = std::map<std::string, const Revocation*>;  ///< by node
+
+/// Who was revoked, and has no certificate in this folder: it was restored from an older copy.
+Unknown unknown_revoked(const Authority& authority, const Newest& newest) {
+  Unknown unknown;
+  for (const auto* entries : {&authority.list.revoked, &authority.revoked}) {
+    for (const Revocation& entry : *entries) {
+      if (newest.count(entry.id) != 0) continue;
+      const Revocation*& kept = unknown[entry.id];
+      if (kept == nullptr || kept->serial < entry.serial) kept = &entry;
+    }
+  }
+  return unknown;
+}
+
+std::string end_of(const Revocation& entry) {
+  return entry.until == 0 ? "" : to_iso8601({entry.until});
+}
+
+Value to_value(const Revocation& entry) {
+  return Value{Value::Object{{"id", Value{entry.id}},
+                             {"role", Value{std::string()}},
+                             {"serial", Value{static_cast<std::int64_t>(entry.serial)}},
+                             {"state", Value{std::string("revoked")}},
+                             {"valid_to", Value{end_of(entry)}}}};
+}
+
 Value to_value(const Authority& authority, const Certificate& certificate, UtcTime now) {
   return Value{Value::Object{{"id", Value{certificate.id}},
                              {"role", Value{std::string(name_of(certificate.role))}},
@@ -193,6 +235,7 @@ Value to_value(const Authority& authority, const Certificate& certificate, UtcTi
 void print_fleet_json(const Authority& authority, const Newest& newest, UtcTime now) {
   Value::List nodes;
   for (const auto& [id, certificate] : newest) nodes.push_back(to_value(authority, *certificate, now));
+  for (const auto& [id, entry] : unknown_revoked(authority, newest)) nodes.push_back(to_value(*entry));
   print_json(Value{Value::Object{{"name", Value{authority.fleet.name}},
                                  {"fleet", Value{to_hex(authority.fleet.id())}},
                                  {"authority_key", Value{to_hex(authority.fleet.public_key)}},
@@ -209,6 +252,10 @@ void show_fleet(const Arguments& arguments, const Authority& authority, UtcTime 
   for (const auto& [id, certificate] : newest) {
     rows.push_back({id, std::string(name_of(certificate->role)), std::to_string(certificate->serial),
                     std::string(state_of(authority, *certificate, now)), to_iso8601({certificate->not_after})});
+  }
+  for (const auto& [id, entry] : unknown_revoked(authority, newest)) {
+    const std::string end = end_of(*entry);
+    rows.push_back({id, "-", std::to_string(entry->serial), "revoked", end.empty() ? "-" : end});
   }
   print_line("fleet            " + authority.fleet.name + ", id " + to_hex(authority.fleet.id()));
   print_line("authority key    " + to_hex(authority.fleet.public_key));
@@ -254,7 +301,9 @@ const std::vector<Command> kFleetCommands = {
     {{"fleet", "sign"},
      {"fleet sign FLEET_DIR REQUEST ...",
       "Signs requests; writes the certificate beside each, as certificate.json.",
-      {"--days N|how long the certificate is valid (365)", kRelay, kNoRelay, kPassphrase, kJson},
+      {"--days N|how long the certificate is valid (365)", kRelay, kNoRelay,
+       "--via NODE_DIR|first take over what this node, which is up, knows: for a folder restored from a copy",
+       kTrustClock, kPassphrase, kJson},
       {"trb fleet sign ~/hall-3-authority nodes/*/keys/request.json"},
       2,
       1000},

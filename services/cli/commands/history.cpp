@@ -46,7 +46,8 @@ const std::vector<Command> kHistoryCommands = {
      {"robot history [ROBOT]",
       "What happened to the fleet's robots, newest first: who joined or went, lost its robot, was stopped, failed or "
       "was\n"
-      "mended, as this node's trb-resilience saw it. 30 days and 10,000 events are kept.",
+      "mended, as this node's trb-resilience saw it, which looks every few seconds: a retirement or a repair that was "
+      "over\nbefore may be missing. 30 days and 10,000 events are kept.",
       {"--most N|so many events, 1 to 500 (50)", "--node DIR|the node to ask (else TRB_NODE, else this folder)", kJson},
       {"trb robot history", "trb robot history ridgeback --most 10", "trb robot history --json"},
       0,

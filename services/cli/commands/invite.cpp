@@ -11,6 +11,7 @@
 #include "common/transport/signals.hpp"
 #include "proto/body.hpp"
 #include "services/cli/commands/command.hpp"
+#include "services/cli/commands/fleet_via.hpp"
 #include "services/cli/io/fleet_lock.hpp"
 #include "services/cli/io/passphrase.hpp"
 #include "services/cli/io/print.hpp"
@@ -187,6 +188,17 @@ int wait_for_node(const Arguments& arguments, const Wish& wish, const Authority&
   return report_end(arguments, wish, *end);
 }
 
+/// The folder may be restored from an older copy: who was revoked since must not be signed.
+Status learn_before(const Arguments& arguments, const Wish& wish, const std::string& node) {
+  const auto lock = FleetLock::take(wish.dir);
+  if (!lock) return lock.error();
+  auto authority = read_authority(wish.dir);
+  if (!authority) return authority.error();
+  const auto learned = learn_from(*authority, arguments, node);
+  if (!learned) return learned.error();
+  return check_clock(arguments, *authority, *learned, read_clocks().utc);
+}
+
 int run_invite(const Arguments& arguments) {
   init_crypto();
   const auto wish = invite_wish_of(arguments);
@@ -205,6 +217,7 @@ int run_invite(const Arguments& arguments) {
   if (!node)
     return print_error(arguments,
                        fail(node.error().code, node.error().what, "give --via NODE_DIR of a node that is up here"));
+  if (const Status ready = learn_before(arguments, *wish, *node); !ready) return print_error(arguments, ready.error());
   auto probe = Probe::open(*node);
   if (!probe) return print_error(arguments, probe.error());
   const auto table = (*probe)->routes();
@@ -224,8 +237,8 @@ std::vector<Command> invite_commands() {
             {"--via NODE_DIR|a node that is up on this computer (else TRB_NODE, else this folder)",
              "--through CLOUD|the cloud node that the new one calls (the first that is reached)",
              "--at HOST:PORT|where the new node dials that cloud node, from now on, if another address leads there",
-             "--role ROLE|robot or cloud (robot)", "--days N|how long the certificate is valid (365)", kPassphrase,
-             "--json|an object a line"},
+             "--role ROLE|robot or cloud (robot)", "--days N|how long the certificate is valid (365)", kTrustClock,
+             kPassphrase, "--json|an object a line"},
             {"trb fleet invite ~/hall-3-authority arm1 --via nodes/cloud"},
             2,
             2},

@@ -147,11 +147,7 @@ void print_restored(const NodeBackup& backup, const std::string& dir, const Conf
   print_line("its old PC must not run any more: of two nodes with the same keys the fleet takes one");
   print_line("next:");
   if (!faults.empty()) print("  put right           what trb check " + dir + " says:\n" + to_text(faults));
-  print_line("  start it            trb up " + dir);
-  print_line(
-      "  a robot             look what it holds and does: what it did since is not known. Then trb robot repaired " +
-      backup.node + "; trb release " + backup.node);
-  print_line("  a cloud             sign in again, make tokens anew, look at the users: trb cloud --help");
+  for (const std::string& step : next_steps(backup, dir)) print_line("  " + step);
 }
 
 int run_restore(const Arguments& arguments) {

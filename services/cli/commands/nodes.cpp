@@ -1,26 +1,25 @@
-// up, down, check, reload, logs.
-#include <sys/inotify.h>
+// up, down, check, reload.
 #include <unistd.h>
 
-#include <algorithm>
 #include <csignal>
-#include <deque>
 #include <filesystem>
 #include <fstream>
-#include <map>
 #include <optional>
 
-#include "common/base/descriptor.hpp"
 #include "common/base/files.hpp"
 #include "common/config/node_config.hpp"
 #include "common/drivers/registry.hpp"
+#include "common/operator/doctor/service_findings.hpp"
 #include "common/security/bus_keys.hpp"
 #include "common/security/services.hpp"
 #include "common/supervisor/node_lock.hpp"
 #include "common/supervisor/process.hpp"
 #include "common/supervisor/supervisor.hpp"
 #include "services/cli/commands/command.hpp"
+#include "services/cli/commands/node_logs.hpp"
 #include "services/cli/core/wire.hpp"
+#include "services/cli/io/folder_check.hpp"
+#include "services/cli/io/gateway_check.hpp"
 #include "services/cli/io/node_folder.hpp"
 #include "services/cli/io/print.hpp"
 #include "services/cli/io/ready.hpp"
@@ -36,21 +35,39 @@ std::string absolute(const std::string& path) {
   return fs::weakly_canonical(fs::absolute(path)).string();
 }
 
+/// What is allowed, and mostly not meant.
+std::vector<std::string> notes_of(const NodeConfig& config) {
+  std::vector<std::string> notes;
+  const std::string wire = note_of_wire(config.network.address, config.network.robot_address, config.robot.host);
+  if (!wire.empty()) notes.push_back(wire);
+  if (!config.framework.empty() && !config.has_service("mode-adapter"))
+    notes.push_back(std::string(op::kNoModeAdapter) + "; " + std::string(op::kAddModeAdapter));
+  return notes;
+}
+
 int run_check(const Arguments& arguments) {
   const std::string dir = absolute(arguments.words[0]);
   const auto holder = NodeLock::holder(dir);
   const bool running = holder || holder.error().code != Errc::missing;
-  const NodeCheck check = check_node_dir(dir, running, drivers::robot_transports());
+  NodeCheck check = check_node_dir(dir, running, drivers::robot_transports());
+  for (ConfigFault& fault : check_folder(dir)) check.faults.push_back(std::move(fault));
+  if (check.config.has_service("cloud-gateway")) {
+    for (ConfigFault& fault : check_gateway_certificate(dir)) check.faults.push_back(std::move(fault));
+  }
   if (!check.faults.empty()) return print_faults(arguments, check.faults);
-  const Network& network = check.config.network;
-  const std::string note = note_of_wire(network.address, network.robot_address, check.config.robot.host);
+  const std::vector<std::string> notes = notes_of(check.config);
+  const std::vector<std::string> unfinished = unfinished_folders(dir);
   if (arguments.has("--json")) {
     Value::Object json{{"faults", Value{Value::List{}}}};
-    if (!note.empty()) json.emplace_back("notes", Value{Value::List{Value{note}}});
+    Value::List list;
+    for (const std::string& note : notes) list.push_back(Value{note});
+    for (const std::string& folder : unfinished) list.push_back(Value{note_of_unfinished(folder)});
+    if (!list.empty()) json.emplace_back("notes", Value{std::move(list)});
     print_json(Value{std::move(json)});
   } else {
     print_line(arguments.words[0] + ": no faults" + (running ? " (the node is up: its ports were not tried)" : ""));
-    if (!note.empty()) print_line("note: node.json: " + note);
+    for (const std::string& note : notes) print_line("note: node.json: " + note);
+    for (const std::string& folder : unfinished) print_line("note: " + note_of_unfinished(folder));
   }
   return kGood;
 }
@@ -74,12 +91,16 @@ Result<std::vector<ServiceProgram>> services_to_start(const NodeConfig& config, 
               "it may stay away as it is, or put it into \"services\" of node.json");
 }
 
+/// Said when the new files have faults.
+const std::string kNotReloaded = "nothing was reloaded";
+
 /// What a reload leads to; nothing: the files are not good, and all stays as it is.
 std::optional<std::vector<ServiceProgram>> services_of_new_files(const Arguments& arguments, const std::string& dir) {
   const NodeCheck check = check_node_dir(dir, true, drivers::robot_transports());
-  if (!check.faults.empty()) print_faults(arguments, check.faults);
+  const bool stops = !faults_that_stop(check.faults).empty();
+  if (!check.faults.empty()) print_faults(arguments, check.faults, stops ? kNotReloaded : "");
   if (Status made = make_keys_of_bus(check.config); !made) return std::nullopt;
-  if (!faults_that_stop(check.faults).empty()) return std::nullopt;
+  if (stops) return std::nullopt;
   const std::string without = arguments.get("--without");
   auto services = services_to_start(check.config, check.config.has_service(without) ? without : "");
   return services ? std::optional(std::move(*services)) : std::nullopt;
@@ -89,12 +110,20 @@ std::optional<std::vector<ServiceProgram>> services_of_new_files(const Arguments
 int detached(const Arguments& arguments, const std::string& dir, const std::string& id, pid_t supervisor,
              double wait_s) {
   if (supervisor < 0) return print_error(arguments, fail(Errc::io_error, "no process can be made", "free memory"));
-  if (Status ready = wait_ready(dir, supervisor, seconds(wait_s)); !ready) return print_error(arguments, ready.error());
+  const auto ready = wait_ready(dir, supervisor, seconds(wait_s));
+  if (!ready) return print_error(arguments, ready.error());
   if (arguments.has("--json")) {
-    print_json(Value{Value::Object{{"node", Value{id}}, {"pid", Value{static_cast<std::int64_t>(supervisor)}}}});
-  } else {
-    print_line(id + ": ready (pid " + std::to_string(supervisor) + "); end it with trb down " + arguments.words[0]);
+    Value::Object json{{"node", Value{id}}, {"pid", Value{static_cast<std::int64_t>(supervisor)}}};
+    Value::List notes;
+    for (const std::string& note : *ready) notes.push_back(Value{note});
+    if (!notes.empty()) json.emplace_back("notes", Value{std::move(notes)});
+    print_json(Value{std::move(json)});
+    return kGood;
   }
+  const std::string pid = "(pid " + std::to_string(supervisor) + "); end it with trb down " + arguments.words[0];
+  if (ready->empty()) print_line(id + ": ready " + pid);
+  if (!ready->empty()) print_line(id + ": ready, but " + ready->front() + " " + pid);
+  for (std::size_t more = 1; more < ready->size(); ++more) print_line(id + ": and " + (*ready)[more]);
   return kGood;
 }
 
@@ -110,10 +139,11 @@ void say(const Arguments& arguments, const std::string& id, const std::string& t
 /// Until the node is ended.
 int supervise(const Arguments& arguments, const std::string& dir, const std::string& id,
               const std::vector<ServiceProgram>& services) {
+  supervisor::block_signals();  // before anybody finds this process by its lock: a reload would end it
   auto held = NodeLock::take(dir);
   if (!held) return print_error(arguments, held.error());
-  supervisor::block_signals();
   supervisor::Supervisor supervisor(dir, services, [&](const std::string& text) { say(arguments, id, text); });
+  if (arguments.has("--detach")) supervisor.each_round([&] { bound_log(dir); });
   const auto reload = [&] { return services_of_new_files(arguments, dir); };
   ReadyCheck is_ready(dir);
   const int status = supervisor.run(reload, [&] { return is_ready() ? std::string() : is_ready.waits_for(); });
@@ -143,7 +173,8 @@ int run_up(const Arguments& arguments) {
     std::erase_if(check.faults, [](const ConfigFault& one) { return one.file == "cloud.json" && one.key == "listen"; });
   }
   const ConfigFaults stopping = faults_that_stop(check.faults);
-  if (!stopping.empty()) return print_faults(arguments, check.faults);
+  if (!stopping.empty()) return print_faults(arguments, check.faults, "nothing was started");
+  if (Status may = may_start(dir, check.config.bus.empty()); !may) return print_error(arguments, may.error());
   if (!check.faults.empty() && arguments.has("--json")) {
     print_json(faults_json(check.faults));
   } else if (!check.faults.empty()) {
@@ -176,7 +207,7 @@ std::string left_out_by(pid_t up) {
 int run_reload(const Arguments& arguments) {
   const std::string dir = absolute(arguments.words[0]);
   const NodeCheck check = check_node_dir(dir, true, drivers::robot_transports());
-  if (!faults_that_stop(check.faults).empty()) return print_faults(arguments, check.faults);
+  if (!faults_that_stop(check.faults).empty()) return print_faults(arguments, check.faults, kNotReloaded);
   auto pid = NodeLock::holder(dir);
   if (!pid) return print_error(arguments, pid.error());
   if (::kill(*pid, SIGHUP) != 0)
@@ -197,6 +228,24 @@ int run_reload(const Arguments& arguments) {
   return kGood;
 }
 
+/// 0: it cannot be known.
+pid_t parent_of(pid_t pid) {
+  std::ifstream status("/proc/" + std::to_string(pid) + "/status");
+  const std::string key = "PPid:";
+  for (std::string line; std::getline(status, line);) {
+    if (line.starts_with(key)) return static_cast<pid_t>(std::strtol(line.c_str() + key.size(), nullptr, 10));
+  }
+  return 0;
+}
+
+/// The folder of the demonstration that would start this node again at once; empty: none does.
+std::string kept_up_by(const std::string& dir, pid_t node) {
+  const std::string demo = fs::path(dir).parent_path().parent_path().string();
+  if (!file_exists(demo + "/demo.json")) return "";
+  const auto supervisor = NodeLock::holder(demo);
+  return supervisor && parent_of(node) == *supervisor ? demo : "";
+}
+
 int run_down(const Arguments& arguments) {
   const std::string dir = absolute(arguments.words[0]);
   // A node's folder, or that of a demonstration.
@@ -209,6 +258,9 @@ int run_down(const Arguments& arguments) {
   if (!pid) return print_error(arguments, pid.error());
   const auto wait = arguments.number("--timeout", 10);
   if (!wait) return print_error(arguments, wait.error());
+  if (const std::string demo = kept_up_by(dir, *pid); !demo.empty())
+    return print_error(arguments, fail(Errc::conflict, "trb demo keeps " + dir + " up: it would be started again",
+                                       "end the whole demonstration: trb down " + demo));
   if (::kill(*pid, SIGTERM) != 0 || !wait_down(dir, seconds(*wait))) {
     return print_error(arguments, fail(Errc::timeout, dir + " is still up (pid " + std::to_string(*pid) + ")",
                                        "are you its user? see " + dir + "/log"));
@@ -219,103 +271,6 @@ int run_down(const Arguments& arguments) {
     print_line(arguments.words[0] + ": down");
   }
   return kGood;
-}
-
-// ---- logs
-
-/// True for the file that a service writes to now, not one that it has left: "router.log", not "router.1.log".
-bool is_current_log(const std::string& name) {
-  return name.ends_with(".log") && name.find('.') == name.size() - 4;
-}
-
-/// True if it is asked for. What trb up --detach has said is not asked for by itself: its lines have no time, and the
-/// services' warnings are in both.
-bool is_asked(const std::string& name, const std::string& service) {
-  return is_current_log(name) && (service.empty() ? name != "up.log" : name == service + ".log");
-}
-
-/// By name; each is read to where it was shown.
-using Logs = std::map<std::string, std::ifstream>;
-
-Logs open_logs(const std::string& folder, const std::string& service) {
-  Logs out;
-  std::error_code none;
-  for (const auto& entry : fs::directory_iterator(folder, none)) {
-    const std::string name = entry.path().filename().string();
-    if (is_asked(name, service)) out[name].open(entry.path());
-  }
-  return out;
-}
-
-/// The last lines of all files; of several, in the order of their times, which every line begins with.
-std::vector<std::string> last_lines(Logs& logs, std::size_t most) {
-  constexpr std::size_t kTime = sizeof "2026-03-01T12:00:00.250Z" - 1;
-  std::vector<std::string> lines;
-  for (auto& [name, file] : logs) {
-    std::deque<std::string> own;
-    for (std::string line; std::getline(file, line);) {
-      own.push_back(std::move(line));
-      if (own.size() > most) own.pop_front();
-    }
-    lines.insert(lines.end(), own.begin(), own.end());
-  }
-  if (logs.size() > 1) {
-    std::stable_sort(lines.begin(), lines.end(), [](const std::string& a, const std::string& b) {
-      return std::string_view(a).substr(0, kTime) < std::string_view(b).substr(0, kTime);
-    });
-  }
-  if (lines.size() > most) lines.erase(lines.begin(), lines.end() - static_cast<std::ptrdiff_t>(most));
-  return lines;
-}
-
-/// What the terminal or the program gets of a line.
-void print_log_line(const Arguments& arguments, const std::string& line) {
-  arguments.has("--json") ? print_json(Value{Value::Object{{"line", Value{line}}}}) : print_line(line);
-}
-
-void print_new_lines(const Arguments& arguments, std::ifstream& file) {
-  file.clear();
-  for (std::string line; std::getline(file, line);) print_log_line(arguments, line);
-}
-
-/// Until output or watch ends. A log that grew too large goes on as a new file of the same name.
-int follow(const Arguments& arguments, const std::string& folder, const std::string& service, const Descriptor& watch,
-           Logs& logs) {
-  alignas(inotify_event) char events[4096];
-  while (lost_output().empty()) {
-    const ssize_t size = ::read(watch.get(), events, sizeof events);
-    if (size <= 0) break;
-    for (ssize_t at = 0; at < size;) {
-      const auto* event = reinterpret_cast<const inotify_event*>(events + at);
-      at += static_cast<ssize_t>(sizeof(inotify_event) + event->len);
-      const std::string name = event->len == 0 ? "" : event->name;
-      if (!is_asked(name, service)) continue;
-      std::ifstream& file = logs[name];
-      if (file.is_open()) print_new_lines(arguments, file);
-      if ((event->mask & (IN_CREATE | IN_MOVED_TO)) == 0) continue;
-      file = std::ifstream(folder + "/" + name);
-      print_new_lines(arguments, file);
-    }
-  }
-  return kFailed;
-}
-
-int run_logs(const Arguments& arguments) {
-  const std::string service = arguments.words.size() > 1 ? arguments.words[1] : "";
-  const std::string folder = arguments.words[0] + "/log";
-  // Before the files are read: nothing comes between.
-  const Descriptor watch(::inotify_init1(IN_CLOEXEC));
-  ::inotify_add_watch(watch.get(), folder.c_str(), IN_MODIFY | IN_CREATE | IN_MOVED_TO);
-  Logs logs = open_logs(folder, service);
-  if (logs.empty()) {
-    return print_error(arguments, fail(Errc::missing, folder + ": no log" + (service.empty() ? "" : " of " + service),
-                                       "name a node's folder that was up, and one of its services; trb logs " +
-                                           arguments.words[0] + " up shows what trb up --detach has said"));
-  }
-  const auto most = arguments.number("--lines", 50);
-  if (!most) return print_error(arguments, most.error());
-  for (const std::string& line : last_lines(logs, static_cast<std::size_t>(*most))) print_log_line(arguments, line);
-  return arguments.has("--follow") ? follow(arguments, folder, service, watch, logs) : kGood;
 }
 
 const std::vector<Command> kNodeCommands = {

@@ -1,12 +1,19 @@
 #include "services/cli/commands/played_run.hpp"
 
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
 #include "services/cli/commands/model_terms.hpp"
+#include "services/cli/core/table.hpp"
 #include "services/cli/io/print.hpp"
 
 namespace trb::cli {
 namespace {
 
 constexpr std::size_t kMaxNamed = 5;
+constexpr std::size_t kMaxHappenings = 20;
 
 std::string names_of(const Value::List& names) {
   std::string out;
@@ -33,17 +40,79 @@ void print_open(const Value& world) {
                " s, and nothing planned is to come; it is not over at " + names_of(world.find("open_at")->list()) +
                (off.empty() ? "" : "; off: " + names_of(off)));
   }
+  if (world.find("finished_at_cloud")->boolean())
+    print_line("The cloud has its end, it is FINISHED; nodes keep a run for a minute more");
   const bool goes_on = still_s == nullptr && alerts->list().empty();
   if (goes_on || world.find("at_work")->integer() > 0)
     print_line("It was cut off before its end: --seconds plays more of it");
+}
+
+void print_links(const Value& world) {
+  if (world.find("all_linked")->boolean()) return;
+  print_line("Not all links were up: after " + shown_number(world.find("linked_s")->number()) +
+             " s they were waited for no longer, and the run was submitted without them");
+}
+
+std::string text_at(const Value& of, const char* key) {
+  const Value* found = of.find(key);
+  return found == nullptr ? "" : found->text();
+}
+
+/// "r1", "r1 - r2, what r1 sends", "r0, r1".
+std::string place_text(const Value& happening) {
+  const std::string node = text_at(happening, "node"), other = text_at(happening, "other"),
+                    way = text_at(happening, "way");
+  const Value* nodes = happening.find("nodes");
+  std::string out = nodes == nullptr ? node : names_of(nodes->list());
+  if (!other.empty()) out += " - " + other;
+  if (way == "there") out += ", what " + node + " sends";
+  if (way == "back") out += ", what " + node + " is sent";
+  return out;
+}
+
+/// In the time that --faults has: since the submission. What is so from the world's start is before that.
+std::string since_text(double at_s, double submitted_s) {
+  if (at_s < submitted_s || submitted_s == 0) return "from the start";
+  return shown_number(std::round((at_s - submitted_s) * 1e3) / 1e3) + " s";
+}
+
+void print_happenings(const Value& answer) {
+  const Value::List& happenings = answer.find("happenings")->list();
+  if (happenings.empty()) return;
+  const double submitted_s = answer.find("world")->find("submitted_s")->number();
+  std::vector<std::vector<std::string>> rows{{"AT", "HAPPENED", "WHERE"}};
+  for (std::size_t i = 0; i < std::min(happenings.size(), kMaxHappenings); ++i) {
+    const Value& one = happenings[i];
+    rows.push_back({since_text(one.find("at_s")->number(), submitted_s), one.find("kind")->text(), place_text(one)});
+  }
+  print_line("\nWhat went wrong and was mended, in seconds since the run's submission:");
+  print(format_table(rows));
+  if (happenings.size() > kMaxHappenings)
+    print_line("and " + std::to_string(happenings.size() - kMaxHappenings) + " more: --json lists them");
+}
+
+void print_not_reached(const Value& world, double end_s) {
+  const Value::List& faults = world.find("not_reached")->list();
+  for (std::size_t i = 0; i < std::min(faults.size(), kMaxNamed); ++i) {
+    print_line("Not reached: faults[" + std::to_string(faults[i].find("fault")->integer()) + "] at " +
+               shown_number(faults[i].find("at")->number()) + " s");
+  }
+  if (faults.size() > kMaxNamed)
+    print_line("Not reached: " + std::to_string(faults.size() - kMaxNamed) + " more of the faults");
+  const double submitted_s = world.find("submitted_s")->number();
+  if (!faults.empty() && submitted_s > 0)
+    print_line("What was played ends " + shown_number(end_s - submitted_s) + " s after the run's submission");
 }
 
 }  // namespace
 
 void print_run_end(const Value& answer) {
   const Value& world = *answer.find("world");
+  print_links(world);
   print_open(world);
+  print_not_reached(world, answer.find("seconds")->number());
   for (const Value& broken : world.find("broken")->list()) print_line("BROKEN: " + broken.text());
+  print_happenings(answer);
 }
 
 int exit_code_of(const Value& answer) {

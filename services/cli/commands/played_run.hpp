@@ -1,4 +1,5 @@
-// What `trb simulate` says of a played run besides its messages and tasks: how it ended, and if it did not, why.
+// What `trb simulate` says of a played run besides its messages and tasks: how it ended, and if it did not, why; what
+// went wrong meanwhile, and what of the plan was not reached.
 #pragma once
 
 #include "proto/value.hpp"

@@ -91,7 +91,7 @@ void print_chart(const std::vector<Value>& messages, bool all) {
              " messages within computers and of upkeep are left out; --all prints them");
 }
 
-void print_note(const KeptTrace& trace) {
+void print_trace_note(const KeptTrace& trace) {
   if (trace.is_whole) return;
   print_line(
       "The trace may be cut off: its last line, which says that it is complete, is missing or does not fit. "
@@ -162,7 +162,7 @@ int run_replay(const Arguments& arguments) {
       return kGood;
     }
     print_chart(trace->messages, arguments.has("--all"));
-    print_note(*trace);
+    print_trace_note(*trace);
     return kGood;
   }
   const auto answer = answer_at(*trace, until);
@@ -172,7 +172,7 @@ int run_replay(const Arguments& arguments) {
     return kGood;
   }
   print_chart(trace->messages, arguments.has("--all"));
-  print_note(*trace);
+  print_trace_note(*trace);
   print_state(*answer->find("state"), *answer);
   return kGood;
 }

@@ -228,7 +228,7 @@ int run_conform(const Arguments& arguments) {
   ConfigFaults faults;
   const bool node = std::filesystem::is_directory(arguments.words[0]);
   auto plan = node ? plan_of_node(arguments, faults) : Result<Plan>(plan_of_file(arguments, faults));
-  if (!faults.empty()) return print_faults(arguments, faults);
+  if (!faults.empty()) return print_faults(arguments, faults, "nothing was tried");
   if (!plan) return print_error(arguments, plan.error());
   if (Status good = read_options(arguments, *plan); !good) return print_error(arguments, good.error());
   const auto cases = chosen_cases(arguments);

@@ -109,6 +109,7 @@ class Person {
 };
 
 std::string_view word_of(op::TryState state) {
+  if (state == op::TryState::unproved) return "not proved";
   return state == op::TryState::good ? "good" : state == op::TryState::failed ? "failed" : "not tried";
 }
 

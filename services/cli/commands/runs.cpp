@@ -2,10 +2,11 @@
 #include "services/cli/commands/runs.hpp"
 
 #include <algorithm>
-#include <cstdio>
+#include <iterator>
 
 #include "common/base/files.hpp"
 #include "common/operator/list_runs.hpp"
+#include "common/operator/record_facts.hpp"
 #include "common/operator/run_records.hpp"
 #include "common/scenario/run_proof.hpp"
 #include "common/scenario/run_proof_file.hpp"
@@ -13,6 +14,7 @@
 #include "services/cli/commands/authority_words.hpp"
 #include "services/cli/commands/command.hpp"
 #include "services/cli/core/table.hpp"
+#include "services/cli/core/task_words.hpp"
 #include "services/cli/io/print.hpp"
 #include "services/cli/io/probe.hpp"
 
@@ -20,16 +22,6 @@ namespace trb::cli {
 namespace {
 
 constexpr std::size_t kMaxProof = 64U << 20U;
-
-std::string took_text(double s) {
-  char out[32];
-  std::snprintf(out, sizeof out, "%.2f s", s);
-  return out;
-}
-
-std::string time_or_dash(std::int64_t ns) {
-  return ns == 0 ? "-" : to_iso8601({ns});
-}
 
 std::vector<std::vector<std::string>> run_rows(const RunTable& table) {
   std::vector<std::vector<std::string>> rows{
@@ -42,24 +34,14 @@ std::vector<std::vector<std::string>> run_rows(const RunTable& table) {
   return rows;
 }
 
-/// Why it stands as it does, in the order of what a person asks first.
-std::string why_of(const TaskView& task) {
-  std::string out = task.reason;
-  const auto add = [&](const std::string& more) { out += (out.empty() ? "" : "; ") + more; };
-  if (!task.waits_for.empty()) add("waits for " + task.waits_for);
-  if (task.twice) add("done twice");
-  if (!task.condition.empty()) add("when " + task.condition);
-  if (!task.moved_from.empty()) add("was " + task.moved_from + "'s");
-  for (const std::string& robot : task.failed_by) add("tried by " + robot);
-  return out;
-}
-
-void print_tasks(const RunView& view) {
+/// `records`: as far as they were read.
+void print_tasks(const RunView& view, const RunRecords& records) {
   std::vector<std::vector<std::string>> rows{{"TASK", "ROBOT", "SKILL", "STATE", "ATTEMPT", "BEGAN", "TOOK", "WHY"}};
   for (const TaskView& task : view.tasks) {
-    rows.push_back({task.id, or_dash(task.robot), task.skill, std::string(name_of(task.state)),
-                    std::to_string(task.attempt), time_or_dash(task.started),
-                    task.ended == 0 ? "-" : took_text(task.duration_s), why_of(task)});
+    const std::vector<TaskResult> doers = op::doers_of(records, task.id);
+    rows.push_back({task.id, robot_of(task, doers), task.skill, state_word(task), std::to_string(task.attempt),
+                    time_or_dash(task.started), task.ended == 0 ? "-" : took_text(task.duration_s),
+                    why_of(task, doers)});
   }
   print(format_table(rows));
   for (const TaskView& task : view.tasks) {
@@ -92,16 +74,61 @@ std::string end_of(const RunView& view) {
          (view.over == 0 ? "" : ", archived " + to_iso8601({view.over}));
 }
 
-void print_view(const RunView& view) {
+void print_view(const RunView& view, const RunRecords& records) {
   print_line("run " + view.run + " '" + view.name + "': " + std::string(name_of(view.state)) +
              (has_ended(view) ? end_of(view) : ""));
   print_line("submitted by " + view.submitter + " " + to_iso8601({view.created}) + ", priority " +
              std::to_string(view.priority) + ", epoch " + std::to_string(view.epoch));
   if (!has_ended(view) && view.left_s > 0) print_line("nothing of it begins later than in " + took_text(view.left_s));
+  if (const auto ender = op::ender_of(records)) {
+    print_line("ended by " + ender->node + " " + to_iso8601(ender->time) +
+               (ender->reason.empty() ? "" : ": " + ender->reason));
+  }
   if (!view.paused_by.empty()) print_line("held by " + view.paused_by);
   if (!view.waits_for.empty()) print_line("waits for: " + view.waits_for);
-  print_tasks(view);
+  print_tasks(view, records);
   print_decisions(view);
+}
+
+Result<RunRecords> read_records(Probe& probe, const std::string& run) {
+  return probe.wait<RunRecords>(
+      [&](op::Session& session, const auto& done) { op::read_run_records(session, run, done); });
+}
+
+/// What its records say besides: "ended_by", and who did what was done twice.
+Value::Object facts_json(const RunView& view, const RunRecords& records) {
+  Value::Object out;
+  if (const auto ender = op::ender_of(records)) {
+    out.emplace_back("ended_by", Value{Value::Object{{"node", Value{ender->node}},
+                                                     {"reason", Value{ender->reason}},
+                                                     {"time", Value{ender->time.ns}}}});
+  }
+  Value::List twice;
+  for (const TaskView& task : view.tasks) {
+    const std::vector<TaskResult> doers = op::doers_of(records, task.id);
+    if (doers.size() < 2) continue;
+    for (const TaskResult& one : doers) {
+      twice.push_back(Value{Value::Object{{"task", Value{task.id}},
+                                          {"robot", Value{one.robot}},
+                                          {"attempt", Value{static_cast<std::int64_t>(one.key.attempt)}},
+                                          {"started", Value{one.started}},
+                                          {"ended", Value{one.ended}},
+                                          {"duration_s", Value{one.duration_s}}}});
+    }
+  }
+  if (!twice.empty()) out.emplace_back("done_twice", Value{std::move(twice)});
+  return out;
+}
+
+void print_view_json(const RunView& view, const RunRecords& records) {
+  Value::Object facts = facts_json(view, records);
+  const std::string plain = to_json(view);
+  auto json =
+      facts.empty() ? Result<Value>(Value()) : parse_json(plain, {.bytes = plain.size(), .values = plain.size()});
+  if (facts.empty() || !json) return print_line(plain);
+  auto& members = std::get<Value::Object>(json->is);
+  members.insert(members.end(), std::make_move_iterator(facts.begin()), std::make_move_iterator(facts.end()));
+  print_json(*json);
 }
 
 int show_run(const Arguments& arguments) {
@@ -109,10 +136,12 @@ int show_run(const Arguments& arguments) {
   if (!probe) return kFailed;
   auto view = probe->ask_node<RunView>(RunQuery{arguments.words[0]});
   if (!view) return print_error(arguments, view.error());
+  // Without them the run is shown all the same: they have made room, or are too large to be read.
+  const auto records = op::needs_records(*view) ? read_records(*probe, view->run) : Result<RunRecords>(RunRecords());
   if (arguments.has("--json")) {
-    print_line(to_json(*view));
+    print_view_json(*view, records ? *records : RunRecords());
   } else {
-    print_view(*view);
+    print_view(*view, records ? *records : RunRecords());
   }
   return kGood;
 }
@@ -122,8 +151,7 @@ int prove_run(const Arguments& arguments) {
   if (!probe) return kFailed;
   const auto keys = load_node_certificate(".");  // the probe stands in the node's folder
   if (!keys) return print_error(arguments, keys.error());
-  const auto read = probe->wait<RunRecords>(
-      [&](op::Session& session, const auto& done) { op::read_run_records(session, arguments.words[0], done); });
+  const auto read = read_records(*probe, arguments.words[0]);
   if (!read) return print_error(arguments, read.error());
   print_line(write_run_proof(read->run, read->records, keys->authority));
   return kGood;

@@ -9,6 +9,7 @@
 #include "services/cli/commands/command.hpp"
 #include "services/cli/commands/runs.hpp"
 #include "services/cli/commands/scenario_check.hpp"
+#include "services/cli/core/task_words.hpp"
 #include "services/cli/io/print.hpp"
 #include "services/cli/io/probe.hpp"
 
@@ -23,7 +24,7 @@ std::string duration_text(const TaskView& task) {
 }
 
 std::string state_text(const TaskView& task) {
-  const std::string name(name_of(task.state));
+  const std::string name = state_word(task);
   if (task.state == TaskState::finished) return coloured(Colour::good, name);
   if (task.state == TaskState::failed || task.state == TaskState::retriable) return coloured(Colour::bad, name);
   const bool dim = task.state == TaskState::waiting || task.state == TaskState::skipped;
@@ -60,10 +61,14 @@ int print_end(const Arguments& arguments, Probe& probe, const RunView& view) {
   return view.state == RunState::finished ? kGood : kFailed;
 }
 
-int watch(const Arguments& arguments, Probe& probe, const std::string& run) {
+/// How a run is followed; which one stands in no option. Errors: bad_value.
+Result<op::FollowWish> follow_wish(const Arguments& arguments) {
   const auto wait = arguments.number("--timeout", 1e8);
-  if (!wait) return print_error(arguments, wait.error());
-  const op::FollowWish wish{run, seconds(*wait), arguments.has("--until-paused"), arguments.has("--once")};
+  if (!wait) return wait.error();
+  return op::FollowWish{"", seconds(*wait), arguments.has("--until-paused"), arguments.has("--once")};
+}
+
+int watch(const Arguments& arguments, Probe& probe, const op::FollowWish& wish) {
   const auto seen = [quiet = arguments.has("--json")](const RunView& before, const RunView& view) {
     if (quiet) return true;
     if (before.run.empty()) print_line("run " + view.run.substr(0, 8) + " '" + view.name + "'");
@@ -111,9 +116,12 @@ void print_bound(const op::RunPlan& plan, const std::vector<op::BoundTask>& boun
   }
 }
 
-int print_accepted(const Arguments& arguments, const std::string& run, const std::vector<op::BoundTask>& bound) {
+/// `warnings`: what may wait, as print_bound() prints it.
+int print_accepted(const Arguments& arguments, const std::string& run, const std::vector<op::BoundTask>& bound,
+                   const ConfigFaults& warnings) {
   if (arguments.has("--json")) {
     Value::Object answer{{"run", Value{run}}};
+    if (!warnings.empty()) answer.emplace_back("warnings", fault_list(warnings));
     if (!bound.empty()) answer.emplace_back("bound", Value{bound_json(bound)});
     print_json(Value{std::move(answer)});
   } else {
@@ -123,30 +131,39 @@ int print_accepted(const Arguments& arguments, const std::string& run, const std
 }
 
 int run_run(const Arguments& arguments) {
+  const std::string nothing = "nothing was started";
   ConfigFaults faults;
   const std::string& path = arguments.words[0];
   const Scenario scenario = read_file_scenario(path, faults);
-  if (!faults.empty()) return print_faults(arguments, faults);
+  if (!faults.empty()) return print_faults(arguments, faults, nothing);
   const auto terms = terms_of(arguments);
   if (!terms) return print_error(arguments, terms.error());
+  auto wish = follow_wish(arguments);  // before anything is signed: an error afterwards reads as if no run were begun
+  if (!wish) return print_error(arguments, wish.error());
   auto probe = open_probe(arguments);
   if (!probe) return kFailed;
   auto plan = probe->wait<op::RunPlan>(
       [&](op::Session& session, const auto& done) { op::plan_run(session, scenario, path, done); });
   if (!plan) return print_error(arguments, plan.error());
-  if (!faults_that_stop(plan->faults).empty()) return print_faults(arguments, plan->faults);
+  if (!faults_that_stop(plan->faults).empty()) return print_faults(arguments, plan->faults, nothing);
   const auto bound = op::bound_tasks(*plan);
+  const ConfigFaults warnings = plan->faults;
   if (!arguments.has("--json")) print_bound(*plan, bound);
   const auto run = probe->wait<std::string>(
       [&](op::Session& session, const auto& done) { op::submit_run(session, std::move(*plan), *terms, done); });
   if (!run) return print_error(arguments, run.error());
-  return arguments.has("--watch") ? watch(arguments, *probe, *run) : print_accepted(arguments, *run, bound);
+  if (!arguments.has("--watch")) return print_accepted(arguments, *run, bound, warnings);
+  wish->run = *run;
+  return watch(arguments, *probe, *wish);
 }
 
 int run_watch(const Arguments& arguments) {
+  auto wish = follow_wish(arguments);
+  if (!wish) return print_error(arguments, wish.error());
   auto probe = open_probe(arguments);
   if (!probe) return kFailed;
-  return watch(arguments, *probe, arguments.words.empty() ? "" : arguments.words[0]);
+  if (!arguments.words.empty()) wish->run = arguments.words[0];
+  return watch(arguments, *probe, *wish);
 }
 
 /// The run as it is after an order: its state, and why it is not what was ordered.
@@ -165,7 +182,8 @@ int run_abort(const Arguments& arguments) {
       probe->wait<RunView>([&](op::Session& session, const auto& done) { op::abort_run(session, wish, done); });
   if (!view) return print_error(arguments, view.error());
   const bool done = view->state == RunState::aborted;
-  print_state(arguments, *view, done ? ": every member has confirmed" : ": waits for " + view->waits_for);
+  print_state(arguments, *view,
+              done ? ": every member that is not revoked has confirmed" : ": waits for " + view->waits_for);
   return done ? kGood : kFailed;
 }
 
@@ -234,7 +252,7 @@ const std::vector<Command> kScenarioCommands = {
      run_watch},
     {{"scenario", "abort"},
      {"scenario abort RUN",
-      "Ends a run for good; waits until every member has confirmed.",
+      "Ends a run for good; waits until every member that is not revoked has confirmed.",
       {"--reason TEXT|for the record", "--timeout S|how long to wait (5)", kAskedNode, kJson},
       {"trb scenario abort 3f2a --reason 'wrong box'"},
       1,

@@ -4,6 +4,7 @@
 
 #include "common/base/files.hpp"
 #include "common/base/printable.hpp"
+#include "common/fleet/sensor_unit.hpp"
 #include "common/operator/read_sensor.hpp"
 #include "common/operator/watched_sensor.hpp"
 #include "services/cli/commands/command.hpp"
@@ -18,11 +19,15 @@ constexpr double kReadWait_s = 20;
 
 // ---- list
 
+std::string unit_of(const SensorInfo& info) {
+  return is_unit_known(info) ? or_dash(info.unit) : "not known";
+}
+
 void print_sensors(const RouteTable& table) {
   std::vector<std::vector<std::string>> rows{{"NODE", "SENSOR", "KIND", "UNIT", "STATE", "IDENTITY", "DEVICE", "WHY"}};
   for (const op::FoundSensor& one : op::all_sensors(table)) {
     const SensorInfo& info = one.info;
-    rows.push_back({one.node, info.name, info.kind, or_dash(info.unit),
+    rows.push_back({one.node, info.name, info.kind, unit_of(info),
                     one.reached() ? std::string(name_of(info.state)) : "node is " + one.node_state,
                     or_dash(info.identity), or_dash(info.device), or_dash(info.detail)});
   }
@@ -207,7 +212,8 @@ const std::string kIdentity = "--identity SERIAL|the device with this serial num
 const std::vector<Command> kSensorCommands = {
     {{"sensor", "list"},
      {"sensor list",
-      "Sensors that are plugged into the nodes' computers, or fed by programs there.",
+      "Sensors that are plugged into the nodes' computers, or fed by programs there. A program's unit is known once it "
+      "was\nread: trb sensor read.",
       {kSendingNode, "--unknown|devices of this node that no rule knows, each with a rule to edit", kJson},
       {"trb sensor list", "trb sensor list --unknown --node nodes/conveyor"},
       0,

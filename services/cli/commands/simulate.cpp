@@ -130,9 +130,11 @@ void print_world(const Value& answer) {
   add("all", answer);
   print(format_table(rows));
   const Value& world = *answer.find("world");
+  const bool linked = world.find("all_linked")->boolean();
   print_line("\nThe run is " + world.find("state")->text() + ": " + number_of(world, "tasks_done") + " tasks in " +
-             shown_number(world.find("makespan_s")->number()) + " s; all links were up after " +
-             shown_number(world.find("linked_s")->number()) + " s, " + number_of(world, "events") + " events");
+             shown_number(world.find("makespan_s")->number()) + " s; " +
+             (linked ? "all links were up after " + shown_number(world.find("linked_s")->number()) + " s, " : "") +
+             number_of(world, "events") + " events");
   print_run_end(answer);
 }
 
@@ -215,7 +217,8 @@ const std::vector<Command> kSimulateCommands = {
            "--tasks N|tasks (9)",
            "--interpreted N|how many of the robots are told field by field (0)",
            "--task-seconds S|how long each task takes (3)",
-           "--seconds S|until when sensors send updates (the last task's end)",
+           "--seconds S|until when sensors send updates (the last task's end); talkrobots: how long is played at most, "
+           "from the run's submission, as the times of faults (some minutes more than all may take); 0: as without it",
            "--trace FILE|every message, a JSON object a line; at most a million",
            "--replay FILE|a kept trace of talkrobots as a sequence chart: what the run has sent between computers",
            "--until EVENT|with --replay: up to that event, which is played again; and what was at it",

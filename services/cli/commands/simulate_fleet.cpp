@@ -194,7 +194,7 @@ int run_simulate_fleet(const Arguments& arguments) {
   } else {
     hall.scenario = read_file_scenario(arguments.get("--scenario"), faults);
   }
-  if (!faults_that_stop(faults).empty()) return print_faults(arguments, faults);
+  if (!faults_that_stop(faults).empty()) return print_faults(arguments, faults, "nothing was simulated");
   if (const Status read = read_rest(hall, arguments); !read) return print_error(arguments, read.error());
   auto answer = run_simulator(hall.job_without(""));
   if (!answer) return print_error(arguments, answer.error());

@@ -10,10 +10,13 @@
 #include "common/base/number_text.hpp"
 #include "common/fleet/did_you_mean.hpp"
 #include "common/security/authority.hpp"
+#include "common/security/ever_revoked.hpp"
 #include "common/security/revocations.hpp"
+#include "common/security/signing_clock.hpp"
 #include "common/transport/loop.hpp"
 #include "proto/body.hpp"
 #include "services/cli/commands/command.hpp"
+#include "services/cli/commands/fleet_via.hpp"
 #include "services/cli/commands/relay_right.hpp"
 #include "services/cli/io/fleet_lock.hpp"
 #include "services/cli/io/node_folder.hpp"
@@ -56,18 +59,27 @@ bool is_file(const std::string& path) {
   return std::filesystem::is_regular_file(path, none);
 }
 
+Error revoked_already(const std::string& dir, const std::string& word) {
+  return fail(Errc::cert_revoked, "'" + word + "' is revoked already",
+              "if the fleet does not know it: trb fleet tell " + dir +
+                  " --via NODE_DIR; trb fleet request with new keys and trb fleet sign make it a member again");
+}
+
 /// Why no certificate that could be renewed or revoked is behind this word.
 Error nothing_found(const Authority& authority, const std::string& dir, const std::string& word) {
   std::vector<std::string> ids;
   for (const Certificate& row : authority.issued) {
     if (row.id == word || row.serial == serial_of(word)) {
-      return fail(Errc::cert_revoked, "'" + word + "' is revoked already",
-                  "if the fleet does not know it: trb fleet tell " + dir +
-                      " --via NODE_DIR; trb fleet request with new keys and trb fleet sign make it a member again");
+      return revoked_already(dir, word);
     }
     if (std::find(ids.begin(), ids.end(), row.id) == ids.end()) ids.push_back(row.id);
   }
-  const std::string otherwise = "name the node's certificate.json, if an earlier version signed it";
+  // Its certificate was signed in a newer copy of this folder.
+  const auto is_meant = [&](const Revocation& entry) { return entry.id == word; };
+  for (const auto* entries : {&authority.list.revoked, &authority.revoked}) {
+    if (std::any_of(entries->begin(), entries->end(), is_meant)) return revoked_already(dir, word);
+  }
+  const std::string otherwise = "name its certificate.json, or add --via NODE_DIR of a node that has met it";
   return fail(Errc::unknown_target, "no certificate of '" + word + "' is known in this folder",
               ids.empty() ? otherwise : did_you_mean(word, ids, otherwise + "; known"));
 }
@@ -127,9 +139,10 @@ std::vector<Certificate> members_of(const Authority& authority, UtcTime now) {
   return out;
 }
 
-/// Serials below the next one that no file names.
+/// Serials below the next one that no file names. Those that a restored folder passed over were given by nobody, as far
+/// as anybody knows.
 std::size_t count_unknown(const Authority& authority) {
-  const auto signed_ones = static_cast<std::size_t>(authority.next_serial - 1);
+  const auto signed_ones = static_cast<std::size_t>(authority.next_serial - 1 - authority.skipped);
   return signed_ones - std::min(signed_ones, authority.issued.size());
 }
 
@@ -165,59 +178,26 @@ Result<std::vector<Certificate>> chosen_certificates(Authority& authority, const
               "trb fleet sign and trb fleet invite make members");
 }
 
-/// Before anything is signed: of a mistyped folder nothing is learnt, and nothing is handed on by it. Errors: missing.
-Status check_via(const Arguments& arguments) {
-  const std::string via = arguments.get("--via");
-  if (via.empty()) return Done{};
-  const Status there = find_node_json(via, "name the folder of a node that is up");
-  return there ? there : fail(there.error().code, "--via " + there.error().what, there.error().hint);
-}
-
-/// Errors: those of reading, but missing: such a node knows nothing.
-Status read_known(const std::string& via, TrustUpdate& known) {
-  constexpr std::size_t kMost = 1U << 20U;
-  const std::string path = via + "/state/news";
-  auto bytes = read_file(path, kMost);
-  if (bytes) {
-    auto stored = decode<TrustUpdate>(*bytes);
-    if (!stored) return fail(Errc::malformed, path + ": " + stored.error().what);
-    known = std::move(*stored);
-  } else if (bytes.error().code != Errc::missing) {
-    return bytes.error();
-  }
-  const std::string own_path = via + "/keys/certificate.json";
-  const auto own = read_certificate_file(own_path);
-  if (!own && (own.error().code != Errc::missing || file_exists(own_path))) return own.error();
-  if (own) known.certificates.push_back(own->certificate);
-  return Done{};
-}
-
-/// A node that is up knows what this folder does not, if it is an older copy of itself.
-Result<bool> learn_from(Authority& authority, const std::string& dir, const std::string& via) {
-  if (via.empty()) return false;
-  TrustUpdate known;
-  // To take it for a node that knows nothing would make who was revoked after the copy a member again.
-  if (Status read = read_known(via, known); !read) {
-    return fail(read.error().code, "what " + via + " knows cannot be read: " + read.error().what,
-                "run this as the node's user, or name another node with --via; if state/news is damaged: end the node, "
-                "remove that file and start it, and its peers tell it anew");
-  }
-  auto learned = catch_up(authority, dir, known);
-  if (learned && *learned) print_line("note: " + dir + " was older than what " + via + " knows; taken over from there");
-  return learned;
-}
-
-/// Two lists have one number, and the fleet has the other one: only a next list, which has both, can be told. Errors:
-/// conflict.
-Status check_one_list(const Authority& authority, const Arguments& arguments) {
-  const auto list = decode<RevocationList>(authority.revocations.payload.bytes);
-  if (authority.revocations.kind.empty() || (list && *list == authority.list)) return Done{};
+/// Two lists have one number, and the fleet has the other one, or a list was signed in an older copy of this folder,
+/// and lacks what was revoked here: only a next list, which has both, can be told. Errors: conflict.
+Status check_one_list(const Authority& authority, const Arguments& arguments, UtcTime now) {
   const std::string& dir = arguments.words[0];
+  const std::string via = arguments.get("--via", "NODE_DIR");
+  const auto list = decode<RevocationList>(authority.revocations.payload.bytes);
+  if (!authority.revocations.kind.empty() && !(list && *list == authority.list)) {
+    return fail(Errc::conflict,
+                dir + " was put back to an older copy, and has revoked since: the fleet has another list " +
+                    std::to_string(authority.list.number),
+                "trb fleet revoke " + dir + " ID --via " + via +
+                    " with one that is revoked here: the next list has what both have");
+  }
+  const std::vector<Revocation> missing = missing_from_list(authority, now);
+  if (missing.empty()) return Done{};
   return fail(Errc::conflict,
-              dir + " was put back to an older copy, and has revoked since: the fleet has another list " +
-                  std::to_string(authority.list.number),
-              "trb fleet revoke " + dir + " ID --via " + arguments.get("--via") +
-                  " with one that is revoked here: the next list has what both have");
+              "list " + std::to_string(authority.list.number) + " lacks '" + missing.front().id + "' (serial " +
+                  std::to_string(missing.front().serial) + "), which was revoked in " + dir +
+                  ": it was signed in an older copy of this folder, or by a wrong clock",
+              "trb fleet revoke " + dir + " " + missing.front().id + " --via " + via + ": the next list has all");
 }
 
 /// What is signed is in the folder by now. `first`: what is to be done before it is told again.
@@ -289,10 +269,12 @@ int run_renew(const Arguments& arguments) {
   const auto relay = relay_right(arguments);
   if (!relay) return print_error(arguments, relay.error());
   const std::string& dir = arguments.words[0];
-  if (auto learned = learn_from(*authority, dir, arguments.get("--via")); !learned)
-    return print_error(arguments, learned.error());
-  if (Status one = check_one_list(*authority, arguments); !one) return print_error(arguments, one.error());
+  const auto learned = learn_from(*authority, arguments, arguments.get("--via"));
+  if (!learned) return print_error(arguments, learned.error());
   const UtcTime now = read_clocks().utc;
+  if (Status right = check_clock(arguments, *authority, *learned, now); !right)
+    return print_error(arguments, right.error());
+  if (Status one = check_one_list(*authority, arguments, now); !one) return print_error(arguments, one.error());
   auto old = chosen_certificates(*authority, arguments, now);
   if (!old) return print_error(arguments, old.error());
   if (Status few = check_renewals(old->size()); !few) return print_error(arguments, few.error());
@@ -305,28 +287,38 @@ int run_renew(const Arguments& arguments) {
   return hand_on(arguments);
 }
 
+/// As the list says it: it may cover more than the certificate that was named.
+void print_revoked(const Authority& authority, const Certificate& certificate, UtcTime now) {
+  const Revocation* entry = find_revocation(authority.list, certificate);
+  if (entry == nullptr) return;
+  print_line(certificate.id + ": revoked up to serial " + std::to_string(entry->serial) +
+             (certificate.not_after <= now.ns ? "; its certificate had ended already" : ""));
+}
+
 int run_revoke(const Arguments& arguments) {
   if (Status node = check_via(arguments); !node) return print_error(arguments, node.error());
   auto held = open_for(arguments);
   if (!held) return print_error(arguments, held.error());
   Authority* const authority = &held->authority;
   const std::string& dir = arguments.words[0];
-  const auto learned = learn_from(*authority, dir, arguments.get("--via"));
+  const auto learned = learn_from(*authority, arguments, arguments.get("--via"));
   if (!learned) return print_error(arguments, learned.error());
+  const UtcTime now = read_clocks().utc;
+  Status right = check_clock(arguments, *authority, *learned, now);
+  if (right && !arguments.has("--trust-clock")) right = check_members_clock(*authority, now);
+  if (!right) return print_error(arguments, right.error());
   // With a node named, the fleet is told of whom was revoked before, too: it may not know it yet.
   auto over = find_certificates(*authority, arguments, arguments.has("--via"));
   if (!over) return print_error(arguments, over.error());
   // Two lists of one number are made one by a next list, even if it revokes nobody else.
-  if (over->empty() && check_one_list(*authority, arguments)) {
-    if (Status told = publish_again(*authority, dir, *learned); !told) return print_error(arguments, told.error());
+  if (over->empty() && check_one_list(*authority, arguments, now)) {
+    if (Status told = publish_again(*authority, dir, learned->is_news); !told)
+      return print_error(arguments, told.error());
     return hand_on(arguments);
   }
-  const UtcTime now = read_clocks().utc;
   const Status done = revoke_certificates(*authority, dir, *over, arguments.get("--reason", "revoked"), now);
   if (!done) return print_error(arguments, done.error());
-  for (const Certificate& certificate : *over) {
-    print_line(certificate.id + ": revoked up to serial " + std::to_string(certificate.serial));
-  }
+  for (const Certificate& certificate : *over) print_revoked(*authority, certificate, now);
   print_line("list " + std::to_string(authority->list.number) + ", beacon key " +
              std::to_string(authority->list.beacon_number) + " for the " +
              std::to_string(authority->list.beacon_keys.size()) + " nodes that stay");
@@ -343,10 +335,12 @@ int run_tell(const Arguments& arguments) {
   auto held = hold_fleet(dir, std::nullopt);
   if (!held) return print_error(arguments, held.error());
   Authority* const authority = &held->authority;
-  auto learned = learn_from(*authority, dir, arguments.get("--via"));
+  auto learned = learn_from(*authority, arguments, arguments.get("--via"));
   if (!learned) return print_error(arguments, learned.error());
-  if (Status one = check_one_list(*authority, arguments); !one) return print_error(arguments, one.error());
-  if (Status told = publish_again(*authority, dir, *learned); !told) return print_error(arguments, told.error());
+  if (Status one = check_one_list(*authority, arguments, read_clocks().utc); !one)
+    return print_error(arguments, one.error());
+  if (Status told = publish_again(*authority, dir, learned->is_news); !told)
+    return print_error(arguments, told.error());
   return hand_on(arguments);
 }
 
@@ -358,7 +352,8 @@ const std::vector<Command> kTrustUpdateCommands = {
      {"fleet renew FLEET_DIR [ID|SERIAL|CERTIFICATE ...]",
       "Signs new certificates for the same keys; a fleet that is up takes them without a restart.",
       {"--all|every member's, but not those that have ended or are revoked",
-       "--days N|how long the certificate is valid (365)", kRelay, kNoRelay, kVia, kPassphrase, kErrorsJson},
+       "--days N|how long the certificate is valid (365)", kRelay, kNoRelay, kVia, kTrustClock, kPassphrase,
+       kErrorsJson},
       {"trb fleet renew ~/hall-3-authority ur3 ur5 --via nodes/cloud",
        "trb fleet renew ~/hall-3-authority --all --via nodes/cloud"},
       1,
@@ -367,7 +362,7 @@ const std::vector<Command> kTrustUpdateCommands = {
     {{"fleet", "revoke"},
      {"fleet revoke FLEET_DIR ID|SERIAL|CERTIFICATE ...",
       "Ends nodes' membership: the next revocation list, and a new beacon key for those that stay.",
-      {"--reason TEXT|for the list, which every node reads (revoked)", kVia, kPassphrase, kErrorsJson},
+      {"--reason TEXT|for the list, which every node reads (revoked)", kVia, kTrustClock, kPassphrase, kErrorsJson},
       {"trb fleet revoke ~/hall-3-authority ur3 --reason stolen --via nodes/cloud"},
       2,
       1000},

@@ -48,7 +48,7 @@ Result<double> Arguments::number(const std::string& option, double otherwise, do
   if (!has(option)) return otherwise;
   const std::string text = get(option);
   const auto value = parse_number<double>(text);
-  if (!value || !(*value > 0 && *value < 1e9))
+  if (!value || !(*value > 0))
     return fail(Errc::bad_value, option + ": '" + text + "' is no positive number",
                 "write, for example, " + option + " 5");
   if (*value > most) {
@@ -96,6 +96,10 @@ Result<Arguments> parse_arguments(const Usage& usage, const std::vector<std::str
     if (Status taken = take_option(usage, given, i, out); !taken) return taken.error();
   }
   if (out.words.size() < usage.least) return fail(Errc::missing, "too few words", "trb " + usage.words);
+  const bool is_name = !out.words.empty() && out.words.front().empty();
+  if (is_name) {
+    return fail(Errc::bad_value, "the first word is empty", "is a variable of a script not set? trb " + usage.words);
+  }
   if (out.words.size() > usage.most) {
     return fail(Errc::bad_value, "'" + out.words[usage.most] + "' is one word too many", "trb " + usage.words);
   }

@@ -13,8 +13,15 @@ namespace {
 constexpr std::size_t kPath = 255;
 constexpr std::size_t kManifest = std::size_t{2} << 20U;
 constexpr std::string_view kBoot = "state/boot";
-constexpr std::string_view kOfState[] = {
-    kBoot, "state/utc", "state/news", "state/peers", "state/fence", "state/out_of_use.json", "state/gateway.db"};
+constexpr std::string_view kOfState[] = {kBoot,
+                                         "state/utc",
+                                         "state/news",
+                                         "state/dropped",
+                                         "state/news.copy",
+                                         "state/peers",
+                                         "state/fence",
+                                         "state/out_of_use.json",
+                                         "state/gateway.db"};
 
 bool is_part(std::string_view part) {
   const auto is_control = [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7F; };
@@ -95,6 +102,47 @@ Status read_files(const Value& json, BytesView rest, NodeBackup& backup) {
 }
 
 }  // namespace
+
+bool has_robot(const NodeBackup& backup) {
+  const auto file = std::ranges::find(backup.files, "node.json", &BackupFile::path);
+  const auto json = file == backup.files.end() ? Result<Value>(Value{}) : parse_json(file->bytes);
+  const Value* role = json ? json->find("role") : nullptr;
+  return role == nullptr || !role->is_text() || role->text() != "cloud";
+}
+
+std::vector<std::string> next_steps(const NodeBackup& backup, const std::string& dir) {
+  std::vector<std::string> steps{"start it            trb up " + dir};
+  if (has_robot(backup)) {
+    steps.push_back("look at its robot   what it holds and does: what it did since is not known");
+    steps.push_back("then use it again   trb robot repaired " + backup.node + "; trb release " + backup.node);
+  } else {
+    steps.push_back("sign in again       nobody is signed in, and no token is valid; trb cloud password " + dir +
+                    " makes an admin");
+    steps.push_back(
+        "look at the users   they are as they were then: who was removed, locked or given less since is there again,");
+    steps.push_back("                    with the old password; who was added since is not. On the page: Users");
+    steps.push_back(
+        "its audit log       lacks what people did since; it goes on with a record \"restored\", whose number is");
+    steps.push_back("                    its time in ms. trb audit verify OLDER NEWER tells where two exports part");
+  }
+  return steps;
+}
+
+Status check_no_authority(const NodeBackup& backup) {
+  for (const BackupFile& file : backup.files) {
+    const std::string folder = file.path.substr(0, file.path.rfind('/') + 1);
+    const auto is_there = [&](const std::string& name) {
+      return std::ranges::find(backup.files, folder + name, &BackupFile::path) != backup.files.end();
+    };
+    if (file.path != folder + "authority.key" || !is_there("fleet.json")) continue;
+    return fail(Errc::bad_value,
+                "'" + folder +
+                    "' is the folder of the fleet's authority: whoever has it and its "
+                    "passphrase is the fleet's master",
+                "move it out of the node's folder, to a computer of its own; it has a backup of its own");
+  }
+  return Done{};
+}
 
 bool is_kept(std::string_view path) {
   if (!stays_inside(path)) return false;

@@ -32,6 +32,15 @@ constexpr std::size_t kBackupFiles = 4096;
 /// must not be there twice (journal.db, capability.db).
 bool is_kept(std::string_view path);
 
+/// By its node.json.
+bool has_robot(const NodeBackup& backup);
+
+/// What is to be done with the restored node, for people.
+std::vector<std::string> next_steps(const NodeBackup& backup, const std::string& dir);
+
+/// Errors: bad_value, if a copy of the authority's folder is among the files.
+Status check_no_authority(const NodeBackup& backup);
+
 /// What is locked with the passphrase. Errors: too_large, naming what.
 Result<Bytes> pack(const NodeBackup& backup);
 /// Errors: malformed, too_large, bad_value (a path that leads out of the folder or that no backup has, one that is

@@ -94,3 +94,29 @@ TEST_CASE("node backup: the boot number never goes back") {
   REQUIRE_FALSE(early.ok());
   CHECK(early.error().what.find("clock is 1 s before") != std::string::npos);
 }
+
+TEST_CASE("node backup: what to do with a restored node depends on whether it has a robot") {
+  const auto steps = [](const std::string& node_json) {
+    std::string all;
+    for (const std::string& step : next_steps({"arm1", "1", 0, {{"node.json", 0644, node_json}}}, "/n"))
+      all += step + "\n";
+    return all;
+  };
+  const std::string robot = steps(R"({"id":"arm1","role":"robot"})");
+  CHECK(robot.find("trb robot repaired arm1; trb release arm1") != std::string::npos);
+  CHECK(robot.find("sign in") == std::string::npos);
+  const std::string cloud = steps(R"({"id":"arm1","role":"cloud"})");
+  CHECK(cloud.find("trb robot") == std::string::npos);
+  CHECK(cloud.find("sign in again") != std::string::npos);
+}
+
+TEST_CASE("node backup: a copy of the authority's folder does not get into it unnoticed") {
+  NodeBackup backup = good();
+  CHECK(check_no_authority(backup).ok());
+  backup.files.push_back({"old/fleet.json", 0600, "{}"});
+  CHECK(check_no_authority(backup).ok());
+  backup.files.push_back({"old/authority.key", 0600, "x"});
+  const Status refused = check_no_authority(backup);
+  REQUIRE_FALSE(refused.ok());
+  CHECK(refused.error().what.starts_with("'old/' is the folder of the fleet's authority"));
+}

@@ -10,7 +10,7 @@
 #include "common/service/version.hpp"
 #include "common/sqlite/sqlite_file.hpp"
 #include "common/transport/loop.hpp"
-#include "proto/value.hpp"
+#include "services/cli/io/node_folder.hpp"
 
 namespace trb::cli {
 namespace {
@@ -29,13 +29,16 @@ Status close_gateway(const std::string& dir) {
 }
 
 /// Nobody is signed in on the new PC because he was so when the backup was made; a token may have been taken back
-/// since.
-Status forget_sessions(const std::string& dir) {
+/// since. The gateway puts on record from when its users and its log are.
+Status forget_sessions(const std::string& dir, std::int64_t made_s) {
   const std::string path = dir + "/" + kGateway;
   if (!file_exists(path)) return Done{};
   auto file = SqliteFile::open(path, kDamaged);
   if (!file) return file.error();
-  return (*file)->script("BEGIN; DELETE FROM sessions; DELETE FROM tokens; COMMIT");
+  return (*file)->transact([&] {
+    if (Status done = (*file)->script("DELETE FROM sessions; DELETE FROM tokens"); !done) return done;
+    return (*file)->run("INSERT OR REPLACE INTO meta(name, value) VALUES('restored', ?)", made_s * 1'000'000'000);
+  });
 }
 
 /// Errors: bad_value, io_error.
@@ -43,12 +46,21 @@ Status add(const fs::directory_entry& entry, const std::string& path, NodeBackup
   std::error_code problem;
   const fs::file_status is = entry.symlink_status(problem);
   if (problem) return fail(Errc::io_error, path + ": " + problem.message());
-  if (is.type() != fs::file_type::regular) {
-    return fail(Errc::bad_value, path + ": is a link or a device; a backup has plain files alone",
+  if (is.type() == fs::file_type::symlink) {
+    return fail(Errc::bad_value, path + ": is a link; a backup has plain files alone",
                 "put what it leads to into its place");
+  }
+  if (is.type() != fs::file_type::regular) {
+    return fail(Errc::bad_value, path + ": is no plain file (a pipe, a socket or a device); a backup has these alone",
+                "remove it, or move it out of the folder");
   }
   if (backup.files.size() == kBackupFiles) return fail(Errc::too_large, path + ": one file too many", "remove some");
   auto bytes = read_file(entry.path().string(), kBackupBytes);
+  if (!bytes && bytes.error().code == Errc::too_large) {
+    return fail(Errc::too_large,
+                path + ": over " + std::to_string(kBackupBytes >> 20U) + " MiB, as much as a backup has in all",
+                "move it out of the folder, if the node does not need it");
+  }
   if (!bytes) return bytes.error();
   backup.files.push_back({path, static_cast<unsigned>(is.permissions()) & 0755U, std::move(*bytes)});
   return Done{};
@@ -67,13 +79,6 @@ Status add_folder(const std::string& dir, NodeBackup& backup) {
     if (Status added = add(*at, path, backup); !added) return added;
   }
   return problem ? Status(fail(Errc::io_error, dir + ": " + problem.message())) : Status(Done{});
-}
-
-bool has_robot(const NodeBackup& backup) {
-  const auto file = std::ranges::find(backup.files, "node.json", &BackupFile::path);
-  const auto json = file == backup.files.end() ? Result<Value>(Value{}) : parse_json(file->bytes);
-  const Value* role = json ? json->find("role") : nullptr;
-  return role == nullptr || !role->is_text() || role->text() != "cloud";
 }
 
 std::string boot_text(std::uint64_t boot) {
@@ -98,7 +103,7 @@ Status write_all(const NodeBackup& backup, std::uint64_t boot, const std::string
     if (Status done = write_file(path.string(), file.bytes, restored_mode(file)); !done) return done;
   }
   if (Status done = write_state(backup, boot, dir); !done) return done;
-  return forget_sessions(dir);
+  return forget_sessions(dir, backup.made_s);
 }
 
 }  // namespace
@@ -111,24 +116,12 @@ Result<NodeBackup> read_node_folder(const std::string& dir, const std::string& n
   backup.made_s = read_clocks().utc.ns / 1'000'000'000;
   if (Status added = add_folder(dir, backup); !added) return added.error();
   std::ranges::sort(backup.files, {}, &BackupFile::path);
+  if (Status good = check_no_authority(backup); !good) return good.error();
   return backup;
 }
 
 Status write_node_folder(const NodeBackup& backup, std::uint64_t boot, const std::string& dir) {
-  std::error_code problem;
-  if (fs::exists(dir, problem) && !fs::is_empty(dir, problem)) {
-    return fail(Errc::conflict, dir + " is there already, with files in it",
-                "name a new folder, or move this one away once its node is down (trb down " + dir + ")");
-  }
-  const std::string making = dir + ".making";
-  fs::remove_all(making, problem);
-  Status written = write_all(backup, boot, making);
-  if (written) fs::rename(making, dir, problem);
-  if (written && problem) {
-    written = fail(Errc::io_error, dir + ": " + problem.message(), "name a folder in one that you may write");
-  }
-  if (!written) fs::remove_all(making, problem);
-  return written;
+  return make_whole_folder(dir, [&](const std::string& making) { return write_all(backup, boot, making); });
 }
 
 }  // namespace trb::cli

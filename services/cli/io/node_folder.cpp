@@ -1,12 +1,22 @@
 #include "services/cli/io/node_folder.hpp"
 
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
+#include <system_error>
+#include <utility>
 
+#include "common/base/descriptor.hpp"
 #include "common/base/files.hpp"
 #include "common/security/node_keys.hpp"
 #include "common/supervisor/process.hpp"
 #include "common/transport/loop.hpp"
+#include "services/cli/io/print.hpp"
 
 namespace trb::cli {
 namespace {
@@ -75,21 +85,65 @@ std::string plain_folder(const std::string& path) {
   return out.has_filename() ? out.string() : out.parent_path().string();
 }
 
+namespace {
+
+Error has_files(const std::string& dir) {
+  return fail(Errc::conflict, dir + " is there already, with files in it",
+              "name a new folder, or move this one away; a node's once it is down (trb down " + dir + ")");
+}
+
+Error not_made(const std::string& dir, const std::error_code& problem) {
+  if (problem == std::errc::directory_not_empty || problem == std::errc::file_exists) return has_files(dir);
+  return fail(Errc::io_error, dir + ": " + problem.message(), "name a folder in one that you may write");
+}
+
+/// Held as long as the folder is being made; the kernel lets go of it for whoever is killed.
+Descriptor lock_folder(const std::string& path) {
+  Descriptor folder(::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC));
+  return folder && ::flock(folder.get(), LOCK_EX | LOCK_NB) == 0 ? std::move(folder) : Descriptor();
+}
+
+bool is_own_folder(const fs::path& path) {
+  struct stat facts {};
+  return ::lstat(path.c_str(), &facts) == 0 && S_ISDIR(facts.st_mode) && facts.st_uid == ::geteuid();
+}
+
+}  // namespace
+
+std::vector<std::string> unfinished_folders(const std::string& path) {
+  const fs::path dir = plain_folder(path);
+  const std::string prefix = dir.filename().string() + std::string(kMakingBeside);
+  std::vector<std::string> out;
+  std::error_code problem;
+  fs::directory_iterator at(dir.has_parent_path() ? dir.parent_path() : fs::path("."), problem);
+  for (; !problem && at != fs::directory_iterator(); at.increment(problem)) {
+    const std::string name = at->path().filename().string();
+    const bool is_named_so = name.starts_with(prefix) && name.size() == prefix.size() + 6;
+    if (is_named_so && is_own_folder(at->path()) && lock_folder(at->path())) out.push_back(at->path().string());
+  }
+  std::ranges::sort(out);
+  return out;
+}
+
+std::string note_of_unfinished(const std::string& folder) {
+  return folder + " was left by a call that was interrupted, and may hold private keys; remove it: rm -r " + folder;
+}
+
 Status make_whole_folder(const std::string& path, const std::function<Status(const std::string& making)>& write) {
   const std::string dir = plain_folder(path);
   std::error_code problem;
-  if (fs::exists(dir, problem) && !fs::is_empty(dir, problem))
-    return fail(Errc::conflict, dir + " is there already, with files in it", "name a new folder");
+  if (fs::exists(dir, problem) && !fs::is_empty(dir, problem)) return has_files(dir);
   // The new one takes the place of the empty one, in which whoever types would then not be any more.
   if (fs::equivalent(dir, fs::current_path(problem), problem))
     return fail(Errc::conflict, path + " is the folder that you are in", "go up (cd ..), and name it from there");
-  const std::string making = dir + ".making";
-  fs::remove_all(making, problem);
-  Status written = write(making);
-  if (written) fs::rename(making, dir, problem);
-  if (written && problem)
-    written = fail(Errc::io_error, dir + ": " + problem.message(), "name a folder in one that you may write");
-  if (!written) fs::remove_all(making, problem);
+  for (const std::string& left : unfinished_folders(dir)) print_problem("note: " + note_of_unfinished(left) + "\n");
+  auto making = make_dir_beside(dir);
+  if (!making) return making.error();
+  const Descriptor held = lock_folder(*making);
+  Status written = write(*making);
+  if (written) fs::rename(*making, dir, problem);
+  if (written && problem) written = not_made(dir, problem);
+  if (!written) fs::remove_all(*making, problem);
   return written;
 }
 

@@ -24,8 +24,14 @@ Status copy_examples(const std::string& config, const std::vector<std::string>& 
 /// The path without "." in it and without a slash at its end, so that a name beside the folder's can be made of it.
 std::string plain_folder(const std::string& path);
 
-/// Makes the folder beside itself first: whoever stops this half way finds no half folder. Errors: conflict (it has
-/// files), io_error, those of `write`; then nothing is left of it.
+/// The folders in which a call that was killed had begun to make this one: their private keys are for nobody's use.
+std::vector<std::string> unfinished_folders(const std::string& dir);
+/// What a person is told of one.
+std::string note_of_unfinished(const std::string& folder);
+
+/// Makes the folder beside itself first: whoever stops this half way finds no half folder. What others that were killed
+/// have left is named on standard error. Errors: conflict (it has files), io_error, those of `write`; then nothing is
+/// left of it.
 Status make_whole_folder(const std::string& dir, const std::function<Status(const std::string& making)>& write);
 
 /// A robot's node with its keys, in a folder that is not there yet or empty. Errors: conflict (it has files), missing,

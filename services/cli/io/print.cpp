@@ -81,7 +81,7 @@ int print_error(const Arguments& arguments, const Error& error) {
   return kFailed;
 }
 
-Value faults_json(const ConfigFaults& faults) {
+Value fault_list(const ConfigFaults& faults) {
   Value::List list;
   for (const ConfigFault& fault : faults) {
     list.push_back(Value{Value::Object{{"file", Value{fault.file}},
@@ -90,15 +90,20 @@ Value faults_json(const ConfigFaults& faults) {
                                        {"cure", Value{fault.hint}},
                                        {"may_wait", Value{fault.may_wait}}}});
   }
-  return Value{Value::Object{{"faults", Value{std::move(list)}}}};
+  return Value{std::move(list)};
 }
 
-int print_faults(const Arguments& arguments, const ConfigFaults& faults) {
+Value faults_json(const ConfigFaults& faults) {
+  return Value{Value::Object{{"faults", fault_list(faults)}}};
+}
+
+int print_faults(const Arguments& arguments, const ConfigFaults& faults, const std::string& therefore) {
   if (arguments.has("--json")) {
     print_json(faults_json(faults));
   } else {
     print_problem(to_text(faults));
-    std::fprintf(stderr, "trb: %zu fault%s, nothing was started\n", faults.size(), faults.size() == 1 ? "" : "s");
+    const std::string count = std::to_string(faults.size()) + (faults.size() == 1 ? " fault" : " faults");
+    print_problem("trb: " + count + (therefore.empty() ? "" : ", " + therefore) + "\n");
   }
   return kFailed;
 }

@@ -24,11 +24,14 @@ void print_json(const Value& value);
 /// To standard error, or with --json as {"error":{"code","what","cure"}} to standard output. Returns kFailed.
 int print_error(const Arguments& arguments, const Error& error);
 
-/// {"faults":[{"file","key","what","cure","may_wait"}]}
+/// [{"file","key","what","cure","may_wait"}]
+Value fault_list(const ConfigFaults& faults);
+/// {"faults": fault_list()}
 Value faults_json(const ConfigFaults& faults);
 
-/// The same as print_error for a list of faults.
-int print_faults(const Arguments& arguments, const ConfigFaults& faults);
+/// The same as print_error for a list of faults. `therefore` is what came of them, if the command was to do more than
+/// to look: "nothing was started".
+int print_faults(const Arguments& arguments, const ConfigFaults& faults, const std::string& therefore = "");
 
 /// Empty, or why something that print() was given could not be written. The first failure counts.
 const std::string& lost_output();

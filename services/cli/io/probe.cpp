@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdlib>
 
 #include "common/base/files.hpp"
@@ -12,8 +13,11 @@
 namespace trb::cli {
 namespace {
 
+/// By then a router that is there has taken the connection, even if it stands still.
+constexpr Duration kReachedWithin = std::chrono::seconds(2);
+
 /// Why the router has not taken the probe.
-Error not_welcome(const op::BusSession& bus, const std::string& key, const std::string& node_dir) {
+Error not_welcome(op::BusSession& bus, const std::string& key, const std::string& node_dir) {
   if (bus.key_refused()) {
     return fail(Errc::wrong_key, "the bus of " + node_dir + " does not take the key keys/bus/" + key + ".key",
                 "copy keys/bus/" + key + ".key and router.pub from where its router runs");
@@ -21,6 +25,10 @@ Error not_welcome(const op::BusSession& bus, const std::string& key, const std::
   if (!bus.refusal().empty()) {
     return fail(Errc::conflict, "the router of " + node_dir + " refuses: " + bus.refusal(),
                 "end other trb commands on this node, then try again");
+  }
+  if (bus.was_reached()) {
+    return fail(Errc::timeout, "the router of " + node_dir + " runs, but does not answer",
+                "try again; if it stands still, start the node anew: trb down " + node_dir + ", trb up " + node_dir);
   }
   return fail(Errc::timeout, "the router of " + node_dir + " does not answer", "start the node: trb up " + node_dir);
 }
@@ -70,9 +78,15 @@ Result<std::unique_ptr<Probe>> Probe::welcomed(Result<std::unique_ptr<op::BusSes
 }
 
 void Probe::wait_welcome(Duration wait) {
-  const MonotonicTime end = read_clocks().mono + wait;
+  const MonotonicTime begin = read_clocks().mono;
+  const Duration first = std::min(wait, kReachedWithin);
+  session().after(first, [] {});
   session().after(wait, [] {});
-  wait_until([&] { return bus_->is_up() || bus_->key_refused() || read_clocks().mono >= end; });
+  wait_until([&] {
+    const Duration waited = read_clocks().mono - begin;
+    return bus_->is_up() || bus_->key_refused() ||
+           waited >= (bus_->was_reached() && bus_->refusal().empty() ? wait : first);
+  });
 }
 
 void Probe::wait_until(const std::function<bool()>& condition) {

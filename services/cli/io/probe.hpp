@@ -18,13 +18,17 @@ bool is_node_named(const Arguments& arguments);
 
 class Probe {
  public:
+  /// How long a router that is there has to answer: a busy computer may keep it for seconds, and a stop must not be
+  /// lost.
+  static constexpr Duration kWelcomeWait = std::chrono::seconds(10);
+
   /// Makes the node's folder the working directory and waits for its router. Errors: missing (no such folder),
-  /// timeout (the router does not answer within `wait`), wrong_key (its bus does not take this key), conflict (it
-  /// refuses this probe), and those of bus_address().
-  static Result<std::unique_ptr<Probe>> open(const std::string& node_dir, Duration wait = std::chrono::seconds(2));
+  /// timeout (no router is there, which two seconds tell, or it does not answer within `wait`), wrong_key (its bus does
+  /// not take this key), conflict (it refuses this probe), and those of bus_address().
+  static Result<std::unique_ptr<Probe>> open(const std::string& node_dir, Duration wait = kWelcomeWait);
   /// The same by a service's own key, with the right to ask how the services are. The node's folder is the working
   /// directory.
-  static Result<std::unique_ptr<Probe>> visit(const std::string& service, Duration wait = std::chrono::seconds(2));
+  static Result<std::unique_ptr<Probe>> visit(const std::string& service, Duration wait = kWelcomeWait);
 
   [[nodiscard]] const std::string& node() { return session().node(); }
   [[nodiscard]] op::Session& session() { return bus_->session(); }

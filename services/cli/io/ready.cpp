@@ -22,6 +22,12 @@ std::string log_of(const std::string& node_dir) {
   return node_dir + "/log/up.log";
 }
 
+/// "scheduler waits: the disk of ... is full"
+std::string note_of(const ServiceEntry& entry) {
+  const bool waits = entry.note.starts_with(kWaitsNote);
+  return entry.service + (waits ? " waits: " + entry.note.substr(kWaitsNote.size()) : " notes: " + entry.note);
+}
+
 }  // namespace
 
 bool ReadyCheck::operator()() {
@@ -38,7 +44,9 @@ bool ReadyCheck::operator()() {
   auto table = probe_->ask_node<ServiceTable>(ServiceListRequest{}, std::chrono::milliseconds(200));
   if (!table) return false;
   waits_for_.clear();
+  notes_.clear();
   for (const ServiceEntry& entry : table->services) {
+    if (!entry.note.empty()) notes_.push_back(note_of(entry));
     if (entry.state != "up") waits_for_ += (waits_for_.empty() ? "not up: " : ", ") + entry.service;
   }
   if (!waits_for_.empty()) return false;
@@ -46,7 +54,7 @@ bool ReadyCheck::operator()() {
   return true;
 }
 
-Status wait_ready(const std::string& dir, pid_t supervisor, Duration wait) {
+Result<std::vector<std::string>> wait_ready(const std::string& dir, pid_t supervisor, Duration wait) {
   const MonotonicTime end = read_clocks().mono + wait;
   ReadyCheck ready(dir);
   while (!ready()) {
@@ -62,16 +70,23 @@ Status wait_ready(const std::string& dir, pid_t supervisor, Duration wait) {
     }
     std::this_thread::sleep_for(kLook);
   }
-  return Done{};
+  return ready.notes();
+}
+
+void bound_log(const std::string& node_dir) {
+  std::error_code none;
+  const std::string log = log_of(node_dir);
+  const auto size = std::filesystem::file_size(log, none);
+  if (none || size <= kMaxLog) return;
+  // The services write to this very file, at its end: it is emptied, not moved. On a full disk there is no copy.
+  std::filesystem::copy_file(log, log + ".1", std::filesystem::copy_options::overwrite_existing, none);
+  std::filesystem::resize_file(log, 0, none);
 }
 
 void leave_terminal(const std::string& node_dir) {
   ::setsid();
   (void)make_private_dir(node_dir + "/log");
-  std::error_code none;
-  if (std::filesystem::file_size(log_of(node_dir), none) > kMaxLog && !none) {
-    std::filesystem::rename(log_of(node_dir), log_of(node_dir) + ".1", none);
-  }
+  bound_log(node_dir);
   const int nothing = ::open("/dev/null", O_RDONLY | O_CLOEXEC);
   int log = ::open(log_of(node_dir).c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0600);
   if (log < 0) log = ::open("/dev/null", O_WRONLY | O_CLOEXEC);

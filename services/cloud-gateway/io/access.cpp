@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <type_traits>
 #include <utility>
 
@@ -66,6 +67,7 @@ Result<std::unique_ptr<Access>> Access::open(GatewayDb& db, std::vector<std::str
   if (!stored && !db.is_shared()) return stored.error();
   out->is_stale_ = !stored.ok();
   if (!stored) return out;
+  out->restored_from_ = stored->restored;
   if (stored->steady) out->time_.restore(*stored->steady);
   out->take_over(*stored);
   return out;
@@ -113,6 +115,14 @@ void Access::note(AuditRecord record) {
   noted_.push_back(std::move(record));
 }
 
+bool Access::may_owe_lesser() const {
+  return owed_.size() < kMostOwed / 2;
+}
+
+bool Access::owe_lesser(AuditRecord record) {
+  return may_owe_lesser() && owe(std::move(record));
+}
+
 bool Access::owe(AuditRecord record) {
   if (owed_.size() == kMostOwed) return false;
   if (owed_.empty()) owed_after_ = chain.number();
@@ -149,13 +159,23 @@ bool Access::keep(const AuditHead& head, Bytes record) {
   return true;
 }
 
+void Access::note_restored(UtcTime now) {
+  if (!restored_from_) return;
+  restored_ = {.time = now.ns,
+               .who = "console",
+               .from = "the node's own",
+               .action = std::string(kAuditRestored),
+               .about = "from the backup of " + to_iso8601(*restored_from_),
+               .outcome = "what was recorded since is lost"};
+}
+
 void Access::settle(StoredRequest request, UtcTime now) {
-  note({.time = now.ns,
-        .who = request.key.user,
-        .from = {},
-        .action = kUnanswered,
-        .about = request.effect,
-        .outcome = "not confirmed"});
+  note_own({.time = now.ns,
+            .who = request.key.user,
+            .from = {},
+            .action = kUnanswered,
+            .about = request.effect,
+            .outcome = "not confirmed"});
   keep(std::move(request));
 }
 
@@ -167,6 +187,7 @@ StoreBatch Access::take_batch() {
   batch.scenarios = scenarios.take_changes();
   batch.acknowledged = alarms.take_acknowledged();
   batch.shelves = alarms.take_shelves();
+  for (AuditRecord& record : std::exchange(own_, {})) batch.audit.push_back({std::move(record), {}});
   for (AuditRecord& record : std::exchange(noted_, {})) batch.audit.push_back({std::move(record), {}});
   batch.requests = std::exchange(kept_, {});
   batch.dropped_requests = std::exchange(dropped_, {});
@@ -176,17 +197,66 @@ StoreBatch Access::take_batch() {
 }
 
 Status Access::commit() {
+  const std::size_t own = own_.size();
   StoreBatch batch = take_batch();
   const bool has_heads_alone = batch.empty();
   batch.heads = std::exchange(signed_, {});
-  if (batch.empty()) return Done{};
+  if (batch.empty() && !restored_) return Done{};
+  if (!db_.is_shared()) return commit_to_file(std::move(batch), own);
   Status saved = save_or_merge(batch);
   if (saved) return saved;
   // Of records that are stored all the same: nobody would ask for them again.
   signed_ = std::move(batch.heads);
-  if (has_heads_alone && db_.is_shared()) return Done{};
+  if (has_heads_alone) return Done{};
   if (saved.error().code == Errc::conflict) free_undone(batch);
   return saved;
+}
+
+/// `own`: so many records, the first ones, are the gateway's own. Any other error but io_error says that the file is
+/// not what this process takes it for.
+Status Access::commit_to_file(StoreBatch batch, std::size_t own) {
+  const bool has_moved = std::exchange(has_moved_, false);
+  StoreBatch all = held_.before(batch);
+  all.notes_restored = restored_.has_value();
+  if (restored_) all.audit.insert(all.audit.begin(), {*restored_, {}});
+  Status saved = save(all);
+  const bool is_full = !saved && saved.error().code == Errc::io_error;
+  // What is decided is refused before, once that is known: what changes then does so of itself.
+  const bool was_full = std::exchange(unwritten_, is_full ? std::optional(saved.error()) : std::nullopt).has_value();
+  if (saved) held_.clear();
+  if (saved) restored_.reset();
+  if (!is_full) return saved;
+  held_.take_from(batch, has_moved ? Held::Besides::moved : was_full ? Held::Besides::alarms : Held::Besides::nothing);
+  const auto last_own = batch.audit.begin() + static_cast<std::ptrdiff_t>(own);
+  std::for_each(batch.audit.begin(), last_own, [&](AuditRow& row) { owe_lesser(std::move(row.record)); });
+  batch.audit.erase(batch.audit.begin(), last_own);
+  batch.steady.reset();
+  if (batch.empty()) return Done{};
+  undo(batch);
+  return saved;
+}
+
+/// Memory has what is on disk, and what waits. Sessions go with their users; all else of the batch changes no memory.
+void Access::undo(const StoreBatch& refused) {
+  StoreKinds kinds = refused.kinds();
+  for (const StoreKind kind : {StoreKind::audit, StoreKind::requests}) kinds.erase(kind);
+  if (kinds.empty()) return;
+  auto stored = db_.load();
+  if (!stored) return;
+  stored->kinds = std::move(kinds);
+  take_over(*stored);
+  if (!stored->kinds.contains(StoreKind::sessions)) return;
+  for (const Change<Session>& one : held_.sessions()) {
+    if (one.row)
+      sessions.restore(*one.row);
+    else
+      sessions.forget(one.key);
+  }
+}
+
+Status Access::retry() {
+  is_time_due_ = true;
+  return owed_.empty() ? commit() : pay_owed();
 }
 
 /// What a request decided was refused, so it was not done: a repeat with its key is tried anew.
@@ -202,7 +272,7 @@ void Access::free_undone(const StoreBatch& batch) {
 Status Access::save_or_merge(StoreBatch& batch) {
   if (is_stale_) return fail(Errc::peer_unreachable, "the database was not read yet", "try again in a second");
   Status saved = save(batch);
-  if (!db_.is_shared() || saved) return saved;
+  if (saved) return saved;
   for (int i = 0; i < kTries && !saved && saved.error().code == Errc::conflict; ++i) {
     if (Status merged = merge(batch); !merged) {
       saved = merged;
@@ -282,6 +352,7 @@ Access::Steady Access::steady(Now now) {
   steady_ = time_.at(now);
   const auto step = time_.take_step();
   if (!step) return {*steady_, false};
+  has_moved_ = true;
   sessions.move(*step);
   tokens.move(*step);
   alarms.move(*step);
@@ -293,13 +364,13 @@ void Access::tick(Now now, UtcTime steady) {
   sessions.tick(users, steady);
   alarms.tick(steady);
   for (const Shelf& one : alarms.take_ended())
-    note({.time = now.utc.ns,
-          .who = kSelf,
-          .from = {},
-          .action = kUnshelve,
-          .about = one.source,
-          .outcome = "its time is over"});
-  for (AuditRecord& record : refusals.take_ended(now)) note(std::move(record));
+    note_own({.time = now.utc.ns,
+              .who = kSelf,
+              .from = {},
+              .action = kUnshelve,
+              .about = one.source,
+              .outcome = "its time is over"});
+  for (AuditRecord& record : refusals.take_ended(now)) note_own(std::move(record));
   for (RequestKey& key : requests.take_expired(steady)) drop(std::move(key));
   if (timed_ && now.mono - *timed_ < kTimeStep) return;
   timed_ = now.mono;

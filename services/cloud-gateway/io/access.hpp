@@ -11,6 +11,7 @@
 #include "services/cloud-gateway/core/access/sign_in.hpp"
 #include "services/cloud-gateway/core/alarms/alarm_desk.hpp"
 #include "services/cloud-gateway/core/live/idempotency.hpp"
+#include "services/cloud-gateway/io/held.hpp"
 #include "services/cloud-gateway/io/store/gateway_db.hpp"
 
 namespace trb::gateway {
@@ -24,16 +25,24 @@ struct AuditOrigin {
 /// All of it is in memory; commit() writes what has changed since. Reply to a request only after it.
 ///
 /// Of a shared store, which other gateways write too, memory is a copy:
-/// state    | event                                        | then
-/// current  | refresh(): others have changed some kinds    | current, with theirs
-/// current  | commit(), and nobody changed what it changes | current
-/// current  | commit(): the audit log, sessions, alarms or answers of requests have gone on | current: added to theirs
-/// current  | commit(): users, tokens or scenarios were changed, or a key was used | current, with theirs; conflict;
-/// the | | key of a request that was refused so is free again any      | commit() of signed heads alone, and the server
-/// does not answer | stale; they wait, and it is no error any      | the server does not answer                   |
-/// stale: what it wanted to write is lost, and it says so stale    | refresh(), and the server answers            |
-/// current: all is read anew stale    | owe(): a stop was ordered, somebody drives   | stale; the record waits for
-/// pay_owed()
+///
+/// state   | event                                     | then
+/// --------|-------------------------------------------|---------------------------------------------------------------
+/// current | refresh(): others have changed some kinds | current, with theirs
+/// current | commit(), nobody changed what it changes  | current
+/// current | commit(), the audit log, sessions, alarms | current: added to theirs
+/// -       | or answers of requests have gone on       |
+/// current | commit(), users, tokens or scenarios were | current, with theirs; conflict; the key of a request that was
+/// -       | changed, or a key was used                | refused so is free again
+/// any     | commit() of signed heads alone, no answer | stale; they wait, and it is no error
+/// any     | the server does not answer                | stale: what it wanted to write is lost, and it says so
+/// stale   | refresh(), and the server answers         | current: all is read anew
+/// stale   | owe(): a stop was ordered, one drives     | stale; the record waits for pay_owed()
+///
+/// A file is this gateway's alone, and memory has all that is in it. If commit() finds no room there (io_error), it is
+/// unwritten() until a commit() or retry() finds some. Meanwhile who is signed in, answers of requests, signed heads,
+/// what alarms do of themselves and the gateway's own records wait, and are no error. What somebody has decided (users,
+/// tokens, scenarios, alarms) is undone, and a noted record is refused; owe() keeps one of what was done all the same.
 class Access {
  public:
   /// `origins`: see RequestCheck. Errors: those of GatewayDb::load; a shared store that cannot be read yet is none.
@@ -47,6 +56,9 @@ class Access {
   /// room for it.
   bool owe(AuditRecord record);
   [[nodiscard]] std::size_t owed() const { return owed_.size(); }
+  /// The same of what must not take the room from stops.
+  bool owe_lesser(AuditRecord record);
+  [[nodiscard]] bool may_owe_lesser() const;
   /// Writes what is owed, but for what is stored all the same: of a commit whose answer was lost. Errors: those of
   /// commit(); then it is owed further.
   Status pay_owed();
@@ -54,16 +66,24 @@ class Access {
   /// record, or does not answer. A head that is stored is proof: one of a record that never was would accuse the log
   /// for ever.
   bool keep(const AuditHead& head, Bytes record);
+  /// If the file comes from a backup: the next commit says so in the log, before all else.
+  void note_restored(UtcTime now);
   /// A request with an Idempotency-Key, before it acts and once it is answered.
   void keep(StoredRequest request) { kept_.push_back(std::move(request)); }
   /// Nobody knows whether it was done: its answer says so, and so does a record.
   void settle(StoredRequest request, UtcTime now);
   /// A key that is free again.
   void drop(RequestKey key) { dropped_.push_back(std::move(key)); }
-  /// In one transaction. Errors: those of GatewayDb::save. Then what memory holds is not on disk: the process must end,
-  /// or of a shared store memory is read anew, and the request was not done. Signed heads are no request's: a shared
-  /// store that does not take them keeps none waiting, and the next commit has them again.
+  /// In one transaction. Errors: those of GatewayDb::save. Then what memory holds is not on disk: the process must end;
+  /// but of a shared store, and of a file without room (unwritten()), memory is as before, and the request was not
+  /// done. Signed heads are no request's: a shared store that does not take them keeps none waiting, and the next
+  /// commit has them again.
   Status commit();
+  /// Why the file could not be written last; empty: it could. Never of a shared store.
+  [[nodiscard]] const std::optional<Error>& unwritten() const { return unwritten_; }
+  /// Of a file that could not be written: tries it with all that waits and is owed. Errors: those of commit();
+  /// unwritten() says whether it could.
+  Status retry();
   /// Before each decision: takes over what others have written. The kinds that have changed.
   Result<StoreKinds> refresh();
   /// UTC that does not jump: for all that has a time to live. When it takes over a step of the machine's clock, what
@@ -80,6 +100,9 @@ class Access {
   Access(GatewayDb& db, std::vector<std::string> origins, AuditOrigin origin);
   void take_over(const StoredState& stored);
   StoreBatch take_batch();
+  Status commit_to_file(StoreBatch batch, std::size_t own);
+  void undo(const StoreBatch& refused);
+  void note_own(AuditRecord record) { own_.push_back(std::move(record)); }
   void free_undone(const StoreBatch& batch);
   Status save(StoreBatch& batch);
   Status save_or_merge(StoreBatch& batch);
@@ -110,6 +133,7 @@ class Access {
  private:
   SteadyTime time_;
   std::vector<AuditRecord> noted_;
+  std::vector<AuditRecord> own_;  ///< what the gateway does of itself: nobody waits for these
   std::vector<AuditRecord> owed_;
   std::uint64_t owed_after_ = 0;  ///< the last record that was known when the first of them was owed
   std::vector<SignedHead> signed_;
@@ -118,7 +142,12 @@ class Access {
   std::optional<MonotonicTime> timed_;  ///< when the steady time was stored last by itself
   bool is_time_due_ = false;
   std::optional<UtcTime> steady_;  ///< the last one
-  bool is_stale_ = false;          ///< memory shows what is not on disk, or nothing yet
+  bool has_moved_ = false;         ///< the clock has stepped since the last commit
+  Held held_;
+  std::optional<UtcTime> restored_from_;
+  std::optional<AuditRecord> restored_;  ///< not on record yet
+  std::optional<Error> unwritten_;
+  bool is_stale_ = false;  ///< memory shows what is not on disk, or nothing yet
 };
 
 }  // namespace trb::gateway

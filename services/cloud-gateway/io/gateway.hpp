@@ -45,9 +45,10 @@ struct Gateway {
   const HistoryRecorder& recorder;
   std::string node_dir;
   UtcTime certificate_ends;
-  const Places& places;                            ///< of the hall, from this node's places.json
-  std::function<bool()> is_ready;                  ///< the node's router is there
-  std::function<void(const Error&)> on_unwritten;  ///< a commit has failed: the process ends
+  const Places& places;                                  ///< of the hall, from this node's places.json
+  std::function<bool()> is_ready;                        ///< the node's router is there
+  std::function<void(const Error&)> on_unwritten;        ///< a commit has failed, and no room helps: the process ends
+  std::function<void(const Status&)> on_history_read{};  ///< whether the file could be read
   SignIns* sign_ins = nullptr;
   op::Doctor* doctor = nullptr;
   DriveDesk* drives = nullptr;
@@ -55,21 +56,23 @@ struct Gateway {
   Counts counts{};
   std::map<ClientId, LiveSocket*> sockets{};     ///< each adds and removes itself
   std::optional<MonotonicTime> database_gone{};  ///< since when a shared one does not answer
+  bool is_disk_full = false;                     ///< as it was told last: Access::unwritten()
 
-  /// Access::commit(). If it fails the process ends, for what memory holds is not on disk; unless the database is
-  /// shared: then memory is read anew.
-  Status commit() {
-    Status written = access.commit();
-    if (!written && !db.is_shared()) on_unwritten(written.error());
-    return written;
-  }
+  /// Access::commit(). If it fails memory is as before, of a shared database and of a full disk; else the process ends,
+  /// for what memory holds is not on disk.
+  Status commit() { return told(access.commit()); }
+  /// Access::retry().
+  Status retry() { return told(access.retry()); }
   [[nodiscard]] Now now() const { return session.now(); }
   /// Access::steady().
   UtcTime steady() {
-    const Access::Steady told = access.steady(now());
-    if (told.has_stepped) static_cast<void>(commit());
-    return told.time;
+    const Access::Steady is = access.steady(now());
+    if (is.has_stepped) static_cast<void>(commit());
+    return is.time;
   }
+
+ private:
+  Status told(Status written);
 };
 
 }  // namespace trb::gateway

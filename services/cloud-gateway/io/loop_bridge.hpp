@@ -24,7 +24,10 @@ class LoopBridge {
 
   /// Between two handlers of the io_context: does what is ready and due. False: the driven loop has ended.
   bool serve(MonotonicTime now);
-  [[nodiscard]] std::optional<MonotonicTime> next_deadline() const { return driven_.next_deadline(); }
+  /// In the past: something is ready of which Asio reports nothing.
+  [[nodiscard]] std::optional<MonotonicTime> next_deadline() const {
+    return ready_ ? MonotonicTime{} : driven_.next_deadline();
+  }
 
  private:
   void wait();

@@ -21,6 +21,8 @@ constexpr Duration kHouse = std::chrono::seconds(5);
 constexpr Duration kLook = std::chrono::milliseconds(400);
 /// Who signs out, is disabled or has another role sees nothing more after so long; 1,000 streams cost a few ms.
 constexpr Duration kCheckRights = std::chrono::milliseconds(400);
+/// How soon a disk that has room again is noticed.
+constexpr Duration kTryDisk = std::chrono::seconds(1);
 /// A page's numbers are exact up to 2^53: it sends the instance back to resume.
 constexpr std::uint64_t kExactInJson = (1ULL << 53U) - 1;
 /// Looking at the bus costs as much as a short handler.
@@ -73,6 +75,9 @@ Result<int> Process::run(const HttpServerSettings& settings, const std::vector<s
   if (!tap) return tap.error();
   Gateway gateway = gateway_of((*person)->session());
   gateway.is_ready = [&person] { return (*person)->is_up(); };
+  gateway.on_history_read = [this](const Status& read) {
+    history_unread_ = read ? std::nullopt : std::optional(read.error());
+  };
   gateway.on_unwritten = [this](const Error& error) { end_unwritten(error); };
   SignIns sign_ins(gateway);
   gateway.sign_ins = &sign_ins;
@@ -93,7 +98,7 @@ Result<int> Process::run(const HttpServerSettings& settings, const std::vector<s
   (*server)->stop();
   answer_last(**person, api);
   for (AuditRecord& record : access_.refusals.take_all(trb::now())) access_.note(std::move(record));
-  static_cast<void>(gateway.commit());
+  static_cast<void>(access_.owed() > 0 ? gateway.retry() : gateway.commit());
   write_history(gateway);
   return unwritten_ ? 1 : service_.exit_status();
 }
@@ -112,6 +117,8 @@ void Process::add_timers(Gateway& gateway, SignIns& sign_ins) {
                  [this, &gateway](Now now) { record(gateway, now); });
   service_.timer([this] { return std::optional(house_kept_ + kHouse); },
                  [this, &gateway](Now now) { keep_house(gateway, now); });
+  service_.timer([this] { return std::optional(tried_ + kTryDisk); },
+                 [this, &gateway](Now now) { try_again(gateway, now); });
   service_.timer(
       [this, &gateway] { return gateway.sockets.empty() ? std::nullopt : std::optional(checked_ + kCheckRights); },
       [this, &gateway](Now now) {
@@ -196,8 +203,8 @@ void Process::record(Gateway& gateway, Now now) {
   if (recorder_.is_due(now) && !history_.is_writing()) write_history(gateway);
 }
 
-/// A history that cannot be written ends nothing: it is told once, and what is lost is counted. A clock that is ahead
-/// for a moment makes nothing old.
+/// A history that cannot be written ends nothing: it is told once and noted, and what is lost is counted. A clock that
+/// is ahead for a moment makes nothing old.
 void Process::write_history(Gateway& gateway) {
   for (const auto& [node, entries] : recorder_.take_left_out()) {
     log_limited(left_out_lines_, read_clocks().mono, Level::warning, "history_left_out",
@@ -207,9 +214,30 @@ void Process::write_history(Gateway& gateway) {
   const std::size_t size = batch.size();
   history_.add(std::move(batch), gateway.steady(), [this, size](const Status& written) {
     if (!written) recorder_.count_lost(size);
-    if (!written && !is_history_lost_) log_event(Level::error, "history_not_written", written.error().text());
-    is_history_lost_ = !written;
+    if (!written && !history_lost_)
+      log_limited(lost_lines_, read_clocks().mono, Level::error, "history_not_written", written.error().text());
+    if (written && history_lost_) history_unread_.reset();  // it is another file, or there is room: to be seen anew
+    history_lost_ = written ? std::nullopt : std::optional(written.error());
   });
+}
+
+/// What could not be written; and a note of it, which goes with it.
+void Process::try_again(Gateway& gateway, Now now) {
+  tried_ = now.mono;
+  if (access_.unwritten()) {
+    static_cast<void>(gateway.steady());
+    static_cast<void>(gateway.retry());
+  }
+  // Also if there is nothing to write: whoever has mended it looks whether it is well.
+  if (history_lost_ && !access_.unwritten() && !history_.is_writing()) write_history(gateway);
+  service_.set_note(note_of(gateway));
+}
+
+/// There is room for one: the worst.
+std::string Process::note_of(const Gateway& gateway) const {
+  if (std::string full = full_note(gateway); !full.empty()) return full;
+  const std::optional<Error>& why = history_lost_ ? history_lost_ : history_unread_;
+  return why ? "the history cannot be kept or read: " + why->what + "; " + why->hint : "";
 }
 
 void Process::keep_house(Gateway& gateway, Now now) {

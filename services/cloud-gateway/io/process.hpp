@@ -39,6 +39,8 @@ class Process {
   void follow_topics(Now now);
   void record(Gateway& gateway, Now now);
   void write_history(Gateway& gateway);
+  void try_again(Gateway& gateway, Now now);
+  [[nodiscard]] std::string note_of(const Gateway& gateway) const;
   void keep_house(Gateway& gateway, Now now);
   void warn_of_certificate(Now now);
   void end_unwritten(const Error& error);
@@ -58,10 +60,13 @@ class Process {
   MessageLog messages_;
   HistoryRecorder recorder_;
   HistoryDesk history_;
-  bool is_history_lost_ = false;
+  std::optional<Error> history_lost_;    ///< why it could not be written last
+  std::optional<Error> history_unread_;  ///< why it could not be read last
   RateLimit left_out_lines_{5, std::chrono::minutes(1)};
+  RateLimit lost_lines_{5, std::chrono::minutes(1)};
   GatewayCore core_;
   MonotonicTime house_kept_;
+  MonotonicTime tried_;                  ///< when it tried last what a full disk has refused
   MonotonicTime looked_;                 ///< when it looked last at what other gateways have written
   MonotonicTime checked_;                ///< when it looked last who may go on to see the fleet
   std::optional<MonotonicTime> warned_;  ///< of the certificate's end

@@ -1,6 +1,7 @@
 #include "services/cloud-gateway/io/sign_ins.hpp"
 
 #include "services/cloud-gateway/io/bootstrap.hpp"
+#include "services/cloud-gateway/io/fresh.hpp"
 #include "services/cloud-gateway/io/json_text.hpp"
 
 namespace trb::gateway {
@@ -30,9 +31,7 @@ std::string json_session(const User& user, const std::string& csrf) {
 
 void SignIns::request(const CallPtr& call, std::string user, std::string password) {
   // Somebody at the node's console may have made a password a moment ago.
-  if (Status taken = take_bootstrap(gateway_); !taken) {
-    return call->fail(taken.error());
-  }
+  if (Status taken = take_bootstrap(gateway_); !taken) return fail_unwritten(gateway_, *call, taken.error());
   const SignInId id = ++last_;
   call->actor = user;
   calls_[id] = call;

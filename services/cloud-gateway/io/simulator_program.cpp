@@ -24,6 +24,7 @@ namespace {
 constexpr int kNotStarted = 127;
 constexpr int kLast = 19;  ///< nice: everything else goes first
 constexpr rlim_t kMostMemory = 1U << 30U;
+constexpr rlim_t kMostProcessor_s = 60;
 constexpr std::size_t kMaxError = 16U << 10U;
 
 /// What a sanitizer reserves of addresses is no memory, and more than any bound.
@@ -52,12 +53,13 @@ void close_both(const Pipe& pipe) {
   sigset_t none;
   sigemptyset(&none);
   sigprocmask(SIG_SETMASK, &none, nullptr);
-  for (const int signal : {SIGTERM, SIGINT, SIGHUP, SIGPIPE}) ::signal(signal, SIG_DFL);
+  for (const int signal : {SIGTERM, SIGINT, SIGHUP, SIGPIPE, SIGXCPU}) ::signal(signal, SIG_DFL);
   supervisor::die_with_parent(parent);
   setpgid(0, 0);
   setpriority(PRIO_PROCESS, 0, kLast);
   const rlimit most{kMostMemory, kMostMemory};
-  const bool is_bounded = !kIsBounded || setrlimit(RLIMIT_AS, &most) == 0;
+  const rlimit busy{kMostProcessor_s, kMostProcessor_s + 5};
+  const bool is_bounded = setrlimit(RLIMIT_CPU, &busy) == 0 && (!kIsBounded || setrlimit(RLIMIT_AS, &most) == 0);
   const bool is_set = is_bounded && dup2(job, STDIN_FILENO) >= 0 && dup2(answer[1], STDOUT_FILENO) >= 0 &&
                       dup2(progress[1], STDERR_FILENO) >= 0;
   // Sockets of people and robots are none of its business.
@@ -113,6 +115,10 @@ Error simulator_failure(int status, const std::string& said) {
   }
   if (WIFEXITED(status) && WEXITSTATUS(status) == kNotStarted) {
     return fail(Errc::io_error, "trb-simulator could not be started", "see that it may be run");
+  }
+  if (WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU) {
+    return fail(Errc::timeout, "it was not over after " + std::to_string(kMostProcessor_s) + " s of a processor",
+                "use fewer robots or tasks; trb simulate takes as long as it needs");
   }
   return fail(Errc::io_error, "the simulation has ended before its end", "start it again, with fewer robots or tasks");
 }

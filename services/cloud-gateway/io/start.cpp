@@ -51,7 +51,7 @@ Result<std::unique_ptr<GatewayDb>> open_db(const NodeConfig& config, const Cloud
 }
 
 Result<std::unique_ptr<HistoryStore>> open_history(const NodeConfig& config, const CloudSettings& cloud) {
-  if (!cloud.database) return open_history_file(config.dir + "/state/history.db", limits_of(cloud));
+  if (!cloud.database) return history_file(config.dir + "/state/history.db", limits_of(cloud));
   auto server = postgres_server(*cloud.database, config.dir);
   if (!server) return server.error();
   return open_shared_history(std::move(*server), config.id, limits_of(cloud), kFirstAnswer);
@@ -62,6 +62,7 @@ Result<std::unique_ptr<Access>> open_access(const NodeConfig& config, const Clou
                                             const NodeCertificate& keys, GatewayDb& db) {
   auto access = Access::open(db, cloud.origins(), {keys.authority.id(), config.id});
   if (!access || db.is_shared()) return access;
+  (*access)->note_restored(now().utc);
   if (Status settled = settle_unsure(**access, now().utc); !settled) return settled.error();
   return access;
 }
@@ -95,7 +96,8 @@ Result<int> start(NodeConfig config) {
   if (!keys) return keys.error();
   const ServiceOptions options{config.dir, "cloud-gateway", {}, FleetView::subscriptions()};
   Stores stores;
-  const auto waited = wait_for_files(options, [&] { return open_stores(config, cloud, *keys, stores); });
+  const auto waited = wait_for_files(
+      options, [&] { return open_stores(config, cloud, *keys, stores); }, Room::not_needed);
   if (!waited || *waited) return waited ? Result<int>(**waited) : waited.error();
   const auto files = provide_tls_files(config.dir, certificate_names(cloud), now().utc);
   if (!files) return files.error();

@@ -14,7 +14,8 @@ ModeAdapterCore::ModeAdapterCore(Settings settings, PersistFence persist, Persis
       hand_(robot_, control_, faults_, desk_),
       messages_(robot_, control_) {}
 
-void ModeAdapterCore::on_welcome(const NodeIdentity&, Now, Outbox& out) {
+void ModeAdapterCore::on_welcome(const NodeIdentity&, Now now, Outbox& out) {
+  welcomed_ = now.mono;
   status_.welcome(condition(), out);
 }
 
@@ -31,7 +32,10 @@ void ModeAdapterCore::on(const Inbound& message, Now now, Outbox& out) {
       message.body, Overloaded{
                         [&](const Execute& order) { execute(message, order, now, out); },
                         [&](const CancelExecution& order) { desk_.cancel(message, order, stops_.fenced(), now, out); },
-                        [&](const ExecutionQuery& query) { desk_.query(message, query, out); },
+                        [&](const ExecutionQuery& query) {
+                          if (!desk_.query(message, query, out) && to_be_replaced_)
+                            expects_until_ = now.mono + kGivenAgain;
+                        },
                         [&](const OutcomeJournaled& outcome) { desk_.journaled(outcome); },
                         [&](const AdapterStateRequest&) { out.reply(message, status_.state(condition())); },
                         [&](const Stop& stop) {
@@ -110,6 +114,21 @@ void ModeAdapterCore::on_channel_down(Channel channel, const std::string& reason
   settle(now, out);
 }
 
+bool ModeAdapterCore::at_work(Now now) const {
+  return desk_.busy() || hand_.driving() || desk_.owes_outcome(now) || expects_until_;
+}
+
+bool ModeAdapterCore::may_be_replaced(MonotonicTime heard, Now now, Outbox& out) {
+  to_be_replaced_ = true;
+  if (expects_until_ && now.mono >= *expects_until_) expects_until_.reset();
+  settle(now, out);
+  if (at_work(now)) return false;
+  if (!quiet_since_) quiet_since_ = now.mono;
+  // A router that is not heard may be about to be started anew, with an order that it will not deliver.
+  const bool is_heard = heard - *quiet_since_ >= kQuiet && heard - welcomed_ >= kGivenAgain;
+  return is_heard || now.mono - *quiet_since_ >= kNoRouter;
+}
+
 void ModeAdapterCore::begin_leave(Now now, Outbox& out) {
   leaving_ = true;
   hand_.give_way("the robot's node ends", now, out);
@@ -133,13 +152,16 @@ void ModeAdapterCore::execute(const Inbound& message, const Execute& order, Now 
   if (error && (error->code == Errc::control_held || error->code == Errc::out_of_use)) {
     out.count("refused." + std::string(errc_name(error->code)));
   }
-  if (desk_.execute(message, order, error, now, out)) control_.take(by, now, out);
+  if (!desk_.execute(message, order, error, now, out)) return;
+  expects_until_.reset();
+  control_.take(by, now, out);
 }
 
 Condition ModeAdapterCore::condition() const {
   const auto& holder = control_.holder();
-  if (!holder) return {stops_.fenced(), desk_.busy(), {}, true, faults_.shown()};
-  return {stops_.fenced(), desk_.busy(), holder->text(), holder->kind == Holder::Kind::run, faults_.shown()};
+  const bool busy = desk_.busy() || (to_be_replaced_ && !expects_until_);
+  if (!holder) return {stops_.fenced(), busy, {}, true, faults_.shown()};
+  return {stops_.fenced(), busy, holder->text(), holder->kind == Holder::Kind::run, faults_.shown()};
 }
 
 void ModeAdapterCore::settle(Now now, Outbox& out) {
@@ -151,7 +173,11 @@ void ModeAdapterCore::settle(Now now, Outbox& out) {
   hand_.look_at_faults(now, out);
   handle_events();
   control_.refresh(desk_.busy(), hand_.driving(), now);
+  const bool told = desk_.take_told();
   status_.publish(condition(), out);
+  if (!to_be_replaced_) return;
+  if (told) status_.repeat(condition(), out);
+  if (at_work(now)) quiet_since_.reset();
 }
 
 void ModeAdapterCore::on_event(Driver& mode, const DriverEvent& event, Now now, Outbox& out) {

@@ -41,13 +41,24 @@ class ModeAdapterCore : public Core {
   /// The process ends: the drivers' last messages.
   void leave(Now now, Outbox& out);
 
-  /// True while no skill runs and nobody drives: the process may be replaced then.
-  [[nodiscard]] bool idle() const { return !desk_.busy() && !hand_.driving(); }
+  /// The process is to be replaced, and asks again and again whether it may end: no skill has run, nobody has driven
+  /// and no outcome has been owed for kQuiet, and its router was `heard` since then. From the first question on the
+  /// scheduler takes the robot for busy, so that it gives nothing more; what it gave before that is still done. An
+  /// outcome, and the router, are waited for 30 s at most.
+  [[nodiscard]] bool may_be_replaced(MonotonicTime heard, Now now, Outbox& out);
 
  private:
+  /// An order that the scheduler gave before it knew is here by then.
+  static constexpr Duration kQuiet = std::chrono::milliseconds(500);
+  /// One that was lost on its way, as in a router that was started anew, too, is asked for by then, and given again
+  /// within the same time.
+  static constexpr Duration kGivenAgain = std::chrono::seconds(3);
+  static constexpr Duration kNoRouter = std::chrono::seconds(30);
+
   [[nodiscard]] static bool begins_something(const Inbound& message);
   void on_other(const Inbound& message, Now now, Outbox& out);
   void execute(const Inbound& message, const Execute& order, Now now, Outbox& out);
+  [[nodiscard]] bool at_work(Now now) const;
   template <class Heard>
   void on_bridge(const Inbound& message, const Heard& heard, Now now, Outbox& out);
   [[nodiscard]] Condition condition() const;
@@ -72,6 +83,10 @@ class ModeAdapterCore : public Core {
   HandDrive hand_;
   UserMessages messages_;
   bool leaving_ = false;
+  bool to_be_replaced_ = false;
+  MonotonicTime welcomed_;
+  std::optional<MonotonicTime> quiet_since_;    ///< while it is to be replaced and not at work
+  std::optional<MonotonicTime> expects_until_;  ///< while it is: the scheduler has asked for an attempt unknown here
 };
 
 }  // namespace trb::adapter

@@ -1,5 +1,7 @@
 #include "services/mode-adapter/core/outcomes.hpp"
 
+#include <algorithm>
+
 namespace trb::adapter {
 namespace {
 
@@ -26,7 +28,7 @@ bool Outcomes::make_room() {
 
 void Outcomes::add(Outcome outcome, Now now) {
   const AttemptKey key = outcome.key;
-  if (!kept_.emplace(key, Kept{std::move(outcome), ++order_, false}).second) return;
+  if (!kept_.emplace(key, Kept{std::move(outcome), ++order_, now.mono, false}).second) return;
   ++waiting_;
   if (!resend_at_) resend_at_ = now.mono + kResend;
 }
@@ -36,6 +38,12 @@ void Outcomes::acknowledge(const AttemptKey& key) {
   if (found == kept_.end() || found->second.acknowledged) return;
   found->second.acknowledged = true;
   if (--waiting_ == 0) resend_at_.reset();
+}
+
+bool Outcomes::wait(Now now) const {
+  return waiting_ != 0 && std::ranges::any_of(kept_, [&](const auto& one) {
+           return !one.second.acknowledged && now.mono < one.second.since + kPatience;
+         });
 }
 
 }  // namespace trb::adapter

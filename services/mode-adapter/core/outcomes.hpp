@@ -17,23 +17,29 @@ class Outcomes {
   bool make_room();
   void add(Outcome outcome, Now now);
   void acknowledge(const AttemptKey& key);
+  /// One of the last kPatience is not acknowledged: lost with this process, nobody would know how the task ended.
+  [[nodiscard]] bool wait(Now now) const;
 
-  /// Calls `send` for every outcome that was last sent a second ago or more.
+  /// Calls `send` for every outcome that was last sent a second ago or more. True: it was time for that.
   template <class Send>
-  void resend(Now now, Send send) {
-    if (!resend_at_ || now.mono < *resend_at_) return;
+  bool resend(Now now, Send send) {
+    if (!resend_at_ || now.mono < *resend_at_) return false;
     for (const auto& [key, kept] : kept_) {
       if (!kept.acknowledged) send(kept.outcome);
     }
     resend_at_ = waiting_ == 0 ? std::nullopt : std::optional(now.mono + kResend);
+    return true;
   }
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const { return resend_at_; }
 
  private:
   static constexpr Duration kResend = std::chrono::seconds(1);
+  /// A scheduler that has not journaled it by then is not there: the process that ends does not wait for it any more.
+  static constexpr Duration kPatience = std::chrono::seconds(30);
   struct Kept {
     Outcome outcome;
     std::uint64_t order = 0;
+    MonotonicTime since{};
     bool acknowledged = false;
   };
 

@@ -181,7 +181,8 @@ std::optional<Error> RobotFaults::refusal(const std::string& capability, const F
   if (kept == nullptr && standing == nullptr) return std::nullopt;
   return fail(Errc::out_of_use,
               name_of_whole(capability) + " is out of use: " + (kept != nullptr ? kept->text : standing->text),
-              "mend it, then trb robot repaired " + robot_.settings.id);
+              standing != nullptr ? "mend it: it ends once the robot no longer reports it"
+                                  : "mend it, then trb robot repaired " + robot_.settings.id);
 }
 
 }  // namespace trb::adapter

@@ -31,13 +31,16 @@ void RobotStatus::on_up() {
 }
 
 void RobotStatus::on_down(const std::string& reason) {
+  const std::string detail = reason.substr(0, kMaxDetail);
+  detail_changed_ = detail_changed_ || (connection_ == Connection::broken && detail != detail_);
   connection_ = Connection::broken;
-  detail_ = reason.substr(0, kMaxDetail);
+  detail_ = detail;
 }
 
 void RobotStatus::on_no_contact(const std::string& reason) {
-  if (connection_ != Connection::offline || detail_ == reason) return;
-  detail_ = reason.substr(0, kMaxDetail);
+  const std::string detail = reason.substr(0, kMaxDetail);
+  if (connection_ != Connection::offline || detail_ == detail) return;
+  detail_ = detail;
   detail_changed_ = true;
 }
 
@@ -77,6 +80,10 @@ void RobotStatus::publish(const Condition& condition, Outbox& out) {
     out.information(std::string(kEveryNode), RobotConnection{connection_name(), detail_});
   }
   had_contact_ = had_contact_ || connection_ == Connection::online;
+}
+
+void RobotStatus::repeat(const Condition& condition, Outbox& out) const {
+  if (welcomed_) out.information(settings_.id, state(condition));
 }
 
 void RobotStatus::send_profile(const Condition& condition, Outbox& out) {

@@ -21,6 +21,7 @@ class RobotStatus {
   explicit RobotStatus(const Settings& settings);
 
   void on_up();
+  /// Also of a robot that is down already, and for another reason now.
   void on_down(const std::string& reason);
   /// Why the first connection fails.
   void on_no_contact(const std::string& reason);
@@ -30,6 +31,8 @@ class RobotStatus {
   void welcome(const Condition& condition, Outbox& out);
   /// Sends what has changed since the last call.
   void publish(const Condition& condition, Outbox& out);
+  /// Tells the own scheduler once more, which has taken the robot for free by an outcome.
+  void repeat(const Condition& condition, Outbox& out) const;
 
  private:
   enum class Connection : std::uint8_t { offline, online, broken };

@@ -20,13 +20,6 @@ Pose in_robot_frame(const Pose& hall, const RobotFrame& frame) {
           (hall.z - frame.origin.z) * frame.length, yaw * frame.angle};
 }
 
-/// Vendor units per SI unit: for metres and units per metre, radians alike; other units are the same everywhere.
-double factor_of(const std::string& unit, const RobotFrame& frame) {
-  if (unit == "m" || unit.starts_with("m/")) return frame.length;
-  if (unit == "rad" || unit.starts_with("rad/")) return frame.angle;
-  return 1;
-}
-
 Value scaled(const Value& value, double factor) {
   if (factor == 1) return value;
   if (value.is_number()) return Value{value.number() * factor};
@@ -123,7 +116,7 @@ class Filler {
 
   [[nodiscard]] Value converted(std::string_view name, const Value& value) const {
     const Parameter* parameter = find(name);
-    return parameter == nullptr ? value : scaled(value, factor_of(parameter->unit, description_.frame));
+    return parameter == nullptr ? value : scaled(value, description_.frame.factor_of(parameter->unit));
   }
 
   [[nodiscard]] Result<Value> placeholder(std::string_view inside) const {

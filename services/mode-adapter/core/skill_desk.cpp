@@ -78,8 +78,10 @@ bool SkillDesk::answer_known(const Inbound& message, const AttemptKey& key, Outb
     return true;
   }
   const Outcome* known = outcomes_.find(key);
-  if (known != nullptr) out.reply(message, *known);
-  return known != nullptr;
+  if (known == nullptr) return false;
+  out.reply(message, *known);
+  told_ = true;
+  return true;
 }
 
 std::optional<Error> SkillDesk::refusal(const Execute& order) {
@@ -109,6 +111,7 @@ bool SkillDesk::begin(const Inbound& message, const Execute& order, Now now, Out
   Outcome outcome{order.key, robot_.settings.instance, TaskOutcome::failed, begun.error().text(), "", 0};
   outcome.reason.resize(std::min(outcome.reason.size(), kMaxReason));
   if (message.wants_answer()) out.reply(message, outcome);
+  told_ = true;
   outcomes_.add(std::move(outcome), now);
   return false;
 }
@@ -162,9 +165,10 @@ void SkillDesk::cancel(const Inbound& message, const CancelExecution& order, boo
   answer_known(message, order.key, out);
 }
 
-void SkillDesk::query(const Inbound& message, const ExecutionQuery& query, Outbox& out) {
-  if (answer_known(message, query.key, out)) return;
+bool SkillDesk::query(const Inbound& message, const ExecutionQuery& query, Outbox& out) {
+  if (answer_known(message, query.key, out)) return true;
   out.reply(message, ExecutionState{query.key, robot_.settings.instance, "unknown"});
+  return false;
 }
 
 void SkillDesk::on_under_way(Now now) {
@@ -348,6 +352,7 @@ void SkillDesk::end(TaskOutcome outcome, const std::string& reason, std::string 
 
 void SkillDesk::keep(Outcome outcome, Now now, Outbox& out) {
   out.information(robot_.settings.id, outcome);
+  told_ = true;
   outcomes_.add(std::move(outcome), now);
 }
 
@@ -358,7 +363,7 @@ void SkillDesk::tick(Now now, Outbox& out) {
     if (running_->state_heard) look_at(running_->skill->end.state, {*running_->state}, now, out);
   }
   if (const auto at = limit(); at && now.mono >= *at) on_limit(now, out);
-  outcomes_.resend(now, [&](const Outcome& outcome) { out.information(robot_.settings.id, outcome); });
+  told_ |= outcomes_.resend(now, [&](const Outcome& outcome) { out.information(robot_.settings.id, outcome); });
 }
 
 void SkillDesk::on_limit(Now now, Outbox& out) {

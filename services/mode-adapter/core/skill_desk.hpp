@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <utility>
 
 #include "services/mode-adapter/core/outcomes.hpp"
 #include "services/mode-adapter/core/robot_side.hpp"
@@ -39,11 +40,16 @@ class SkillDesk {
   /// `barred`: why nothing may begin, if so. True: the skill has begun.
   bool execute(const Inbound& message, const Execute& order, const std::optional<Error>& barred, Now now, Outbox& out);
   void cancel(const Inbound& message, const CancelExecution& order, bool fenced, Now now, Outbox& out);
-  void query(const Inbound& message, const ExecutionQuery& query, Outbox& out);
+  /// False: no such attempt is known here; who asks has given it, or is about to.
+  bool query(const Inbound& message, const ExecutionQuery& query, Outbox& out);
   void journaled(const OutcomeJournaled& outcome) { outcomes_.acknowledge(outcome.key); }
 
   /// A skill runs or is halted, or the robot is told what it may have missed.
   [[nodiscard]] bool busy() const { return running_ || (owed_ && owed_->until); }
+  /// The scheduler has yet to journal how a skill has ended.
+  [[nodiscard]] bool owes_outcome(Now now) const { return outcomes_.wait(now); }
+  /// True once after an outcome was told: the scheduler takes the robot for free by it.
+  bool take_told() { return std::exchange(told_, false); }
   [[nodiscard]] bool owns(Token token) const { return running_ && running_->token == token; }
 
   /// The robot has received the command.
@@ -123,6 +129,7 @@ class SkillDesk {
   };
   std::map<std::string, Heard, std::less<>> heard_;  ///< by the skills' states: the last one of the present link
   Outcomes outcomes_;
+  bool told_ = false;
 };
 
 }  // namespace trb::adapter

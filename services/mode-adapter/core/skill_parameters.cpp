@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "common/drivers/text/number_text.hpp"
+#include "proto/value_words.hpp"
 #include "services/mode-adapter/core/drivers.hpp"
 
 namespace trb::adapter {
@@ -14,7 +15,7 @@ Error bad(const Parameter& parameter, const std::string& what, std::string hint 
 }
 
 Error wrong_type(const Parameter& parameter, const Value& value) {
-  return bad(parameter, "is a " + std::string(value.kind()) + ", not a " + std::string(name_of(parameter.type)));
+  return bad(parameter, "is " + in_words(value) + ", not a " + std::string(name_of(parameter.type)));
 }
 
 Status check_range(const Parameter& parameter, const Value& value) {
@@ -53,7 +54,7 @@ Status check_numbers(const Parameter& parameter, const Value& value) {
                "has " + std::to_string(value.list().size()) + " numbers, not " + std::to_string(*parameter.count));
   }
   for (const Value& item : value.list()) {
-    if (!item.is_number()) return bad(parameter, "holds a " + std::string(item.kind()) + ", not only numbers");
+    if (!item.is_number()) return bad(parameter, "holds " + in_words(item) + ", not only numbers");
     if (Status range = check_range(parameter, item); !range) return range;
   }
   return Done{};
@@ -90,8 +91,7 @@ Status check_names(const Skill& skill, const Value& given) {
 Result<Arguments> read_arguments(const Skill& skill, std::string_view parameters) {
   auto given = parameters.empty() ? Result<Value>(Value{Value::Object{}}) : parse_json(parameters);
   if (!given) return given.error();
-  if (!given->is_object())
-    return fail(Errc::malformed, "the parameters are a " + std::string(given->kind()) + ", not an object");
+  if (!given->is_object()) return fail(Errc::malformed, "the parameters are " + in_words(*given) + ", not an object");
   if (Status names = check_names(skill, *given); !names) return names.error();
   Arguments arguments;
   for (const Parameter& parameter : skill.parameters) {

@@ -76,7 +76,7 @@ void StopControl::on_release(const Inbound& message, Now now, Outbox& out) {
 }
 
 void StopControl::on_stopped(const Driver* mode, const Stopped& stopped, Outbox& out) {
-  confirm(mode, stopped.ticket, false, stopped.by_robot, out);
+  confirm(mode, false, stopped, out);
 }
 
 void StopControl::on_not_stopped(const Driver* mode, const NotStopped& refused, Outbox& out) {
@@ -93,16 +93,17 @@ void StopControl::on_not_stopped(const Driver* mode, const NotStopped& refused, 
 }
 
 void StopControl::on_released(const Driver* mode, const Released& released, Outbox& out) {
-  confirm(mode, released.ticket, true, true, out);
+  confirm(mode, true, Stopped{released.ticket}, out);
 }
 
-void StopControl::confirm(const Driver* mode, Token ticket, bool release, bool by_robot, Outbox& out) {
+void StopControl::confirm(const Driver* mode, bool release, const Stopped& how, Outbox& out) {
   for (Pending& pending : pending_) {
     if (pending.release != release) continue;
     for (Told& told : pending.told) {
-      if (told.mode != mode || told.ticket > ticket) continue;
+      if (told.mode != mode || told.ticket > how.ticket) continue;
       told.confirmed = true;
-      pending.by_robot = pending.by_robot && by_robot;
+      pending.by_robot = pending.by_robot && how.by_robot;
+      pending.stood = pending.stood || how.stood;
     }
   }
   answer_ready(out);
@@ -152,10 +153,15 @@ bool StopControl::try_answer(const Pending& pending, Outbox& out) const {
   }
   if (!std::all_of(pending.told.begin(), pending.told.end(), [](const Told& told) { return told.confirmed; }))
     return false;
-  const std::string none = pending.told.empty() ? "the robot is not connected" : "";
-  const std::string text = pending.by_robot ? none : "the robot was told; it has no monitor that could confirm it";
-  out.reply(pending.message, Ack{pending.release ? "released" : "stopped", text});
+  out.reply(pending.message, Ack{pending.release ? "released" : "stopped", remark(pending)});
   return true;
+}
+
+/// What the confirmation does not prove; empty: nothing.
+std::string StopControl::remark(const Pending& pending) {
+  if (!pending.by_robot) return "the robot was told; it has no monitor that could confirm it";
+  if (pending.stood) return "the robot was told; it stood already, so nothing is proved";
+  return pending.told.empty() ? "the robot is not connected" : "";
 }
 
 void StopControl::answer_late(Now now, Outbox& out) {

@@ -39,15 +39,17 @@ class StopControl {
     std::vector<Told> told;
     std::optional<Error> refused;  ///< the robot cannot be reached, or refuses
     bool by_robot = true;
+    bool stood = false;  ///< Stopped::stood
   };
 
   void send_stop(Pending& pending, Driver& mode, Now now, Outbox& out);
   /// What waits for its confirmation, and never gets it now.
   void refuse_pending(bool release, const std::string& why, Outbox& out);
-  void confirm(const Driver* mode, Token ticket, bool release, bool by_robot, Outbox& out);
+  void confirm(const Driver* mode, bool release, const Stopped& how, Outbox& out);
   void save_fence(Now now, Outbox& out);
   void answer_ready(Outbox& out);
   [[nodiscard]] bool try_answer(const Pending& pending, Outbox& out) const;
+  [[nodiscard]] static std::string remark(const Pending& pending);
   void answer_late(Now now, Outbox& out);
   [[nodiscard]] Error late(const Pending& pending) const;
 

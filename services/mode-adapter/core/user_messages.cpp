@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "common/fleet/did_you_mean.hpp"
+
 namespace trb::adapter {
 namespace {
 
@@ -107,7 +109,7 @@ std::optional<Token> UserMessages::wait_or_answer(WaitingSenders& waiting, const
       robot_.to(mode, out));
   if (!progress) {
     out.count("refused." + std::string(errc_name(progress.error().code)));
-    out.nack(message, explain(progress.error(), body.subtype));
+    out.nack(message, explain(progress.error(), message.type, body.subtype));
     return std::nullopt;
   }
   if (*progress == Progress::handed_over) {
@@ -118,13 +120,19 @@ std::optional<Token> UserMessages::wait_or_answer(WaitingSenders& waiting, const
   return token;
 }
 
-Error UserMessages::explain(const Error& error, std::string_view subtype) const {
+Error UserMessages::explain(const Error& error, MessageType type, std::string_view subtype) const {
   if (error.code != Errc::no_field_channel || robot_.settings.commands.transport == "lines") return error;
   const std::string word(subtype);
+  const VendorCommands& words = robot_.settings.commands;
+  const bool asks = type == MessageType::request;
+  const std::vector<std::string> known = asks ? names_in(words.requests) : names_in(words.commands);
+  const std::string add = "add '" + word + "' to \"" + (asks ? "requests" : "commands") + "\" of commands.json";
+  std::string cure = known.empty() ? add : did_you_mean(word, known, add + ", or use one of");
+  if (!cure.starts_with(add)) cure += " Else " + add;  // it may be no misspelling
   return fail(error.code,
               "commands.json has no words for '" + word + "' (" + robot_.settings.framework +
                   "), and the interpreter mode needs a robot connected to TCP_PORT: none is",
-              "add '" + word + "' to commands.json, or start the robot's program that dials TCP_PORT");
+              cure + "; or start the robot's program that dials TCP_PORT");
 }
 
 void UserMessages::answer_from_monitor(const Inbound& message, const Opaque& body, Driver& mode, Now now, Outbox& out) {

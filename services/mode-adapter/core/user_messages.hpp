@@ -44,7 +44,7 @@ class UserMessages {
   /// The message's token; none: refused, and its sender notified.
   std::optional<Token> wait_or_answer(WaitingSenders& waiting, const Inbound& message, const Opaque& body, Driver& mode,
                                       Now now, Outbox& out);
-  [[nodiscard]] Error explain(const Error& error, std::string_view subtype) const;
+  [[nodiscard]] Error explain(const Error& error, MessageType type, std::string_view subtype) const;
   void expire(WaitingSenders& waiting, const char* what, Now now, Outbox& out);
 
   RobotSide& robot_;

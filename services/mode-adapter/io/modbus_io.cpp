@@ -16,6 +16,7 @@ namespace {
 
 constexpr std::size_t kMaxPacket = 4096;
 constexpr Duration kFirstBackOff = std::chrono::milliseconds(100);
+constexpr Duration kSteady = std::chrono::seconds(2);  ///< longer than a round of polls
 constexpr Duration kLongestBackOff = std::chrono::seconds(2);
 
 // A packet: its kind, the number of its connection, and its contents.
@@ -53,11 +54,13 @@ class Worker {
  private:
   void serve() {
     put(Kind::up, {});
+    const MonotonicTime begun = now().mono;
     while (const auto call = next_call(-1)) {
       const auto answer = link_.perform(*call);
       if (!answer) return put(Kind::down, answer.error().what);
       put(Kind::answer, encode(*answer));
-      back_off_.reset();
+      // One that hangs at some call of each round has answered others before.
+      if (now().mono - begun >= kSteady) back_off_.reset();
     }
   }
 

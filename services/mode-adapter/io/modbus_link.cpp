@@ -26,6 +26,14 @@ std::optional<std::uint8_t> exception_of(int error) {
 
 using Bits = std::array<std::uint8_t, kMostModbusRegisters>;
 
+/// "input 0..9", "the write of coil 5"
+std::string text_of(const ModbusCall& call) {
+  const std::size_t size = call.write ? call.words.size() : call.count;
+  std::string out = std::string(name_of(call.kind)) + " " + std::to_string(call.address);
+  if (size > 1) out += ".." + std::to_string(call.address + size - 1);
+  return call.write ? "the write of " + out : out;
+}
+
 /// Coils and discretes come as bits, registers as words. Negative: see errno.
 int ask(_modbus* modbus, const ModbusCall& call, Bits& bits, std::uint16_t* words) {
   switch (call.kind) {
@@ -83,7 +91,7 @@ Result<ModbusAnswer> ModbusLink::perform(const ModbusCall& call) {
   if (!call.write) return read(call);
   if (write(call) >= 0) return ModbusAnswer{};
   if (const auto exception = exception_of(errno)) return ModbusAnswer{*exception, {}};
-  return lost();
+  return lost(call);
 }
 
 Result<ModbusAnswer> ModbusLink::read(const ModbusCall& call) {
@@ -92,7 +100,7 @@ Result<ModbusAnswer> ModbusLink::read(const ModbusCall& call) {
   answer.words.resize(call.count);
   if (ask(modbus_.get(), call, bits, answer.words.data()) < 0) {
     if (const auto exception = exception_of(errno)) return ModbusAnswer{*exception, {}};
-    return lost();
+    return lost(call);
   }
   const bool is_bits = call.kind == ModbusKind::coil || call.kind == ModbusKind::discrete;
   if (is_bits) answer.words.assign(bits.begin(), bits.begin() + call.count);
@@ -105,10 +113,10 @@ int ModbusLink::write(const ModbusCall& call) {
   return modbus_write_registers(modbus_.get(), call.address, static_cast<int>(call.words.size()), call.words.data());
 }
 
-Error ModbusLink::lost() const {
+Error ModbusLink::lost(const ModbusCall& call) const {
   switch (errno) {
     case ETIMEDOUT:
-      return fail(Errc::io_error, "no answer within " + number_text(where_.timeout_s) + " s");
+      return fail(Errc::io_error, "no answer within " + number_text(where_.timeout_s) + " s to " + text_of(call));
     case ECONNRESET:
       return fail(Errc::io_error, "closed by the device");
     case EMBBADDATA:

@@ -39,7 +39,7 @@ class ModbusLink {
   Result<ModbusAnswer> read(const ModbusCall& call);
   int write(const ModbusCall& call);
   void set_timeout(double time_s);
-  [[nodiscard]] Error lost() const;
+  [[nodiscard]] Error lost(const ModbusCall& call) const;
 
   Where where_;
   std::unique_ptr<_modbus, void (*)(_modbus*)> modbus_;

@@ -15,6 +15,8 @@ constexpr std::size_t kReadSize = 64U << 10U;
 constexpr std::size_t kMaxWaiting = 1U << 20U;
 /// A robot is not read for longest, though the bus has no room: among its words may be the answer to a stop.
 constexpr Duration kLongestHold = std::chrono::milliseconds(500);
+/// What a robot that has left wrote last; the kernel holds a few megabytes.
+constexpr int kMostLastReads = 256;
 constexpr int kAcceptBatch = 16;
 constexpr Duration kConnectTimeout = std::chrono::seconds(2);
 
@@ -64,6 +66,7 @@ void RobotIo::accept_all() {
 void RobotIo::take_in(Accepted accepted) {
   const bool stranger = !settings_.robot_host.empty() && accepted.peer != settings_.robot_host;
   RobotConnection& field = connection(Channel::field);
+  if (!stranger) end_if_left(field);
   if (stranger || field.state == State::up) {
     const std::string why = stranger ? ": robot.host is " + settings_.robot_host : ": the robot is connected already";
     service_.step([&](Now, Outbox& out) {
@@ -159,6 +162,15 @@ void RobotIo::read(RobotConnection& connection) {
   if (got->closed) return go_down(connection, "closed by the robot");
   if (got->bytes == 0) return;
   receive(connection, got->bytes);
+}
+
+/// A robot's program may say something, close and connect at once: it is the same robot, though its last words are not
+/// read yet.
+void RobotIo::end_if_left(RobotConnection& connection) {
+  if (connection.state != State::up || !tcp_has_ended(connection.fd.get())) return;
+  for (int i = 0; i < kMostLastReads && connection.state == State::up; ++i) read(connection);
+  if (connection.state == State::up) go_down(connection, "closed by the robot");
+  report_losses();
 }
 
 void RobotIo::read_datagram(RobotConnection& connection) {

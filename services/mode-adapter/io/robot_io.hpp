@@ -75,6 +75,7 @@ class RobotIo {
   void hold_back(RobotConnection& connection);
   void go_on(RobotConnection& connection, MonotonicTime now);
   void read(RobotConnection& connection);
+  void end_if_left(RobotConnection& connection);
   void read_datagram(RobotConnection& connection);
   void receive(RobotConnection& connection, std::size_t size);
   static bool is_new_reason(const RobotConnection& connection, const std::string& reason);

@@ -82,7 +82,12 @@ Result<int> start(NodeConfig config) {
   });
   (*service)->before_end([&core](Now at, Outbox& out) { core.begin_leave(at, out); },
                          [&core] { return core.may_leave(); }, kLastOrder);
-  const int ended = (*service)->run(core, [&core] { return core.idle(); });
+  const auto may_end = [&] {
+    bool may = false;
+    (*service)->step([&](Now at, Outbox& out) { may = core.may_be_replaced((*service)->router_heard(), at, out); });
+    return may;
+  };
+  const int ended = (*service)->run(core, may_end);
   (*service)->step([&core](Now at, Outbox& out) { core.leave(at, out); });
   return ended;
 }

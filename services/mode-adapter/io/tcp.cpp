@@ -3,6 +3,7 @@
 #include <arpa/inet.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
+#include <poll.h>
 #include <sys/socket.h>
 
 #include <array>
@@ -95,6 +96,11 @@ Accepted tcp_accept(int listener) {
   std::array<char, INET_ADDRSTRLEN> text{};
   ::inet_ntop(AF_INET, &peer.sin_addr, text.data(), text.size());
   return {std::move(fd), text.data()};
+}
+
+bool tcp_has_ended(int fd) {
+  pollfd look{fd, POLLRDHUP, 0};
+  return ::poll(&look, 1, 0) > 0;
 }
 
 void watch_over(int fd) {

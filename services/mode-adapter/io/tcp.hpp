@@ -26,6 +26,9 @@ struct Accepted {
 /// Accepts a waiting connection; none: an empty descriptor.
 Accepted tcp_accept(int listener);
 
+/// True if the peer writes no more: its end lies behind what is not read yet.
+bool tcp_has_ended(int fd);
+
 /// No Nagle; and a vanished peer is noticed within some 5 s, whether or not anything is sent to it.
 void watch_over(int fd);
 

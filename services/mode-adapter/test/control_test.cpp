@@ -145,7 +145,6 @@ TEST_CASE("a take-over stops nothing: the skill runs to its end, the next one wa
   fixture.take_fields();
   CHECK(fixture.move("cloud", kFlagTakeControl) == "ack handed_over");
   CHECK(fixture.told<Outcome>().empty());
-  CHECK(fixture.core.idle() == false);
   fixture.say("information\ndone\n\n4\nhome\n");
   CHECK(fixture.one<Outcome>().outcome == TaskOutcome::finished);
   CHECK(fixture.execute("home", 2) == "nack control_held");

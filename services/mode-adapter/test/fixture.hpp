@@ -113,6 +113,7 @@ class Fixture {
   void down(Channel channel, const std::string& reason = "gone") { core.on_channel_down(channel, reason, now, out); }
   void hear(Channel channel, BytesView bytes) { core.on_bytes(channel, bytes, now, out); }
   void say(BytesView bytes) { hear(Channel::field, bytes); }
+  bool may_be_replaced() { return core.may_be_replaced(router_heard.value_or(now.mono), now, out); }
   void welcome() { core.on_welcome({"pioneer", Role::robot, 1}, now, out); }
 
   /// Lets time pass, from deadline to deadline.
@@ -225,6 +226,7 @@ class Fixture {
   ModeAdapterCore core;
   Outbox out;
   RobotOutbox robot;
+  std::optional<MonotonicTime> router_heard;  ///< empty: it is heard all the time
   Now now{{1'000'000'000}, {0}};
   std::uint64_t last_id = 0;
   std::uint32_t remaining_ms = kDefaultRemainingMs;

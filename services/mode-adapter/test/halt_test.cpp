@@ -278,7 +278,10 @@ TEST_CASE("while it is halted the process has work, and the robot is busy for a 
   FieldsFixture fixture;
   fixture.begin();
   fixture.cancel();
-  CHECK_FALSE(fixture.core.idle());
+  CHECK_FALSE(fixture.may_be_replaced());
   fixture.say("!stopped\n!released\n");
-  CHECK(fixture.core.idle());
+  fixture.deliver(MessageType::information, OutcomeJournaled{attempt()}, "pioneer");
+  CHECK_FALSE(fixture.may_be_replaced());
+  fixture.wait(3);
+  CHECK(fixture.may_be_replaced());
 }

@@ -47,7 +47,7 @@ TEST_CASE("a process that ends has its robot stand") {
   HandFixture fixture;
   fixture.drive({0.2});
   fixture.sent();
-  CHECK_FALSE(fixture.core.idle());
+  CHECK_FALSE(fixture.may_be_replaced());
   fixture.core.leave(fixture.now, fixture.out);
   CHECK(fixture.sent() == "SPEED 0 0\n");
 }

@@ -152,6 +152,27 @@ TEST_CASE("io: a robot that leaves while it is not read is lost with room on the
   CHECK(std::count(node.service.counts.begin(), node.service.counts.end(), "from_robot.heat") == 1);
 }
 
+TEST_CASE("io: a robot that leaves, read or not, and comes again at once is taken in, and its last words are heard") {
+  Node node(pioneer());
+  auto robot = std::make_unique<Peer>(node.io->listen_port());
+  REQUIRE(node.service.until([&] { return node.online(); }));
+  SUBCASE("with room on the bus") {}
+  SUBCASE("without room") {
+    node.service.bus_has_room = false;
+  }
+  const auto count = [&](const char* name) {
+    return std::count(node.service.counts.begin(), node.service.counts.end(), name);
+  };
+  robot->say("information\nheat\nur3\n1\n7\n");
+  robot.reset();
+  Peer again(node.io->listen_port());
+  again.say("information\ncold\nur3\n1\n7\n");
+  REQUIRE(node.service.until([&] { return count("from_robot.cold") == 1; }));
+  CHECK(count("from_robot.heat") == 1);
+  CHECK(count("refused.field_client") == 0);
+  CHECK(node.online());
+}
+
 TEST_CASE("io: what a process that ends writes in one step leaves whole") {
   Settings settings = pioneer();
   settings.description.field_channel.acknowledge = false;

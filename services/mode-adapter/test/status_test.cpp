@@ -61,7 +61,6 @@ TEST_CASE("busy and fenced are told at each change, and when asked") {
   fixture.deliver(MessageType::command, order("home", ""), "pioneer");
   CHECK(fixture.one<AdapterState>().busy);
   CHECK(fixture.one<NodeProfile>().control == "run run-1");
-  CHECK_FALSE(fixture.core.idle());
   fixture.deliver(MessageType::command, Stop{""});
   const auto stopped = fixture.one<AdapterState>();
   CHECK(stopped.fenced);
@@ -82,6 +81,31 @@ TEST_CASE("why an arm cannot be reached is in the profile, once a reason") {
   fixture.down(Channel::command, "Connection refused");
   CHECK(fixture.one<NodeProfile>().detail == "command: Connection refused");
   CHECK(fixture.told<AdapterState>().empty());
+}
+
+TEST_CASE("a robot that is down for another reason than was told has the new one in its profile, once") {
+  const Settings settings = ur3();
+  RobotStatus status(settings);
+  Outbox out;
+  const auto details = [&] {
+    std::vector<std::string> found;
+    status.publish({}, out);
+    for (const Send& send : out.sends) {
+      if (const auto* profile = get_if<NodeProfile>(&send.body))
+        found.push_back(profile->robot + " " + profile->detail);
+    }
+    out.clear();
+    return found;
+  };
+  status.welcome({}, out);
+  status.on_up();
+  details();
+  status.on_down("it refuses the sign-in");
+  CHECK(details() == std::vector<std::string>{"CONNECTION_BROKEN it refuses the sign-in"});
+  status.on_down("no answer for 3 s");
+  CHECK(details() == std::vector<std::string>{"CONNECTION_BROKEN no answer for 3 s"});
+  status.on_down("no answer for 3 s");
+  CHECK(details().empty());
 }
 
 TEST_CASE("a message that is nobody's is refused") {

@@ -211,6 +211,42 @@ TEST_CASE("stop on an arm: the vendor's words, confirmed by a state that is youn
   fixture.wait(0.1);
   fixture.state();
   CHECK(fixture.answer(stop) == "ack stopped");
+  CHECK(get<Ack>(fixture.told<Ack>().back().body).text.empty());
+}
+
+TEST_CASE("a controller that does not understand the stop fails it at once, while the arm moves on") {
+  UrFixture fixture;
+  fixture.command("move", "[0,0,0,0,0,0]");
+  fixture.monitor(ur_started("trb_77_1"));
+  fixture.live(0.3, {.running = true});
+  const auto stop = fixture.deliver(MessageType::command, Stop{""});
+  fixture.wait(0);
+  fixture.monitor(ur_exception(1, 1, "syntax_error_on_line:1:stop prgram:"));
+  CHECK(fixture.answer(stop) == "nack robot_error");
+  CHECK(fixture.nack_of(stop).what.find("refused to stop: line 1, column 1: syntax_error") != std::string::npos);
+  CHECK(fixture.nack_of(stop).hint.find("\"stop\" in commands.json") != std::string::npos);
+}
+
+TEST_CASE("what the controller says of a program is no refusal of the stop behind it") {
+  UrFixture fixture;
+  const auto said = [&](const std::string& text) {
+    const auto stop = fixture.deliver(MessageType::command, Stop{""});
+    fixture.wait(0);
+    fixture.monitor(ur_exception(2, 9, text));
+    CHECK(fixture.answer(stop).empty());
+    fixture.wait(0.2);
+    fixture.state();
+    CHECK(fixture.answer(stop) == "ack stopped");
+  };
+  fixture.command("move", "[0,0]");
+  SUBCASE("of one that it had not answered yet") {
+    said("compile_error_wrong_joint_count:movej:");
+  }
+  SUBCASE("of one that ran") {
+    fixture.monitor(ur_started("trb_77_1"));
+    fixture.live(0.3, {.running = true});
+    said("runtime_error_robot_not_running:");
+  }
 }
 
 TEST_CASE("stop on an arm that is known to be idle is confirmed at once, a silent one is not") {
@@ -219,6 +255,7 @@ TEST_CASE("stop on an arm that is known to be idle is confirmed at once, a silen
   const auto stop = fixture.deliver(MessageType::command, Stop{""});
   fixture.wait(0);
   CHECK(fixture.answer(stop) == "ack stopped");
+  CHECK(fixture.one<Ack>().text.find("stood already, so nothing is proved") != std::string::npos);
   CHECK(fixture.sent() == "stop program\n");
   const auto release = fixture.deliver(MessageType::command, Release{""});
   CHECK(fixture.answer(release) == "ack released");

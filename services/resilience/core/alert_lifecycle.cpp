@@ -145,7 +145,7 @@ void AlertLifecycle::reopen(Alert& alert, const std::string& why, Outbox& out, b
   alert.person.clear();
   alert.reason.clear();
   alert.epoch = 0;
-  alert.text = cut_utf8(alert.text + "; " + why, 1024);
+  alert.text = text_tried(alert.text, why);
   alert.proposals.clear();
   is = {};
   // The policy must not try the same again and again.

@@ -9,14 +9,13 @@
 
 #include "common/actor/outbox.hpp"
 #include "services/resilience/core/alert_book.hpp"
+#include "services/resilience/core/alert_text.hpp"
 #include "services/resilience/core/inquiry.hpp"
 #include "services/resilience/core/repair_report.hpp"
 #include "services/resilience/core/signing.hpp"
 #include "services/resilience/core/situation.hpp"
 
 namespace trb::resilience {
-
-constexpr std::size_t kMaxAlertText = 1024;
 
 /// An alert's work in progress; lost at a restart, except for a signed record.
 struct AlertWork {

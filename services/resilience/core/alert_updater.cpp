@@ -14,6 +14,7 @@ void AlertUpdater::look(Alert& alert, Now now, Outbox& out) {
     return;
   }
   if (!run->is_known()) return;
+  if (run->recovers()) return wait_for_members(alert, *run);
   if (!may_be_ruled(alert)) return look_at_notice(alert, *run, now);
   proposer_.refresh(alert, *run, now, out);
   const bool expired = is_expired(alert, now);
@@ -21,6 +22,12 @@ void AlertUpdater::look(Alert& alert, Now now, Outbox& out) {
   alert.waits_for = waits_for(alert, *run);
   // The proposals of an alert that had expired may be new: a robot has come, or another one has failed.
   if (!expired) policy_.try_decide(alert, now, out);
+}
+
+/// What was proposed rests on what may be old: it is asked and proposed anew afterwards, as if the alert were new.
+void AlertUpdater::wait_for_members(Alert& alert, const WatchedRun& run) {
+  alert.waits_for = recovery_text(run);
+  alerts_.work(alert.id).inquiry = {};
 }
 
 /// A notice only informs; there is nothing to propose.
@@ -45,6 +52,16 @@ void AlertUpdater::expire(Alert& alert, Outbox& out) {
   out.log(LogLevel::warning, "alert_expired", alert.id + ": nobody has decided; its run stays paused");
 }
 
+/// A robot may answer, and nobody knows what became of its task nevertheless.
+std::string AlertUpdater::why_word(const Alert& alert, const WatchedRun& run) const {
+  for (const std::string& id : alert.tasks) {
+    const auto task = run.find_task(id);
+    std::string why = task ? why_confirmation(run, *task, situation_.fleet(), false) : std::string();
+    if (!why.empty()) return why;
+  }
+  return "its state is not known";
+}
+
 std::string AlertUpdater::waits_for(const Alert& alert, const WatchedRun& run) const {
   if (!situation_.decides_on(&run)) {
     const std::string who = run.decider();
@@ -57,7 +74,7 @@ std::string AlertUpdater::waits_for(const Alert& alert, const WatchedRun& run) c
   }
   if (alert.proposals.empty()) out += " (no robot can take over: --retry, --skip or --abort)";
   if (alert.needs_word)
-    out += "; nothing is received from " + alert.robot + ": --stands if you have seen that it stands";
+    out += "; " + why_word(alert, run) + ": --stands if you have seen that " + alert.robot + " stands";
   return out;
 }
 

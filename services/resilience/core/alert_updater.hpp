@@ -15,9 +15,11 @@ class AlertUpdater {
   void look(Alert& alert, Now now, Outbox& out);
 
  private:
+  void wait_for_members(Alert& alert, const WatchedRun& run);
   static void look_at_notice(Alert& alert, const WatchedRun& run, Now now);
   [[nodiscard]] bool is_expired(const Alert& alert, Now now) const;
   static void expire(Alert& alert, Outbox& out);
+  [[nodiscard]] std::string why_word(const Alert& alert, const WatchedRun& run) const;
   [[nodiscard]] std::string waits_for(const Alert& alert, const WatchedRun& run) const;
 
   Situation& situation_;

@@ -9,6 +9,16 @@ namespace trb::resilience {
 namespace {
 
 constexpr std::size_t kMaxName = 40;  ///< bytes of a parameter's name, which comes from outside
+constexpr std::size_t kMostReasons = 4;
+constexpr std::size_t kMostTasks = 3;  ///< that a reason names
+/// A run may have a thousand tasks: after so many that it cannot do no more are looked at.
+constexpr std::size_t kMostUnable = 16;
+
+/// What a robot lacks, and for which of the tasks; none: for all.
+struct Reason {
+  std::string what;
+  std::vector<std::string> tasks;
+};
 
 void add_words(const TaskNeed& need, std::set<std::string>& words) {
   if (!need.skill.empty()) words.insert(skill_word(need.skill));
@@ -61,21 +71,51 @@ bool is_near(const RobotRecord& robot, const Needs& needs) {
   });
 }
 
+/// What several tasks lack is one reason.
+void add_reason(std::vector<Reason>& reasons, const std::string& what, const std::string& task) {
+  if (what.empty()) return;
+  auto at = std::ranges::find(reasons, what, &Reason::what);
+  if (at == reasons.end()) {
+    if (reasons.size() >= kMostReasons) return;
+    at = reasons.insert(at, {what, {}});
+  }
+  if (!task.empty()) at->tasks.push_back(task);
+}
+
+/// "it does not turn (tasks a, b)"
+std::string text_of(const Reason& reason) {
+  const std::size_t count = reason.tasks.size();
+  if (count == 0) return reason.what;
+  const std::vector<std::string> named(reason.tasks.begin(),
+                                       reason.tasks.begin() + static_cast<std::ptrdiff_t>(std::min(count, kMostTasks)));
+  return reason.what + (count == 1 ? " (task " : " (tasks ") + joined(named) +
+         (count > kMostTasks ? " and others)" : ")");
+}
+
+/// Behind a word, if there is one near, and it says that it is cut.
+std::string cut_words(const std::string& text, std::size_t most) {
+  constexpr std::string_view kCut = "…";
+  if (text.size() <= most) return text;
+  std::string out = cut_utf8(text, most - kCut.size());
+  const std::size_t space = out.rfind(' ');
+  if (space != std::string::npos && space > most / 4) out.resize(space + 1);
+  return out + std::string(kCut);
+}
+
 std::string why_not(const RobotRecord& robot, const Needs& needs) {
-  std::vector<std::string> reasons;
-  const auto add = [&](std::string reason) {
-    if (!reason.empty() && !contains(reasons, reason)) reasons.push_back(std::move(reason));
-  };
-  add(why_unfit(robot));
+  std::vector<Reason> reasons;
+  add_reason(reasons, why_unfit(robot), "");
+  std::size_t unable = 0;
   for (const TaskNeed& need : needs.tasks) {
-    if (contains(need.tried, robot.id)) add("has failed task '" + need.task + "' already");
+    if (contains(need.tried, robot.id)) add_reason(reasons, "has failed task '" + need.task + "' already", "");
     const std::string why = why_unable(robot, need);
-    if (!why.empty()) add(why + (need.task.empty() ? "" : " (task " + need.task + ")"));
-    if (reasons.size() > 3) break;
+    add_reason(reasons, why, need.task);
+    if (!why.empty() && ++unable >= kMostUnable) break;
+    if (reasons.size() >= kMostReasons) break;
   }
   std::string out;
-  for (const std::string& reason : reasons) out += (out.empty() ? "" : "; ") + reason;
-  return cut_utf8(out, kMaxWhy);
+  for (const Reason& reason : reasons) out += (out.empty() ? "" : "; ") + text_of(reason);
+  return cut_words(out, kMaxWhy);
 }
 
 void explain(const Fleet& fleet, const Needs& needs, Candidates& out) {

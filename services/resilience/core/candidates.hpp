@@ -23,10 +23,10 @@ struct TaskCandidates {
 
 struct Unsuitable {
   std::string robot;
-  std::string why;  ///< "is OFFLINE; has no skill 'fetch' (task t4)", kMaxWhy bytes at most
+  std::string why;  ///< "is OFFLINE; has no skill 'fetch' (tasks t4, t6)", kMaxWhy bytes at most
 };
 
-constexpr std::size_t kMaxWhy = 400;
+constexpr std::size_t kMaxWhy = 255;  ///< what an alert takes
 constexpr std::size_t kMaxUnsuitable = 1000;
 
 struct Candidates {

@@ -58,6 +58,28 @@ TEST_CASE("nobody at all: it is said for each robot why") {
   CHECK(why(found, "arm") == "'carry' is broken since 2023-11-14T22:14:20.000Z: gripper (task load)");
 }
 
+TEST_CASE("what several tasks lack is said once, and cut only behind a word") {
+  Fleet fleet = hall();
+  const std::string text = "both wheels stalled; front bumper 1; the motors are off";
+  fleet.on_fault("pioneer1", {"mobile", Severity::critical, text}, at_second(60));
+  Needs needs{{}, {"ridgeback"}};
+  for (const char* task : {"a", "b", "c", "d", "e"}) {
+    needs.tasks.push_back(drive("dock"));
+    needs.tasks.back().task = task;
+  }
+  const std::string said = "'mobile' is broken since 2023-11-14T22:14:20.000Z: " + text;
+  CHECK(why(find_candidates(fleet, needs), "pioneer1") == said + " (tasks a, b, c and others)");
+  needs.tasks.resize(2);
+  CHECK(why(find_candidates(fleet, needs), "pioneer1") == said + " (tasks a, b)");
+
+  fleet.on_fault("turtlebot",
+                 {"mobile", Severity::critical, "the left wheel slips " + std::string(190, 'x') + " at the dock"},
+                 at_second(60));
+  const std::string cut = why(find_candidates(fleet, needs), "turtlebot");
+  CHECK(cut.size() <= kMaxWhy);
+  CHECK(cut.ends_with("the left wheel slips …"));
+}
+
 TEST_CASE("values and places must fit the robot's own skill") {
   const Fleet fleet = hall();
   const auto reason = [&](const TaskNeed& need) {

@@ -51,6 +51,8 @@ void Decisions::advance(Alert& alert, Now now, Outbox& out) {
   }
   if (!run->is_known()) {
     alert.waits_for = "the own scheduler's word on the run";
+  } else if (run->recovers() && alert.verdict != Verdict::abort) {
+    alert.waits_for = recovery_text(*run);
   } else if (alert.verdict == Verdict::abort) {
     advance_abort(alert, *run, now, out);
   } else if (alert.verdict == Verdict::retry && !signing.record() && repairs_.is_awaited(alert, now, out)) {

@@ -5,6 +5,7 @@
 #include "common/base/words.hpp"
 #include "common/ranking/pairwise.hpp"
 #include "proto/value.hpp"
+#include "services/resilience/core/alert_text.hpp"
 #include "services/resilience/core/run_end.hpp"
 
 namespace trb::resilience {
@@ -25,16 +26,26 @@ std::string over_text(const Alert& alert) {
   return "its cause is over: nothing failed, nothing was moved";
 }
 
-/// Updates the alert. A cause that explains more replaces the old one; a past cause still explains the failed task.
-void follow(Alert& alert, const WatchedRun& run, const RunProblem& problem) {
-  if (alert.cause == kOverdue) alert.text = cut_utf8(problem.text, kMaxAlertText);
+/// Updates the alert. A cause that explains more, or has got worse, replaces the old one. A past cause still explains
+/// the failed task, but not what else the robot cannot do now.
+void follow(Alert& alert, const WatchedRun& run, const RunProblem& problem, bool is_over) {
+  if (alert.cause == kOverdue) alert.text = text_reworded(alert.text, problem.text);
   alert.tasks = ids_of(run, problem.tasks);
   alert.needs_word = problem.needs_confirmation;
-  if (strength_of(problem.cause) <= strength_of(alert.cause)) return;
+  const int stronger = strength_of(problem.cause) - strength_of(alert.cause);
+  const bool is_worse = stronger == 0 && problem.severity > alert.severity;
+  const bool is_next = is_over && strength_of(problem.cause) >= strength_of(kRobotFault);
+  // Its node was lost, and is now one with new keys.
+  const bool has_come_back = stronger == 0 && problem.text == kNewKeys && !alert.text.starts_with(kNewKeys);
+  if (stronger <= 0 && !is_worse && !is_next && !has_come_back) {
+    if (is_over) alert.text = text_past(alert.text);
+    return;
+  }
+  const bool is_same = problem.cause == alert.cause;
+  alert.text = text_reworded(is_same ? alert.text : std::string(), problem.text);
   alert.cause = problem.cause;
   alert.capability = problem.capability;
   alert.severity = problem.severity;
-  alert.text = cut_utf8(problem.text, kMaxAlertText);
 }
 
 /// Adds one problem per robot.
@@ -107,6 +118,10 @@ std::vector<RunProblem> Detection::problems(const WatchedRun& run, Now now) {
 }
 
 void Detection::look_at(const WatchedRun& run, Now now, Outbox& out) {
+  if (run.recovers()) {
+    (void)overdue_problems(run, now);  // what is not due meanwhile begins anew
+    return;
+  }
   std::vector<RunProblem> found = problems(run, now);
   bool all_raised = true;
   for (const RunProblem& problem : found) all_raised = meet(run, problem, now, out) && all_raised;
@@ -146,11 +161,21 @@ bool Detection::meet(const WatchedRun& run, const RunProblem& problem, Now now, 
   if (alert == nullptr) alert = alerts_.raise(alert_of(run, problem.robot, now), now, out);
   if (alert == nullptr) return false;
   const Alert before = *alert;
-  follow(*alert, run, problem);
+  follow(*alert, run, problem, is_past(alert->text) || is_over(*alert, problem, now));
   if (*alert == before) return true;
   if (alert->tasks != before.tasks || before.cause.empty()) on_grown(*alert, run, before.tasks.empty(), now, out);
   out.record(*alert);
   return true;
+}
+
+/// Its cause explains more than what is wrong now, and stands no more.
+bool Detection::is_over(const Alert& alert, const RunProblem& problem, Now now) const {
+  const RobotRecord* robot = situation_.fleet().find(alert.robot);
+  if (robot == nullptr || strength_of(problem.cause) >= strength_of(alert.cause)) return false;
+  if (alert.cause == kRobotFault) return worst_fault(*robot, alert.capability) == nullptr;
+  const bool is_loss = alert.cause == kNodeLost || alert.cause == kRobotLost;
+  const bool is_back = robot->reached && robot->profile.is.robot == "ONLINE";
+  return is_loss && is_back && situation_.liveness().find(alert.robot, now) == nullptr;
 }
 
 void Detection::on_grown(Alert& alert, const WatchedRun& run, bool is_new, Now now, Outbox& out) {
@@ -172,7 +197,7 @@ std::vector<RunProblem> Detection::overdue_problems(const WatchedRun& run, Now n
     auto& tasks = alert->cause == kOverdue && alert->state != AlertState::releasing ? covered : covered_otherwise;
     tasks.insert(alert->tasks.begin(), alert->tasks.end());
   }
-  overdue_.follow(run, covered, now);
+  overdue_.follow(run, covered, situation_.runs().runs(), situation_.fleet(), now);
   std::vector<RunProblem> out;
   for (Overdue::Late& late : overdue_.late(run, situation_.fleet())) {
     if (covered_otherwise.contains(run.view->tasks[late.task].id)) continue;

@@ -28,6 +28,7 @@ class Detection {
   [[nodiscard]] std::vector<RunProblem> overdue_problems(const WatchedRun& run, Now now);
   bool meet(const WatchedRun& run, const RunProblem& problem, Now now, Outbox& out);
   [[nodiscard]] Alert* find_alert(const WatchedRun& run, const RunProblem& problem);
+  [[nodiscard]] bool is_over(const Alert& alert, const RunProblem& problem, Now now) const;
   void on_grown(Alert& alert, const WatchedRun& run, bool is_new, Now now, Outbox& out);
   void close_over(const WatchedRun& run, const std::vector<RunProblem>& found, Outbox& out);
   void skip_unbegun(const WatchedRun& run, Now now, Outbox& out);

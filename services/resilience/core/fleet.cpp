@@ -5,6 +5,7 @@
 
 #include "common/base/gives_way.hpp"
 #include "common/base/ids.hpp"
+#include "proto/body.hpp"
 #include "proto/value.hpp"
 
 namespace trb::resilience {
@@ -152,10 +153,19 @@ bool Fleet::set_reached(RobotRecord& robot, bool reached, const std::string& rea
   return true;
 }
 
+/// The own router has checked it. It is not on disk: the next table has it again.
+bool Fleet::take_certificate(RobotRecord& robot, const SignedRecord& told) {
+  auto certificate = decode<Certificate>(told.payload.bytes);
+  if (!certificate || *certificate == robot.certificate) return false;
+  robot.certificate = std::move(*certificate);
+  return true;
+}
+
 Result<bool> Fleet::on_route(const Route& route, UtcTime now) {
   const auto robot = known(route.id, now);
   if (!robot) return robot.error();
-  const bool is_new = take_profile(**robot, route.profile, now);
+  const bool has_other = take_certificate(**robot, route.certificate);
+  const bool is_new = take_profile(**robot, route.profile, now) || has_other;
   const bool reached = route.state == "self" || route.state == "ONLINE";
   return set_reached(**robot, reached, reached ? "" : route.state, now) || is_new;
 }

@@ -103,6 +103,7 @@ class Fleet {
   void note(const RobotRecord& robot, std::string_view kind, std::string_view text, UtcTime now);
   void note(const RobotRecord& robot, std::string_view kind, std::string_view text, WriteShare& share, UtcTime now);
   void drop_pending(const std::string& asking);
+  static bool take_certificate(RobotRecord& robot, const SignedRecord& told);
   bool take_profile(RobotRecord& robot, const NodeProfile& told, UtcTime now);
   bool on_fault_ended(std::string_view id, const RobotFault& told, UtcTime now);
   bool take_out_of_use(RobotRecord& robot, const NodeProfile& before, const NodeProfile& profile, UtcTime now);

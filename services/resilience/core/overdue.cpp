@@ -1,9 +1,12 @@
 #include "services/resilience/core/overdue.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace trb::resilience {
 namespace {
+
+constexpr double kLongest_s = 1e9;
 
 bool is_held(const WatchedRun& run) {
   return !run.view->paused_by.empty();
@@ -11,6 +14,13 @@ bool is_held(const WatchedRun& run) {
 
 std::string seconds_text(Duration time) {
   return std::to_string(time / std::chrono::seconds(1)) + " s";
+}
+
+bool works_in(const WatchedRun& run, const std::string& robot) {
+  return std::ranges::any_of(run.view->tasks, [&](const TaskView& one) {
+    const bool is_under_way = one.state == TaskState::initializing || one.state == TaskState::running;
+    return one.robot == robot && one.outcome == TaskOutcome::none && is_under_way;
+  });
 }
 
 bool does_without(const Task& task) {
@@ -26,7 +36,27 @@ Overdue::Phase Overdue::phase_of(const WatchedRun& run, std::size_t index) {
   return task.due && task.state == TaskState::waiting && !is_held(run) ? Phase::due : Phase::none;
 }
 
-void Overdue::follow(const WatchedRun& run, const std::set<std::string>& told, Now now) {
+/// By the run's view, or by who controls the robot: what it was ordered last, and 10 s more. That is the robot's own
+/// word: it is believed for ever only if the other run is open here, too, and has a task of the robot under way.
+bool Overdue::does_another(const WatchedRun& run, std::size_t index, const Runs& runs, const Fleet& fleet, Entry& entry,
+                           Now now) {
+  const std::string& robot = run.view->tasks[index].robot;
+  if (works_in(run, robot)) return true;
+  const RobotRecord* record = fleet.find(robot);
+  constexpr std::string_view kOfRun = "run ";
+  const std::string_view control = record == nullptr ? std::string_view() : record->profile.is.control;
+  if (!control.starts_with(kOfRun)) return false;
+  const std::string_view other = control.substr(kOfRun.size());
+  if (other == run.summary.run) return false;
+  const auto known = runs.find(other);
+  if (known != runs.end() && known->second.view && works_in(known->second, robot)) return true;
+  // Since it first said so: who says it again and again is believed no longer than who says it all the time.
+  if (!entry.claims_since) entry.claims_since = now.mono;
+  return now.mono < *entry.claims_since + kBelieved;
+}
+
+void Overdue::follow(const WatchedRun& run, const std::set<std::string>& told, const Runs& runs, const Fleet& fleet,
+                     Now now) {
   const bool is_new = !runs_.contains(run.summary.run);
   std::map<std::size_t, Entry>& entries = runs_[run.summary.run];
   for (std::size_t i = 0; i < run.view->tasks.size() && i < run.start->scenario.tasks.size(); ++i) {
@@ -39,7 +69,13 @@ void Overdue::follow(const WatchedRun& run, const std::set<std::string>& told, N
     }
     const bool same = at != entries.end() && at->second.phase == phase && at->second.robot == task.robot &&
                       at->second.attempt == task.attempt;
-    if (!same) entries[i] = {phase, task.robot, task.attempt, now.mono, is_new && told.contains(task.id)};
+    if (!same) {
+      entries[i] = {phase, task.robot, task.attempt, now.mono,    is_new && told.contains(task.id),
+                    false, false,      now.mono,     std::nullopt};
+    }
+    Entry& entry = entries[i];
+    const bool works = phase == Phase::due && does_another(run, i, runs, fleet, entry, now);
+    if (std::exchange(entry.robot_works, works) && !works) entry.free_since = now.mono;
   }
 }
 
@@ -50,7 +86,6 @@ void Overdue::forget(std::string_view run) {
 /// How long it may stay in its phase; nothing: for ever.
 std::optional<Duration> Overdue::limit(const WatchedRun& run, std::size_t index, const Entry& entry,
                                        const Fleet& fleet) {
-  constexpr double kLongest_s = 1e9;
   const Task& task = run.start->scenario.tasks[index];
   if (entry.phase == Phase::due) {
     return task.start_within_s > 0 ? seconds(std::min(task.start_within_s, kLongest_s)) + kRule : kStart;
@@ -61,6 +96,22 @@ std::optional<Duration> Overdue::limit(const WatchedRun& run, std::size_t index,
   if (!(timeout_s > 0)) return std::nullopt;
   const Duration timeout = seconds(std::min(timeout_s, kLongest_s));
   return timeout + std::max(kMargin, timeout / 2);
+}
+
+/// When it is overdue; nothing: never, or not while its robot does another task.
+std::optional<MonotonicTime> Overdue::late_at(const WatchedRun& run, std::size_t index, const Entry& entry,
+                                              const Fleet& fleet) {
+  const auto most = limit(run, index, entry, fleet);
+  if (!most || entry.robot_works) return std::nullopt;
+  return std::max(entry.since, entry.free_since) + *most;
+}
+
+/// When the decider skips it, should its robot be gone then; nothing: it never does.
+std::optional<MonotonicTime> Overdue::skipped_at(const WatchedRun& run, std::size_t index, const Entry& entry) {
+  const Task& task = run.start->scenario.tasks[index];
+  if (entry.phase != Phase::due || entry.ruled || !(task.start_within_s > 0) || !does_without(task))
+    return std::nullopt;
+  return entry.since + seconds(std::min(task.start_within_s, kLongest_s)) + kRule;
 }
 
 std::string Overdue::text_of(const WatchedRun& run, std::size_t index, const Entry& entry, Duration limit) {
@@ -77,9 +128,9 @@ std::vector<Overdue::Late> Overdue::late(const WatchedRun& run, const Fleet& fle
   const auto entries = runs_.find(run.summary.run);
   if (entries == runs_.end() || is_held(run)) return out;
   for (const auto& [index, entry] : entries->second) {
-    const auto most = limit(run, index, entry, fleet);
-    const bool is_late = most && (entry.told || run.view_as_of - entry.since >= *most);
-    if (is_late) out.push_back({index, text_of(run, index, entry, *most)});
+    const auto at = late_at(run, index, entry, fleet);
+    const bool is_late = at && (entry.told || run.view_as_of >= *at);
+    if (is_late) out.push_back({index, text_of(run, index, entry, *limit(run, index, entry, fleet))});
   }
   return out;
 }
@@ -89,9 +140,8 @@ std::vector<std::size_t> Overdue::to_skip(const WatchedRun& run) const {
   const auto entries = runs_.find(run.summary.run);
   if (entries == runs_.end() || is_held(run)) return out;
   for (const auto& [index, entry] : entries->second) {
-    const Task& task = run.start->scenario.tasks[index];
-    if (entry.phase != Phase::due || entry.ruled || !(task.start_within_s > 0) || !does_without(task)) continue;
-    if (run.view_as_of - entry.since >= seconds(task.start_within_s) + kRule) out.push_back(index);
+    const auto at = skipped_at(run, index, entry);
+    if (at && run.view_as_of >= *at) out.push_back(index);
   }
   return out;
 }
@@ -100,8 +150,8 @@ bool Overdue::wants_view(const WatchedRun& run, const Fleet& fleet, Now now) con
   const auto entries = runs_.find(run.summary.run);
   if (entries == runs_.end() || is_held(run)) return false;
   return std::ranges::any_of(entries->second, [&](const auto& one) {
-    const auto most = limit(run, one.first, one.second, fleet);
-    return most && now.mono - one.second.since >= *most && run.view_as_of - one.second.since < *most;
+    const auto is_old = [&](std::optional<MonotonicTime> at) { return at && now.mono >= *at && run.view_as_of < *at; };
+    return is_old(late_at(run, one.first, one.second, fleet)) || is_old(skipped_at(run, one.first, one.second));
   });
 }
 
@@ -116,8 +166,11 @@ std::optional<MonotonicTime> Overdue::next(const WatchedRun& run, const Fleet& f
   const auto entries = runs_.find(run.summary.run);
   if (entries == runs_.end()) return out;
   for (const auto& [index, entry] : entries->second) {
-    const auto most = limit(run, index, entry, fleet);
-    if (most && entry.since + *most > now.mono) out = earlier(out, entry.since + *most);
+    for (const auto& at : {late_at(run, index, entry, fleet), skipped_at(run, index, entry)}) {
+      if (at && *at > now.mono) out = earlier(out, *at);
+    }
+    // Nothing of this run says that its robot is free again.
+    if (entry.robot_works) out = earlier(out, now.mono + kLook);
   }
   return out;
 }

@@ -1,7 +1,9 @@
 // Tasks that should have ended or begun by now: how long each has had its state, since this node first saw it.
 #pragma once
 
+#include <functional>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -16,14 +18,20 @@ class Overdue {
   static constexpr Duration kStart = std::chrono::seconds(30);   ///< a task should begin this long after it was due
   static constexpr Duration kMargin = std::chrono::seconds(10);  ///< beyond a time-out, or half of it
   static constexpr Duration kRule = std::chrono::seconds(5);     ///< beyond `start_within_s`
+  static constexpr Duration kLook = std::chrono::seconds(10);    ///< at a robot that does a task of another run
+  /// For this long a robot is believed that it does a task of another run, though no view shows that.
+  static constexpr Duration kBelieved = std::chrono::minutes(10);
 
   struct Late {
     std::size_t task = 0;
     std::string text;
   };
 
-  /// Looks at the run's tasks. Those in `told` were overdue before this service started. The run is_known().
-  void follow(const WatchedRun& run, const std::set<std::string>& told, Now now);
+  using Runs = std::map<std::string, WatchedRun, std::less<>>;
+
+  /// Looks at the run's tasks. Those in `told` were overdue before this service started. `runs`: those that are open
+  /// here. The run is_known().
+  void follow(const WatchedRun& run, const std::set<std::string>& told, const Runs& runs, const Fleet& fleet, Now now);
   void forget(std::string_view run);
 
   /// What the view shows as overdue, in the order of the tasks; nothing of a run that is held.
@@ -46,8 +54,16 @@ class Overdue {
     MonotonicTime since;
     bool told = false;
     bool ruled = false;
+    bool robot_works = false;                   ///< due: its robot does another task, of this run or another
+    MonotonicTime free_since;                   ///< due: since then it does none
+    std::optional<MonotonicTime> claims_since;  ///< due: when it first said so, and no view showed it
   };
   static Phase phase_of(const WatchedRun& run, std::size_t task);
+  static bool does_another(const WatchedRun& run, std::size_t task, const Runs& runs, const Fleet& fleet, Entry& entry,
+                           Now now);
+  static std::optional<MonotonicTime> late_at(const WatchedRun& run, std::size_t task, const Entry& entry,
+                                              const Fleet& fleet);
+  static std::optional<MonotonicTime> skipped_at(const WatchedRun& run, std::size_t task, const Entry& entry);
   static std::optional<Duration> limit(const WatchedRun& run, std::size_t task, const Entry& entry, const Fleet& fleet);
   static std::string text_of(const WatchedRun& run, std::size_t task, const Entry& entry, Duration limit);
 

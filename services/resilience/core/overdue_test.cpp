@@ -16,6 +16,7 @@ Now hall_time(double s) {
 struct Hall {
   Fleet fleet;
   WatchedRun run;
+  Overdue::Runs runs;  ///< the others
   Overdue overdue;
   Hall() {
     REQUIRE(fleet.on_route(route_of("r1", mobile_robot()), at_second(0)));  // go_to takes 120 s at most
@@ -36,7 +37,7 @@ struct Hall {
   }
   TaskView& t1() { return run.view->tasks[0]; }
   Task& task() { return run.start->scenario.tasks[0]; }
-  void see(double s) { overdue.follow(run, {}, hall_time(s)); }
+  void see(double s) { overdue.follow(run, {}, runs, fleet, hall_time(s)); }
   /// By a view of that time.
   bool late(double s) { return !late_at(s).empty(); }
   std::vector<Overdue::Late> late_at(double s) {
@@ -104,10 +105,10 @@ TEST_CASE("a task that is due for 30 s is late; one that is not due, or of a run
 TEST_CASE("what was late before a restart is late after it, as long as it is the first thing that is seen") {
   Hall hall;
   hall.t1().state = TaskState::running;
-  hall.overdue.follow(hall.run, {"t1"}, hall_time(0));
+  hall.overdue.follow(hall.run, {"t1"}, {}, hall.fleet, hall_time(0));
   CHECK(hall.late(0));
   hall.t1().attempt = 2;
-  hall.overdue.follow(hall.run, {"t1"}, hall_time(1));
+  hall.overdue.follow(hall.run, {"t1"}, {}, hall.fleet, hall_time(1));
   CHECK_FALSE(hall.late(1));
 }
 
@@ -144,4 +145,86 @@ TEST_CASE("what is late by an older view is so only if a new one shows it, too")
   CHECK_FALSE(hall.overdue.wants_view(hall.run, hall.fleet, hall_time(30)));
   CHECK(hall.overdue.late(hall.run, hall.fleet).size() == 1);
   CHECK(hall.overdue.to_skip(hall.run).size() == 1);
+}
+
+TEST_CASE("a task whose robot does another one is not late, however long that takes; then it gets its full time") {
+  Hall hall;
+  hall.t1().due = true;
+  hall.run.view->tasks[1].state = TaskState::running;
+  hall.task().timeout_s = 0;
+  hall.see(0);
+  CHECK_FALSE(hall.late(100));
+  hall.run.view->tasks[1].state = TaskState::finished;
+  hall.run.view->tasks[1].outcome = TaskOutcome::finished;
+  hall.see(100);
+  CHECK_FALSE(hall.late(129));
+  CHECK(hall.late(130));
+}
+
+TEST_CASE("the same of a task of another run, which its robot's profile names; the run's own name says nothing") {
+  Hall hall;
+  hall.t1().due = true;
+  NodeProfile profile = mobile_robot();
+  profile.control = "run run2";
+  REQUIRE(hall.fleet.on_route(route_of("r1", profile), at_second(1)));
+  hall.see(0);
+  CHECK_FALSE(hall.late(100));
+  CHECK(hall.overdue.next(hall.run, hall.fleet, hall_time(100)) == hall_time(110).mono);
+  for (const char* control : {"run run1", "cloud"}) {
+    CAPTURE(control);
+    Hall other;
+    other.t1().due = true;
+    profile.control = control;
+    REQUIRE(other.fleet.on_route(route_of("r1", profile), at_second(2)));
+    other.see(0);
+    CHECK(other.late(30));
+  }
+}
+
+TEST_CASE("a robot's word that it does a task of another run counts for ten minutes, unless that run shows it, too") {
+  Hall hall;
+  hall.t1().due = true;
+  const auto say = [&](const char* control, int s) {
+    NodeProfile profile = mobile_robot();
+    profile.control = control;
+    REQUIRE(hall.fleet.on_route(route_of("r1", profile), at_second(s)));
+    hall.see(s);
+  };
+  say("run run2", 0);
+  CHECK_FALSE(hall.late(599));
+  SUBCASE("all the time") {
+    hall.see(600);
+    CHECK_FALSE(hall.late(629));
+    CHECK(hall.late(630));
+  }
+  SUBCASE("again and again") {
+    for (int s = 590; s < 620; s += 20) {
+      say("", s);
+      say("run run2", s + 10);
+    }
+    CHECK(hall.late(640));
+  }
+  SUBCASE("and the run shows it") {
+    WatchedRun other = hall.run;
+    other.summary.run = "run2";
+    other.view->tasks[0].state = TaskState::running;
+    hall.runs["run2"] = other;
+    hall.see(10'000);
+    CHECK_FALSE(hall.late(20'000));
+    hall.runs["run2"].view->tasks[0].outcome = TaskOutcome::finished;
+    hall.see(20'000);
+    hall.see(20'601);
+    CHECK(hall.late(20'631));
+  }
+}
+
+TEST_CASE("a robot that is gone at another task does not keep the decider from skipping what did not begin in time") {
+  Hall hall;
+  hall.t1().due = true;
+  hall.task().start_within_s = 20;
+  hall.task().on_failure = OnFailure::skip;
+  hall.run.view->tasks[1].state = TaskState::running;
+  hall.see(0);
+  CHECK(hall.late_at(25).empty());
+  CHECK(hall.to_skip(25) == std::vector<std::size_t>{0});
 }

@@ -36,7 +36,11 @@ Ruling ruling_of(Verdict verdict) {
   return verdict == Verdict::retry ? Ruling::retry : Ruling::move;
 }
 
-std::string awaited(const TaskView& task, const Fleet& fleet) {
+std::string awaited(const WatchedRun& run, const TaskView& task, const Fleet& fleet) {
+  if (has_new_keys(run, task.robot, fleet)) {
+    return task.robot + " has got new keys, and cannot give task '" + task.id +
+           "' back: your word that it stands (--stands)";
+  }
   const RobotRecord* robot = fleet.find(task.robot);
   if (robot == nullptr || !robot->reached) {
     return task.robot + " is silent: its word on task '" + task.id + "', or yours that it stands (--stands)";
@@ -72,7 +76,7 @@ Plan plan_of(const Alert& alert, const WatchedRun& run, const Fleet& fleet, cons
       ruling.attempt = run.last_possible_attempt(index) + 1;
     } else if (open) {
       out.release.push_back(static_cast<std::uint16_t>(index));
-      wait(awaited(task, fleet));
+      wait(awaited(run, task, fleet));
     } else if (!why.empty()) {
       wait(why + ": your word that " + task.robot + " stands (--stands)");
     }

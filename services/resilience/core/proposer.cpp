@@ -75,10 +75,15 @@ std::vector<std::string> Proposer::fill(Alert& alert, const WatchedRun& run, con
   alert.unfit.clear();
   const std::vector<std::size_t> tasks = movable(alert, run);
   if (tasks.empty()) return {};
-  const auto needs = needs_of(run, tasks, alert.robot);
+  auto needs = needs_of(run, tasks, alert.robot);
   if (!needs) {
     add_unfit(alert, {alert.robot, cut_utf8(needs.error().what, 255)});
     return {};
+  }
+  for (const auto& [id, certificate] : run.certificates) {
+    if (id == alert.robot || !has_new_keys(run, id, situation_.fleet())) continue;
+    needs->except.push_back(id);
+    add_unfit(alert, {id, kNewKeys});
   }
   Ways ways = find_ways(situation_.fleet(), *needs, situation_.settings().places, by, now.utc);
   alert.proposals = std::move(ways.proposals);
@@ -229,6 +234,7 @@ bool Proposer::is_able_to(const TaskForRobot& one, const WatchedRun* run) const 
   if (robot == nullptr || !is_fit(*robot)) return false;
   const auto index = run == nullptr ? std::nullopt : run->find_task(one.task);
   if (!index) return true;
+  if (has_new_keys(*run, one.robot, situation_.fleet())) return false;
   if (std::ranges::count(run->view->tasks[*index].failed_by, one.robot) != 0) return false;
   if (is_out_of_bounds(*run, *index, *robot)) return false;
   const SkillInfo* skill = find_skill(*robot, run->view->tasks[*index].skill);

@@ -56,7 +56,7 @@ void ResilienceCore::handle(const AlertListRequest& body, const Inbound& from, N
   for (Alert* alert : parts_.alerts.open()) {
     const WatchedRun* run = parts_.situation.runs().find(alert->run);
     // The proposals of an expired alert are old.
-    const bool is_old = alert->state == AlertState::expired && run != nullptr && run->is_known();
+    const bool is_old = alert->state == AlertState::expired && run != nullptr && run->is_known() && !run->recovers();
     if (!is_old || !parts_.alerts.work(alert->id).inquiry.may_rank(now)) continue;
     parts_.proposer.propose(*alert, *run, now);
     parts_.situation.note_change();

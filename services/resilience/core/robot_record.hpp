@@ -44,7 +44,8 @@ struct HallPoint {
 struct RobotRecord {
   std::string id;
   Reported<NodeProfile> profile;
-  bool reached = false;  ///< its node's route is up; false after a restart until the router reports it again
+  Certificate certificate;  ///< in the router's table; serial 0: not told since the start
+  bool reached = false;     ///< its node's route is up; false after a restart until the router reports it again
   std::map<std::string, Reported<std::string>, std::less<>>
       values;                     ///< by name, as the robot sent them: JSON, or words
   std::vector<Fault> faults;      ///< by capability, then severity; one of each

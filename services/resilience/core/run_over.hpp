@@ -1,4 +1,4 @@
-// How an alert shows that its run is over.
+// How an alert shows that its run is over, or that nobody can decide on it yet.
 #pragma once
 
 #include <string>
@@ -9,5 +9,7 @@ namespace trb::resilience {
 
 /// The run is not watched any more.
 [[nodiscard]] std::string run_over_text(const RunWatcher& runs, const std::string& run);
+/// It WatchedRun::recovers().
+[[nodiscard]] std::string recovery_text(const WatchedRun& run);
 
 }  // namespace trb::resilience

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "common/base/words.hpp"
+#include "common/security/keys.hpp"
 
 namespace trb::resilience {
 namespace {
@@ -25,7 +26,11 @@ bool has_not_begun(const TaskView& task) {
 class Finder {
  public:
   Finder(const WatchedRun& run, const Fleet& fleet, const std::string& robot, const Liveness::Gone* gone)
-      : run_(run), fleet_(fleet), record_(fleet.find(robot)), gone_(gone) {
+      : run_(run),
+        fleet_(fleet),
+        record_(fleet.find(robot)),
+        gone_(gone),
+        has_new_keys_(has_new_keys(run, robot, fleet)) {
     out_.robot = robot;
   }
 
@@ -38,10 +43,11 @@ class Finder {
     const OutOfUse* retired = record_ == nullptr ? nullptr : retirement_of(*record_);
     // A running task goes on to its end.
     const bool leaves = retired != nullptr && (stopped || has_not_begun(task));
-    if (!stopped && !leaves && fault == nullptr && gone_ == nullptr) return;
+    if (!stopped && !leaves && fault == nullptr && gone_ == nullptr && !has_new_keys_) return;
     out_.tasks.push_back(index);
     out_.failed = out_.failed || stopped;
     out_.needs_confirmation = out_.needs_confirmation || !why_confirmation(run_, index, fleet_, false).empty();
+    if (has_new_keys_) add_cause(kNodeLost, Severity::critical, "", kNewKeys);
     if (gone_ != nullptr) add_cause(gone_->cause, Severity::critical, "", gone_->text);
     if (leaves)
       add_cause(kRobotRetired, Severity::warning, "", run_.view->tasks[index].robot + " " + retired_text(*retired));
@@ -55,12 +61,15 @@ class Finder {
   RunProblem take() { return std::move(out_); }
 
  private:
+  /// The strongest cause is told, and the worst severity counts: a policy must not move what a FATAL fault has stopped
+  /// because the robot is silent, too.
   void add_cause(std::string_view cause, Severity severity, const std::string& capability, const std::string& text) {
     const int mine = strength_of(cause);
     const int known = strength_of(out_.cause);
-    if (mine < known || (mine == known && severity <= out_.severity && !out_.cause.empty())) return;
+    const bool is_worse = out_.cause.empty() || severity > out_.severity;
+    if (is_worse) out_.severity = severity;
+    if (mine < known || (mine == known && !is_worse)) return;
     out_.cause = cause;
-    out_.severity = severity;
     out_.capability = capability;
     out_.text = text;
   }
@@ -69,6 +78,7 @@ class Finder {
   const Fleet& fleet_;
   const RobotRecord* record_;
   const Liveness::Gone* gone_;
+  bool has_new_keys_;
   RunProblem out_;
 };
 
@@ -127,6 +137,12 @@ std::string capability_of(const WatchedRun& run, std::size_t task, const Fleet& 
   return skill == nullptr ? std::string() : skill->capability;
 }
 
+bool has_new_keys(const WatchedRun& run, std::string_view robot, const Fleet& fleet) {
+  const RobotRecord* record = fleet.find(robot);
+  const auto member = run.certificates.find(robot);
+  return record != nullptr && member != run.certificates.end() && has_newer_keys(record->certificate, member->second);
+}
+
 std::string why_confirmation(const WatchedRun& run, std::size_t index, const Fleet& fleet, bool retry) {
   const TaskView& task = run.view->tasks[index];
   if (is_final(task)) return {};
@@ -138,6 +154,8 @@ std::string why_confirmation(const WatchedRun& run, std::size_t index, const Fle
     return "nobody knows what became of task '" + task.id + "'";
   }
   if (stopped) return {};
+  if (!retry && has_new_keys(run, task.robot, fleet))
+    return task.robot + " has got new keys, and cannot tell what became of task '" + task.id + "'";
   if (retry || (robot != nullptr && robot->reached)) return {};
   return task.robot + " is silent";
 }

@@ -32,6 +32,11 @@ std::vector<RunProblem> problems_of(const WatchedRun& run, const Fleet& fleet, c
 /// Tasks that were done twice, in a run that is held because of it: one for each robot. The run is_known().
 std::vector<RunProblem> double_executions(const WatchedRun& run);
 
+/// Has the robot's node got new keys since it became a member of the run? Then nothing that it signs counts there, and
+/// it begins nothing: for the run it is gone, whoever answers under its name.
+bool has_new_keys(const WatchedRun& run, std::string_view robot, const Fleet& fleet);
+inline constexpr const char* kNewKeys = "its node has got new keys since, and can do no more of the run";
+
 /// Why a decision needs a person's statement; empty: it does not. `retry`: the same robot does it again.
 std::string why_confirmation(const WatchedRun& run, std::size_t task, const Fleet& fleet, bool retry);
 

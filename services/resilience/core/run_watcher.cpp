@@ -26,7 +26,8 @@ void RunWatcher::take(const RunSummary& summary, Now now) {
   const auto [at, is_new] = runs_.try_emplace(summary.run);
   WatchedRun& run = at->second;
   const bool same = !is_new && run.summary.version == summary.version && run.summary.state == summary.state &&
-                    run.summary.epoch == summary.epoch && run.summary.tasks_final == summary.tasks_final;
+                    run.summary.epoch == summary.epoch && run.summary.tasks_final == summary.tasks_final &&
+                    run.summary.recovers == summary.recovers;
   run.summary = summary;
   constexpr double kLongest_s = 1e9;
   if (summary.left_s > 0) {
@@ -112,6 +113,7 @@ void RunWatcher::on(const Definition& definition) {
   run.start = std::move(*start);
   run.decisions = std::move(decisions);
   run.last_decision = definition.decisions.empty() ? Bytes() : definition.decisions.back().payload.bytes;
+  run.learn_certificates();
   const std::string& id = run.start->run;
   if (run.is_current()) asking_[id].definition.restart();
   if (run.view && run.decisions.size() + 1 > run.view->epoch) refresh(id);

@@ -1,6 +1,7 @@
 #include "services/resilience/core/standing_alerts.hpp"
 
 #include "proto/value.hpp"
+#include "services/resilience/core/alert_text.hpp"
 #include "services/resilience/core/run_problems.hpp"
 
 namespace trb::resilience {
@@ -46,7 +47,8 @@ Alert* StandingAlerts::raise(const UncoveredFaults::Key& key, Now now, Outbox& o
 
 void StandingAlerts::look(Alert& alert, Now now, Outbox& out) {
   const RobotRecord* robot = situation_.fleet().find(alert.robot);
-  if (robot == nullptr || worst_fault(*robot, alert.capability) == nullptr) {
+  const Fault* worst = robot == nullptr ? nullptr : worst_fault(*robot, alert.capability);
+  if (worst == nullptr) {
     const bool mended = alert.verdict == Verdict::retry;
     if (robot == nullptr) return alerts_.close(alert, alert.robot + " is known no more", out);
     return alerts_.close(alert, mended ? "taken as mended" : "the fault is over", out);
@@ -58,6 +60,11 @@ void StandingAlerts::look(Alert& alert, Now now, Outbox& out) {
   for (const Alert* other : alerts_.open()) {
     const bool is_covered = !other->run.empty() && other->robot == alert.robot && covers(*other, alert.capability);
     if (is_covered) return alerts_.close(alert, "run alert " + other->id, out);
+  }
+  if (worst->severity > alert.severity) {
+    alert.severity = worst->severity;
+    alert.text = text_reworded(alert.text, worst->text);
+    out.record(alert);
   }
   alert.waits_for =
       "somebody to mend " + alert.robot + "; then: trb alert decide " + alert.id.substr(0, 8) + " --retry";

@@ -15,7 +15,7 @@ class StandingAlerts {
   void raise_due(Now now, Outbox& out);
   /// Raises the alert of a standing fault. nullptr: too many alerts are open.
   Alert* raise(const UncoveredFaults::Key& fault, Now now, Outbox& out);
-  /// The alert stays as long as the fault, or until a run's alert covers it.
+  /// The alert stays as long as the fault, and gets worse with it, or until a run's alert covers it.
   void look(Alert& alert, Now now, Outbox& out);
   /// When the next fault has been uncovered for long enough.
   [[nodiscard]] std::optional<MonotonicTime> next(Now now);

@@ -54,6 +54,10 @@ Status VerdictChecks::check_decider(const Alert& alert, const WatchedRun* run, c
   if (body.verdict == Verdict::none) {
     return fail(Errc::missing, "no verdict", "--robot, --override, --retry, --skip or --abort");
   }
+  if (run->recovers() && body.verdict != Verdict::abort) {
+    return fail(Errc::timeout, "what was decided on the run before is not known on this node yet",
+                "it waits for " + run->summary.waits_for);
+  }
   if (may_be_ruled(alert) || body.verdict == Verdict::abort) return Done{};
   const std::string short_id = alert.run.substr(0, 8);
   if (alert.cause == kTwice) {
@@ -85,6 +89,9 @@ Status VerdictChecks::check_override(const Alert& alert, const AlertDecide& body
   if (!robot->reached || robot->profile.is.robot != "ONLINE" || retirement_of(*robot) != nullptr) {
     return fail(Errc::conflict, "'" + body.robot + "' is not there: " + why_unfit(*robot),
                 "bring it back, or name another one");
+  }
+  if (has_new_keys(run, body.robot, situation_.fleet())) {
+    return fail(Errc::conflict, "'" + body.robot + "' cannot take over: " + kNewKeys, "name another one");
   }
   return check_able(*robot, alert, run);
 }
@@ -145,13 +152,17 @@ Status VerdictChecks::check_confirmation(const Alert& alert, const AlertDecide& 
   return Done{};
 }
 
-Status VerdictChecks::check_retry(const Alert& alert, Now now) const {
+Status VerdictChecks::check_retry(const Alert& alert, const WatchedRun& run, Now now) const {
   if (wants_robot(alert)) return fail(Errc::bad_value, "nothing has failed: there is nothing to try again");
   const Liveness::Gone* gone = situation_.liveness().find(alert.robot, now);
   const RobotRecord* robot = situation_.fleet().find(alert.robot);
   if (const OutOfUse* retired = robot == nullptr ? nullptr : retirement_of(*robot)) {
     return fail(Errc::conflict, alert.robot + " cannot try again: it " + retired_text(*retired),
                 "trb robot return " + alert.robot + ", or let another one");
+  }
+  if (has_new_keys(run, alert.robot, situation_.fleet())) {
+    return fail(Errc::conflict, alert.robot + " cannot try again: " + kNewKeys,
+                "let another one: --robot, --override, or --skip or --abort");
   }
   if (gone == nullptr) return Done{};
   return fail(Errc::conflict, alert.robot + " cannot try again: " + gone->text, "bring it back, or let another one");
@@ -191,7 +202,7 @@ Status VerdictChecks::shape(Alert& alert, const AlertDecide& body, const Watched
   Status good = narrow(alert, body, run);
   if (good && body.verdict == Verdict::accept) good = take_proposal(alert, body, run, now);
   if (good && body.verdict == Verdict::override_) good = take_override(alert, body, run);
-  if (good && body.verdict == Verdict::retry) good = check_retry(alert, now);
+  if (good && body.verdict == Verdict::retry) good = check_retry(alert, run, now);
   if (good && body.verdict == Verdict::retry) good = check_retry_of(alert, run);
   if (good) good = check_confirmation(alert, body, run);
   if (!good) return good;

@@ -28,7 +28,7 @@ class VerdictChecks {
   [[nodiscard]] Status check_override(const Alert& alert, const AlertDecide& body, const WatchedRun& run) const;
   [[nodiscard]] static Status check_able(const RobotRecord& robot, const Alert& alert, const WatchedRun& run);
   [[nodiscard]] Status check_confirmation(const Alert& alert, const AlertDecide& body, const WatchedRun& run) const;
-  [[nodiscard]] Status check_retry(const Alert& alert, Now now) const;
+  [[nodiscard]] Status check_retry(const Alert& alert, const WatchedRun& run, Now now) const;
   [[nodiscard]] static Status check_retry_of(const Alert& alert, const WatchedRun& run);
   [[nodiscard]] Status check_bounds(const Alert& alert, const WatchedRun& run);
   [[nodiscard]] Status check_decisions(const Alert& alert, const WatchedRun& run);

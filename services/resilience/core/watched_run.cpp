@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "common/scenario/decision_rule.hpp"
+#include "proto/body.hpp"
 
 namespace trb::resilience {
 
@@ -12,12 +13,30 @@ std::string WatchedRun::decider() const {
   return start ? first_cloud_of(start->members) : std::string();
 }
 
+// The summary comes before the view that shows what was recovered.
+bool WatchedRun::recovers() const {
+  return summary.recovers || (view && view->recovers);
+}
+
 bool WatchedRun::is_member(std::string_view node) const {
   const auto names = [&](const std::vector<Member>& members) {
     return std::ranges::any_of(members, [&](const Member& member) { return member.id == node; });
   };
   if (start && names(start->members)) return true;
   return std::ranges::any_of(decisions, [&](const Decision& decision) { return names(decision.members); });
+}
+
+// The own scheduler checked the certificates before it accepted the run.
+void WatchedRun::learn_certificates() {
+  certificates.clear();
+  const auto learn = [&](const std::vector<Member>& members) {
+    for (const Member& member : members) {
+      auto certificate = decode<Certificate>(member.certificate.payload.bytes);
+      if (certificate) certificates.emplace(member.id, std::move(*certificate));
+    }
+  };
+  learn(start->members);
+  for (const Decision& decision : decisions) learn(decision.members);
 }
 
 std::optional<std::size_t> WatchedRun::find_task(std::string_view id) const {

@@ -1,6 +1,8 @@
 // A run of the own scheduler, as far as this service needs it.
 #pragma once
 
+#include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -19,9 +21,10 @@ constexpr std::uint32_t kMaxDecisions = 64;
 struct WatchedRun {
   RunSummary summary;
   std::optional<RunView> view;
-  MonotonicTime view_as_of;              ///< when the view was requested: it shows the run of then, or later
-  std::optional<RunStart> start;         ///< nothing before the scheduler has sent the definition
-  std::vector<Decision> decisions;       ///< from epoch 2 on, as in the definition
+  MonotonicTime view_as_of;       ///< when the view was requested: it shows the run of then, or later
+  std::optional<RunStart> start;  ///< nothing before the scheduler has sent the definition
+  std::map<std::string, Certificate, std::less<>> certificates;  ///< its members', as the definition has them
+  std::vector<Decision> decisions;                               ///< from epoch 2 on, as in the definition
   std::optional<MonotonicTime> ends_at;  ///< the end of its life; nothing: the scheduler does not report it
   Bytes last_decision;                   ///< payload of the last of them; empty: there is none
 
@@ -29,9 +32,14 @@ struct WatchedRun {
   [[nodiscard]] bool is_known() const { return view && start; }
   /// Does the definition have every decision of the view?
   [[nodiscard]] bool is_current() const { return is_known() && decisions.size() + 1 == view->epoch; }
+  /// Its scheduler, which may have lost it, asks the members what was decided and done: what it shows may be old, and
+  /// it takes no decision. Nothing is raised, decided or closed until then.
+  [[nodiscard]] bool recovers() const;
   /// The node that decides: the first cloud node among the start's members; empty: none.
   [[nodiscard]] std::string decider() const;
   [[nodiscard]] bool is_member(std::string_view node) const;
+  /// Takes the members' certificates from start and decisions.
+  void learn_certificates();
   [[nodiscard]] std::optional<std::size_t> find_task(std::string_view id) const;
   /// The number of the first attempt since the last ruling on the task. The run has its view.
   [[nodiscard]] std::uint32_t first_attempt(std::size_t task) const;

@@ -60,7 +60,7 @@ TEST_CASE("an alert that is open again has no verdict, says why, and the policy 
   CHECK(alert.verdict == Verdict::none);
   CHECK(alert.person.empty());
   CHECK(alert.epoch == 0);
-  CHECK(alert.text == "a wheel is off; its decision was refused");
+  CHECK(alert.text == "a wheel is off; tried in vain: its decision was refused");
   CHECK(parts.alerts.work(alert.id).asks_for == "its decision was refused");
   CHECK_FALSE(parts.alerts.work(alert.id).signing.record());
 }

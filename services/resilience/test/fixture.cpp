@@ -55,10 +55,12 @@ SignedRecord Fixture::sign(std::string_view purpose, Bytes payload) const {
   return trb::sign(purpose, "cloud", authority_.id(), std::move(payload), key_);
 }
 
-SignedRecord Fixture::certificate(const std::string& id, Role role) const {
+SignedRecord Fixture::certificate(const std::string& id, Role role, std::uint64_t serial, const Bytes& key) const {
   Certificate of;
+  of.serial = serial;
   of.id = id;
   of.role = role;
+  of.identity_key.bytes = key;
   return trb::sign(kSignedCertificate, "", authority_.id(), encode(of), authority_key_);
 }
 

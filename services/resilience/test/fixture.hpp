@@ -55,6 +55,8 @@ class Fixture {
   /// Its node's lease runs out; or it is back.
   void silence(const std::string& robot);
   void back(const std::string& robot);
+  /// Its node's certificate from now on; `key`: filled with it, 0: none.
+  void certify(const std::string& robot, std::uint64_t serial, unsigned char key);
 
   // ---- the run
   /// The paper's nine tasks, halfway: t1 to t3 are finished, t4 runs.
@@ -129,7 +131,8 @@ class Fixture {
             const std::string& about = "");
   [[nodiscard]] RunSummary summary() const;
   [[nodiscard]] SignedRecord sign(std::string_view purpose, Bytes payload) const;
-  [[nodiscard]] SignedRecord certificate(const std::string& id, Role role) const;
+  [[nodiscard]] SignedRecord certificate(const std::string& id, Role role, std::uint64_t serial = 1,
+                                         const Bytes& key = {}) const;
   void open();
 
   TemporaryFolder folder_;

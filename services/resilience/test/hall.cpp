@@ -59,6 +59,7 @@ void Fixture::changed() {
 
 RunSummary Fixture::summary() const {
   RunSummary out{kRun, view.name, view.state, "", 0, 9, 3, view.epoch, version_};
+  out.recovers = view.recovers;
   if (ends_at) out.left_s = static_cast<double>((*ends_at - now().mono).count()) / 1e9;
   return out;
 }
@@ -207,6 +208,10 @@ void Fixture::silence(const std::string& robot) {
 void Fixture::back(const std::string& robot) {
   routes[robot].state = "ONLINE";
   say("cloud", PeerJoined{robot, 2});
+}
+
+void Fixture::certify(const std::string& robot, std::uint64_t serial, unsigned char key) {
+  routes[robot].certificate = certificate(robot, Role::robot, serial, key == 0 ? Bytes() : Bytes(32, key));
 }
 
 // ---- beginnings of the stories

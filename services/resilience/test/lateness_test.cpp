@@ -29,6 +29,12 @@ void make_due(Fixture& fixture, const std::string& id) {
   fixture.settle();
 }
 
+/// Its robot has nothing to do.
+void make_idle(Fixture& fixture) {
+  fixture.task("t4").state = TaskState::waiting;
+  fixture.changed();
+}
+
 /// A run with this much of its life left.
 std::unique_ptr<Fixture> ending(double life_s, double left_s) {
   auto fixture = paper();
@@ -103,6 +109,18 @@ TEST_CASE("a result that is on its way is not overtaken by a person's word that 
   CHECK(fixture->any(id).state == AlertState::closed);
 }
 
+TEST_CASE("why a verdict on what is overdue was in vain stays to be read") {
+  auto fixture = timed(40);
+  fixture->wait(seconds(56));
+  const std::string overdue = fixture->alert().text;
+  fixture->refuses = "conflict";
+  CHECK(fixture->decide(Verdict::accept, "", true) == "accepted");
+  fixture->wait(seconds(10));
+  const Alert alert = fixture->alert();
+  CHECK(alert.state == AlertState::open);
+  CHECK(alert.text.starts_with(overdue + "; tried in vain: "));
+}
+
 TEST_CASE("the alert of what is overdue closes when the task goes on, and stays the same over a restart") {
   auto fixture = timed(40);
   fixture->wait(seconds(56));
@@ -126,6 +144,7 @@ TEST_CASE("a fault that explains what is overdue is the alert, and the other one
 
 TEST_CASE("a task that is due and not begun is an alert after 30 s, with what it waits for; a held run's is none") {
   auto fixture = paper();
+  make_idle(*fixture);
   fixture->task("t7").waits_for = "run 17";
   make_due(*fixture, "t7");
   fixture->wait(seconds(29));
@@ -152,8 +171,21 @@ TEST_CASE(
   CHECK(fixture->alerts(true).empty());
 }
 
+TEST_CASE("a task whose robot does another one waits without an alert, and is late only 30 s after that one's end") {
+  auto fixture = paper();
+  make_due(*fixture, "t7");
+  fixture->wait(seconds(90));
+  CHECK(fixture->alerts(true).empty());
+  make_idle(*fixture);
+  fixture->wait(seconds(29));
+  CHECK(fixture->alerts().empty());
+  fixture->wait(seconds(2));
+  CHECK(fixture->alert().tasks == std::vector<std::string>{"t7"});
+}
+
 TEST_CASE("nothing is late by what the scheduler showed before it fell silent") {
   auto fixture = paper();
+  make_idle(*fixture);
   make_due(*fixture, "t7");
   fixture->deaf = true;
   fixture->wait(seconds(60));
@@ -238,6 +270,7 @@ TEST_CASE("a robot that is there says itself that it did not begin; where people
   task_of(*fixture, "t7").on_failure = OnFailure::skip;
   fixture->restart();
   fixture->wait(seconds(6));
+  make_idle(*fixture);
   make_due(*fixture, "t7");
   fixture->wait(seconds(60));
   CHECK(fixture->taken.empty());

@@ -55,3 +55,40 @@ TEST_CASE("a policy whose conditions do not hold asks, and says why") {
   CHECK(asks(mild) == "automatic, but asks: the fault is CRITICAL");
   CHECK(asks(default_resilience()) == "ask");
 }
+
+TEST_CASE("a fault that gets worse makes its run's alert worse, and the policy leaves it to people from then on") {
+  for (const bool was_lesser : {true, false}) {
+    CAPTURE(was_lesser);
+    ResilienceSettings settings = automatic();
+    settings.policy.max_severity = Severity::critical;
+    auto fixture = paper(settings);
+    if (was_lesser) fixture->fault("ridgeback", "mobile");
+    fixture->say("ridgeback", RobotFault{"mobile", Severity::fatal, "the motor burns"});
+    fixture->settle();
+    CHECK(fixture->run_alert().severity == Severity::fatal);
+    CHECK(fixture->run_alert().text == "the motor burns");
+    fixture->end_task("t4", TaskOutcome::failed, "mobile is broken");
+    fixture->wait(seconds(10));
+    CHECK(fixture->taken.empty());
+    CHECK(fixture->run_alert().policy == "automatic, but asks: the fault is FATAL");
+  }
+}
+
+TEST_CASE("what a FATAL fault has stopped is left to people though its robot is silent, too, or was") {
+  ResilienceSettings settings = automatic();
+  settings.policy.max_severity = Severity::critical;
+  auto fixture = paper(settings);
+  fixture->silence("ridgeback");
+  fixture->end_task("t4", TaskOutcome::failed, "mobile is broken");
+  fixture->settle();
+  CHECK(fixture->run_alert().severity == Severity::critical);
+  fixture->say("ridgeback", RobotFault{"mobile", Severity::fatal, "the motor burns"});
+  fixture->settle();
+  CHECK(fixture->run_alert().cause == "peer_expired");
+  CHECK(fixture->run_alert().severity == Severity::fatal);
+  fixture->back("ridgeback");
+  fixture->wait(seconds(10));
+  CHECK(fixture->run_alert().cause == "robot_fault");
+  CHECK(fixture->run_alert().severity == Severity::fatal);
+  CHECK(fixture->taken.empty());
+}

@@ -52,6 +52,26 @@ TEST_CASE("a fault that nobody has heard, and one that has got worse: the profil
   CHECK(count_of(kinds(*fixture, "pioneer2"), "fault") == 2);
 }
 
+TEST_CASE("an alert gets worse with its fault, and not better with it") {
+  auto fixture = paper();
+  fixture->stand("pioneer2", "mobile");
+  fixture->wait(seconds(3));
+  const Alert before = fixture->alert();
+  CHECK(before.severity == Severity::critical);
+  fixture->say("pioneer2", RobotFault{"mobile", Severity::fatal, "the motor burns"});
+  fixture->settle();
+  CHECK(fixture->alert().id == before.id);
+  CHECK(fixture->alert().severity == Severity::fatal);
+  CHECK(fixture->alert().text == "the motor burns");
+  fixture->restart();
+  fixture->wait(seconds(6));
+  CHECK(fixture->alert().severity == Severity::fatal);
+  fixture->say("pioneer2", RobotFault{"mobile", Severity::critical, "a wheel is off"});
+  fixture->wait(seconds(40));
+  CHECK(fixture->alert().severity == Severity::fatal);
+  CHECK(fixture->alert().text == "the motor burns");
+}
+
 TEST_CASE("what the robot says ends its own faults, as bad ones and lesser, and none that somebody else has found") {
   auto fixture = paper();
   fixture->fault("pioneer2", "mobile", Severity::fatal);

@@ -143,6 +143,8 @@ TEST_CASE("a robot that falls silent: its tasks move on a person's word alone") 
   CHECK(alert.capability.empty());
   CHECK(alert.tasks == Words{"t4", "t7", "t9"});
   CHECK(alert.needs_word);
+  CHECK(alert.waits_for.find("ridgeback is silent: --stands if you have seen that ridgeback stands") !=
+        std::string::npos);
   CHECK(alert.unfit.size() >= 1);
   CHECK(alert.proposals.empty());  // no other robot loads
   fixture->add("husky", carrier(), 50, 0, 0);
@@ -170,9 +172,54 @@ TEST_CASE("a robot that comes back before anything was decided closes its alert;
   const Alert alert = fixture->alert();
   CHECK(alert.tasks == Words{"t4"});
   CHECK(alert.needs_word);
+  // It answers; what became of its task is not known all the same.
+  CHECK(alert.waits_for.find("; nobody knows what became of task 't4': --stands if") != std::string::npos);
+  CHECK(alert.cause == "peer_expired");
+  CHECK(alert.text == "no longer so: its node is not reached");
+  fixture->silence("ridgeback");
+  CHECK(fixture->alert().text == "its node is not reached");
+  fixture->back("ridgeback");
+  CHECK(fixture->alert().text == "no longer so: its node is not reached");
   // go_to may be repeated: the robot may try again without a person's statement.
   CHECK(fixture->decide(Verdict::retry) == "accepted");
   CHECK(rulings(fixture->taken.at(0)) == "t4!ridgeback");
+}
+
+TEST_CASE("a fault that is over still explains the failed task, and is told as past; what was tried is told once") {
+  auto fixture = paper();
+  fixture->stand("ridgeback", "mobile");
+  fixture->end_task("t4", TaskOutcome::failed, "mobile is broken");
+  fixture->wait(seconds(6));
+  const std::string fault = fixture->run_alert().text;
+  CHECK(fixture->run_alert().cause == "robot_fault");
+  fixture->unmended.insert("ridgeback");
+  for (int i = 0; i < 3; ++i) {
+    CHECK(fixture->decide(Verdict::retry) == "accepted");
+    fixture->wait(seconds(6));
+    CHECK(fixture->run_alert().text ==
+          fault + "; tried in vain: ridgeback does not take it into use: the bumper is still pressed");
+  }
+  fixture->end_fault("ridgeback", "mobile");
+  CHECK(fixture->run_alert().cause == "robot_fault");
+  CHECK(fixture->run_alert().text == "no longer so: " + fault);
+  fixture->stand("ridgeback", "mobile");
+  CHECK(fixture->run_alert().text == fault);
+}
+
+TEST_CASE("a past cause gives way to a fault that stands, which is then what a repair is about") {
+  auto fixture = paper();
+  fixture->silence("ridgeback");
+  fixture->end_task("t4", TaskOutcome::interrupted, "nobody knows");
+  fixture->back("ridgeback");
+  CHECK(fixture->run_alert().text == "no longer so: its node is not reached");
+  fixture->say("ridgeback", RobotFault{"mobile", Severity::fatal, "the motor burns"});
+  fixture->wait(seconds(3));
+  const Alert alert = fixture->alert();  // no other one tells the fault
+  CHECK(alert.run == kRun);
+  CHECK(alert.cause == "robot_fault");
+  CHECK(alert.capability == "mobile");
+  CHECK(alert.severity == Severity::fatal);
+  CHECK(alert.text == "the motor burns");
 }
 
 TEST_CASE("a connection that is broken for less than the grace is no alert") {

@@ -8,6 +8,7 @@
 #include <span>
 
 #include "common/base/number_text.hpp"
+#include "proto/value_words.hpp"
 #include "services/ros-bridge/core/message_codec.hpp"
 #include "services/ros-bridge/core/wire_bytes.hpp"
 
@@ -15,7 +16,7 @@ namespace trb::ros {
 namespace {
 
 std::string kinds(const Value& value) {
-  return "a " + std::string(value.kind());
+  return in_words(value);
 }
 
 /// What others write for a number that is not finite.

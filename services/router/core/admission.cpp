@@ -10,6 +10,11 @@ constexpr std::size_t kMaxDenied = 8 * kMaxCandidates;
 }  // namespace
 
 bool Admission::admit(BytesView key, Now now, Effects& out) {
+  // It may be the key of one who is revoked.
+  if (node_.config().updates_lost) {
+    out.count("refused.revocations_unknown");
+    return false;
+  }
   if (key == node_.config().own.link_key.bytes || trust_.refuse_revoked_key(key, now, out)) return false;
   // A revoked node knows that its Hello is refused; one whose certificate only ended may be brought its renewal.
   if (trust_.own_revocation() != nullptr) return false;

@@ -5,8 +5,10 @@
 namespace trb::router {
 namespace {
 
-constexpr std::size_t kRoutePage = 256U << 10U;  ///< a row takes 66 kB of it at most
-constexpr std::size_t kRouteWords = 512;         ///< a row's own words and numbers, at most
+constexpr std::size_t kRoutePage = 256U << 10U;               ///< a row takes 66 kB of it at most
+constexpr std::size_t kRouteWords = 512;                      ///< a row's own words and numbers, at most
+constexpr Duration kFleetComes = std::chrono::seconds(3);     ///< members that nobody expects are linked by then
+constexpr Duration kFleetGathers = std::chrono::seconds(10);  ///< who is expected, and not linked by then, is away
 
 /// As much of both as fits into a note; no UTF-8 letter is cut in two.
 std::string join_notes(const std::string& first, const std::string& second) {
@@ -14,11 +16,6 @@ std::string join_notes(const std::string& first, const std::string& second) {
   auto end = std::min<std::size_t>(out.size(), kDefaultMaxSize);
   while (end > 0 && (static_cast<unsigned char>(out[end]) & 0xc0U) == 0x80) --end;
   return out.substr(0, end);
-}
-
-std::string disk_note(const RouterConfig& own) {
-  const Status room = own.disk_room ? own.disk_room() : Status(Done{});
-  return room ? "" : room.error().what + "; " + room.error().hint;
 }
 
 }  // namespace
@@ -96,7 +93,7 @@ Route Answers::route_of(const Peer& peer, Now now) const {
 }
 
 RouteTable Answers::route_table(Now now, const std::string& after) const {
-  RouteTable table{node_.id(), {}, false, after};
+  RouteTable table{node_.id(), {}, false, after, gathers(now)};
   std::size_t size = 0;
   const auto add = [&](Route&& route) {
     size += kRouteWords + encode(route.certificate).size() + encode(route.profile).size();
@@ -117,18 +114,29 @@ RouteTable Answers::route_table(Now now, const std::string& after) const {
   return table;
 }
 
+/// Members come one by one: those that send beacons, those that were linked in the run before or that node.json names,
+/// and the robot whose mode-adapter is to report.
+bool Answers::gathers(Now now) const {
+  const Duration up = now.mono - started_;
+  if (up < kFleetComes || up >= kFleetGathers) return up < kFleetComes;
+  const std::vector<std::string>& services = node_.config().services;
+  const bool robot = !profile_.has_robot() && std::ranges::find(services, "mode-adapter") != services.end();
+  return robot || table_.awaited() > 0;
+}
+
 ServiceTable Answers::service_table(Now now) const {
   const RouterConfig& own = node_.config();
   ServiceTable table{own.id, {}};
-  table.services.push_back({"router",
-                            "up",
-                            own.pid,
-                            own.instance,
-                            own.version,
-                            to_seconds(now.mono - started_),
-                            0,
-                            {},
-                            join_notes(join_notes(membership_.note(now), updates_.note()), disk_note(own))});
+  table.services.push_back(
+      {"router",
+       "up",
+       own.pid,
+       own.instance,
+       own.version,
+       to_seconds(now.mono - started_),
+       0,
+       {},
+       join_notes(join_notes(membership_.note(now), updates_.note()), own.machine_note ? own.machine_note() : "")});
   for (const std::string& name : own.services) {
     if (name != "router") table.services.push_back(entry_of(name, now));
   }
@@ -148,7 +156,7 @@ ServiceEntry Answers::entry_of(const std::string& name, Now now) const {
           to_seconds(now.mono - connection.since),
           to_seconds(quiet),
           connection.hello.subtypes,
-          connection.hello.waits.empty() ? "" : std::string(kWaitsNote) + connection.hello.waits};
+          connection.hello.waits.empty() ? connection.note : std::string(kWaitsNote) + connection.hello.waits};
 }
 
 }  // namespace trb::router

@@ -41,6 +41,7 @@ class Answers {
 
  private:
   [[nodiscard]] Route route_of(const Peer& peer, Now now) const;
+  [[nodiscard]] bool gathers(Now now) const;
   [[nodiscard]] Result<Body> service_counters(const Message& message) const;
   [[nodiscard]] ServiceEntry entry_of(const std::string& name, Now now) const;
 

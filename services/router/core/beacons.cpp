@@ -83,7 +83,7 @@ void Beacons::note_clock(const Peer& peer, std::int64_t utc, Now now) {
 Result<Certificate> Beacons::check(const SignedRecord& record, const Beacon& beacon, Now now, Effects& out) {
   auto certificate = trust_.open_member(beacon.certificate, now, out, record.signer);
   if (!certificate) return certificate;
-  if (auto proven = open_record<Beacon>(record, kSignedBeacon, *certificate); !proven) return proven.error();
+  if (Status proven = check_record(record, kSignedBeacon, *certificate); !proven) return proven.error();
   if (Status numbers = check_address("address", beacon.address, certificate->id); !numbers) return numbers.error();
   return certificate;
 }

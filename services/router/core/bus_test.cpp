@@ -9,15 +9,15 @@ using namespace trb::router;
 TEST_CASE("a full disk is shown with the router, and no longer once there is room") {
   Bus bus;
   RouterConfig config = bus.ant.core->config();
-  Status room = fail(Errc::queue_full, "the disk of /n is full", "make room");
-  config.disk_room = [&] { return room; };
+  std::string note = "the disk of /n is full; make room";
+  config.machine_note = [&] { return note; };
   const RouterCore core(std::move(config));
   const auto is_noted = [&] {
     const auto table = core.answers().service_table(bus.fleet.now);
     return table.services.at(0).note.find("the disk of /n is full; make room") != std::string::npos;
   };
   CHECK(is_noted());
-  room = Done{};
+  note.clear();
   CHECK_FALSE(is_noted());
 }
 
@@ -37,6 +37,22 @@ TEST_CASE("what a service waits for is its note, until it comes again and works"
         "up: it waits: state/journal.db: cannot open; chown it");
   bus.gone(1);
   CHECK(come(2, 6, "") == "up: ");
+}
+
+TEST_CASE("what a service says of itself with its sign of life is its note, until it says another") {
+  Bus bus;
+  const auto note = [&] {
+    for (const ServiceEntry& entry : bus.ant.core->answers().service_table(bus.fleet.now).services) {
+      if (entry.service == "scheduler") return entry.note;
+    }
+    return std::string("no such service");
+  };
+  REQUIRE(bus.hello(1, "scheduler") == "service_welcome");
+  CHECK(note().empty());
+  CHECK(bus.ask(1, ServiceAlive{100, "cannot write x; make room"}) == "service_alive_seen");
+  CHECK(note() == "cannot write x; make room");
+  CHECK(bus.ask(1, ServiceAlive{100}) == "service_alive_seen");
+  CHECK(note().empty());
 }
 
 TEST_CASE("an operator's service takes users' words, and hears the middleware's without taking them") {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -49,17 +50,19 @@ struct RouterConfig {
   std::vector<SeedAddress> known;     ///< peers that were linked before the last end: hints where to dial
   std::vector<std::string> services;  ///< that may claim subtypes
   bool beacon = true;
-  bool relay = false;                 ///< relays, if its certificate has the right
-  TrustUpdate updates;                ///< what the authority has signed before this start, the list first of all
-  UtcTime utc_bound;                  ///< a time that has certainly passed; of an earlier start
-  bool seal_before_delivery = false;  ///< deliver what comes by a link only once its seal was checked
+  bool relay = false;                   ///< relays, if its certificate has the right
+  std::vector<Revocation> dropped;      ///< StoreUpdate's, of the start before
+  TrustUpdate updates;                  ///< what the authority has signed before this start, the list first of all
+  std::optional<Error> updates_lost{};  ///< why what it has signed is not known: then nobody can be judged
+  UtcTime utc_bound;                    ///< a time that has certainly passed; of an earlier start
+  bool seal_before_delivery = false;    ///< deliver what comes by a link only once its seal was checked
   Timing timing;
   /// Unpredictable numbers: ids of links, nonces. The shell provides libsodium's.
   std::function<std::uint64_t()> random;
   /// Has this link room for a frame of this size? Asked before a megabyte is hashed for nothing; empty: always.
   std::function<bool(std::uint64_t link, std::size_t bytes)> has_room;
-  /// Whether the disk of the node's folder takes new work, as trb::takes_more says it; empty: it does.
-  std::function<Status()> disk_room{};
+  /// For people: what is wrong with the node's computer, as a disk with little room; empty: nothing.
+  std::function<std::string()> machine_note{};
 };
 
 /// From when on people are warned that a certificate ends.

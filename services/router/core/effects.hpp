@@ -65,6 +65,7 @@ struct StoreUpdate {
   TrustUpdate update;
   std::uint32_t beacon_number = 0;
   Bytes beacon_box;
+  std::vector<Revocation> dropped{};  ///< by the list, too early: the next start must know them
 };
 /// This node's own renewed certificate: into keys/certificate.json.
 struct StoreCertificate {

@@ -94,7 +94,8 @@ void Forwarding::on_bus_message(ConnectionId from, const Message& message, Now n
   if (!body) return at_.bus.deny(from, message, body.error(), out);
   const std::string_view service =
       connection->member == Member::service ? connection->hello.service : std::string_view();
-  if (holds_alternative<ServiceAlive>(*body)) {
+  if (const auto* alive = get_if<ServiceAlive>(&*body)) {
+    at_.bus.on_note(from, alive->note);
     at_.bus.answer(from, message, ServiceAliveSeen{at_.node.config().instance}, out);
   } else if (const auto* request = get_if<SignRequest>(&*body)) {
     at_.bus.sign_for(from, message, *request, out);
@@ -105,7 +106,7 @@ void Forwarding::on_bus_message(ConnectionId from, const Message& message, Now n
     if (!state) return at_.bus.deny(from, message, state.error(), out);
     at_.bus.answer(from, message, *state, out);
   } else if (const auto* profile = get_if<NodeProfile>(&*body)) {
-    if (service == "mode-adapter") at_.profile.on_robot(*profile, now, out);
+    if (service == kModeAdapter) at_.profile.on_robot(*profile, now, out);
   } else if (const auto* sensors = get_if<NodeSensors>(&*body)) {
     if (service == kSensorBus) at_.profile.on_sensors(*sensors, out);
   } else if (const auto answer = at_.answers.to_request(message, now)) {

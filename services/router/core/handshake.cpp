@@ -56,7 +56,10 @@ Result<Certificate> Handshake::check(const Link& link, const Message& message, c
     trust_.remember_presented(hello.certificate, link.key);
   if (!certificate) return certificate;
   if (Status good = check_claims(link, message, hello, *certificate); !good) return good.error();
-  if (Status good = check_known(link, hello, *certificate); !good) return good.error();
+  if (Status good = check_known(link, hello, *certificate); !good) {
+    if (good.error().code == Errc::conflict) look_for_older(link, hello, *certificate, now, out);
+    return good.error();
+  }
   for (const auto& [field, address] : {std::pair("address", hello.address), std::pair("lane", hello.lane)}) {
     if (Status numbers = check_address(field, address, certificate->id); !numbers) return numbers.error();
   }
@@ -100,6 +103,28 @@ Status Handshake::check_known(const Link& link, const Hello& hello, const Certif
                   std::to_string(up->boot) + " is linked",
               "two computers, or two copies of one node's folder, use the same keys: stop one; if its keys were "
               "stolen: trb fleet revoke");
+}
+
+/// Only that both live tells a copy from a node that was started again.
+void Handshake::look_for_older(const Link& link, const Hello& hello, const Certificate& certificate, Now now,
+                               Effects& out) {
+  const Link& up = *table_.link(table_.find(certificate.id)->link);
+  if (shared_.on_older(certificate.id, link.key, hello.boot, up.last_heard, now.mono))
+    tell_shared(certificate, {up.boot, up.peer_address}, {hello.boot, hello.address}, now, out);
+}
+
+void Handshake::tell_shared(const Certificate& certificate, const NodeStart& one, const NodeStart& other, Now now,
+                            Effects& out) {
+  const std::string text = "two computers use the keys of '" + certificate.id + "' (certificate serial " +
+                           std::to_string(certificate.serial) + "): start " + std::to_string(one.boot) +
+                           ", which says it is at " + one.address + ", and start " + std::to_string(other.boot) +
+                           ", which says it is at " + other.address;
+  out.count("shared_keys");
+  out.log(LogLevel::error, std::string(kSharedKeys),
+          text +
+              "; if its keys were stolen: trb fleet revoke, new keys, and look at its robot, which may not have "
+              "got its orders");
+  errors_.note(certificate.id, "", kSharedKeys, text, now);
 }
 
 bool Handshake::proves_name(const Link& link, const Message& message, const Hello& hello) const {
@@ -255,7 +280,7 @@ std::optional<Carried> Handshake::carry(Link& link, const Hello& hello, Now now,
   if (peer.link != 0 && !settle_double(link, peer, now, out)) return std::nullopt;
   const bool again = peer.boot == hello.boot && peer.met && !peer.expired;
   const bool new_address = peer.address != hello.address || link.dialled;
-  note(link, peer, hello);
+  note(link, peer, hello, now, out);
   errors_.note_up(link, hello, now);
   table_.forget_hints(link.key);
   out.log(LogLevel::info, "peer_joined",
@@ -264,7 +289,12 @@ std::optional<Carried> Handshake::carry(Link& link, const Hello& hello, Now now,
   return Carried{id, hello, again, new_address};
 }
 
-void Handshake::note(const Link& link, Peer& peer, const Hello& hello) {
+void Handshake::note(const Link& link, Peer& peer, const Hello& hello, Now now, Effects& out) {
+  if (shared_.is_over(peer.id, link.key)) errors_.forget(peer.id, kSharedKeys);
+  const NodeStart before{peer.boot, peer.address};
+  const NodeStart after{hello.boot, hello.address};
+  if (peer.met && before.address != after.address && shared_.on_moved(peer.id, link.key, before, after, now.mono))
+    tell_shared(peer.certificate, before, after, now, out);
   if (peer.beacon_boot > hello.boot) peer.beacon_boot = peer.beacon_count = 0;
   if (link.dialled && is_numeric_endpoint(link.address)) peer.good_address = link.address;
   peer.boot = hello.boot;

@@ -7,6 +7,7 @@
 #include "services/router/core/admission.hpp"
 #include "services/router/core/links.hpp"
 #include "services/router/core/local_profile.hpp"
+#include "services/router/core/shared_keys.hpp"
 #include "services/router/core/trust_store.hpp"
 
 namespace trb::router {
@@ -76,7 +77,9 @@ class Handshake {
   std::optional<Carried> link_up(Link& link, const Certificate& certificate, const Hello& hello, Now now, Effects& out);
   [[nodiscard]] bool is_in_doubt(const Link& link, const Peer& peer) const;
   bool settle_double(const Link& link, Peer& peer, Now now, Effects& out);
-  static void note(const Link& link, Peer& peer, const Hello& hello);
+  void note(const Link& link, Peer& peer, const Hello& hello, Now now, Effects& out);
+  void look_for_older(const Link& link, const Hello& hello, const Certificate& certificate, Now now, Effects& out);
+  void tell_shared(const Certificate& certificate, const NodeStart& one, const NodeStart& other, Now now, Effects& out);
 
   const LocalNode& node_;
   PeerTable& table_;
@@ -87,6 +90,7 @@ class Handshake {
   Links& links_;
   LinkErrors& errors_;
   LocalProfile& profile_;
+  SharedKeys shared_;
 };
 
 }  // namespace trb::router

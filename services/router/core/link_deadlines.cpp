@@ -39,7 +39,7 @@ std::optional<MonotonicTime> LinkDeadlines::due(const Peer& peer) const {
 }
 
 void LinkDeadlines::refresh(std::map<LinkId, Link>& links, const LookupTable<std::string_view, Peer>& peers) {
-  touch_renewed(links);
+  renew(links);
   for (Peer* peer : touched_peers_) {
     peer->due.touched = false;
     peers_.set(peer, peer->due.at, due(*peer));
@@ -48,6 +48,7 @@ void LinkDeadlines::refresh(std::map<LinkId, Link>& links, const LookupTable<std
   for (Link* link : touched_links_) {
     link->due.touched = false;
     links_.set(link, link->due.at, due(*link));
+    if (link->up == link->due.ends.has_value()) continue;  // renew() has moved a renewed one
     const Peer* peer = link->up ? peers.find(link->peer) : nullptr;
     ends_.set(link, link->due.ends,
               peer == nullptr ? std::nullopt : std::optional(UtcTime{peer->certificate.not_after}));
@@ -56,12 +57,12 @@ void LinkDeadlines::refresh(std::map<LinkId, Link>& links, const LookupTable<std
 }
 
 /// A renewed certificate moves the end of its peer's links. Those of a peer that is new have been touched as they rose.
-void LinkDeadlines::touch_renewed(std::map<LinkId, Link>& links) {
+void LinkDeadlines::renew(std::map<LinkId, Link>& links) {
   for (Peer* peer : touched_peers_) {
     const UtcTime end{peer->certificate.not_after};
     if (std::exchange(peer->due.ends, end).value_or(end) == end) continue;
     for (auto& [id, link] : links) {
-      if (link.peer == peer->id) touch(link);
+      if (link.peer == peer->id && link.due.ends) ends_.set(&link, link.due.ends, end);
     }
   }
 }

@@ -44,7 +44,7 @@ class LinkDeadlines {
  private:
   [[nodiscard]] MonotonicTime due(const Link& link) const;
   [[nodiscard]] std::optional<MonotonicTime> due(const Peer& peer) const;
-  void touch_renewed(std::map<LinkId, Link>& links);
+  void renew(std::map<LinkId, Link>& links);
 
   const Timing timing_;
   DeadlineIndex<Link*> links_;

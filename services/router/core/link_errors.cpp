@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "common/base/saturate.hpp"
+#include "services/router/core/shared_keys.hpp"
 
 namespace trb::router {
 namespace {
@@ -40,8 +41,14 @@ void LinkErrors::note_link(LinkId id, std::string_view code, std::string_view te
 void LinkErrors::recovered(std::string_view peer, std::string_view address) {
   std::erase_if(rows_, [&](const auto& row) {
     const auto& [of, at, code] = row.first;
+    // Whose link it is that came up, nobody knows.
+    if (code == kSharedKeys) return false;
     return (!peer.empty() && of == peer) || (!address.empty() && at == address);
   });
+}
+
+void LinkErrors::forget(std::string_view peer, std::string_view code) {
+  rows_.erase({std::string(peer), "", std::string(code)});
 }
 
 void LinkErrors::note_up(const Link& link, const Hello& hello, Now now) {

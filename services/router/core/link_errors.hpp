@@ -23,8 +23,9 @@ class LinkErrors {
   void note(std::string_view peer, std::string_view address, std::string_view code, std::string_view text, Now now);
   /// An error of a link: listed by its peer while it is up, before that by the address that is dialled.
   void note_link(LinkId link, std::string_view code, std::string_view text, Now now);
-  /// A link with this peer came up by this address: its errors are over.
+  /// A link with this peer came up by this address: its errors are over, but not kSharedKeys.
   void recovered(std::string_view peer, std::string_view address);
+  void forget(std::string_view peer, std::string_view code);
   void note_up(const Link& link, const Hello& hello, Now now);
   /// A linked peer has just told its clock's UTC. Clocks that are a minute apart make certificates and schedules fail
   /// before anybody sees why.

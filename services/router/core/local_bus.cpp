@@ -59,6 +59,14 @@ void LocalBus::on_hello(ConnectionId from, const ServiceHello& hello, std::strin
   const RouterConfig& own = node_.config();
   messages_.send_bus(from, 1, ServiceWelcome{own.id, std::string(name_of(own.role)), *slot, own.instance, own.boot},
                      out);
+  if (member == Member::service) tell_revoked(from, hello, out);
+}
+
+/// It was not there when the list came, nor when one of them was put out; and some were never met.
+void LocalBus::tell_revoked(ConnectionId to, const ServiceHello& hello, Effects& out) {
+  if (std::ranges::find(hello.hears, RevokedNodes::kSubtype) == hello.hears.end()) return;
+  RevokedNodes revoked = trust_.revoked_nodes();
+  if (!revoked.nodes.empty()) messages_.send_bus(to, 0, std::move(revoked), out);
 }
 
 void LocalBus::refuse(ConnectionId from, const ServiceHello& hello, const Error& error, Effects& out) {

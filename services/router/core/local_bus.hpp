@@ -9,6 +9,7 @@
 #include "proto/body.hpp"
 #include "services/router/core/own_messages.hpp"
 #include "services/router/core/services.hpp"
+#include "services/router/core/trust_store.hpp"
 
 namespace trb::router {
 
@@ -23,14 +24,16 @@ namespace trb::router {
 /// probe, visitor | silent for a lease (expired)        | -, HelloWanted
 class LocalBus {
  public:
-  LocalBus(const LocalNode& node, OwnMessages& messages)
-      : node_(node), messages_(messages), services_(node.config().first_slot) {}
+  LocalBus(const LocalNode& node, OwnMessages& messages, const TrustStore& trust)
+      : node_(node), messages_(messages), trust_(trust), services_(node.config().first_slot) {}
 
   /// `proven`: the identity that the connection's socket or key proves: a service, or kProbe.
   void on_hello(ConnectionId from, const ServiceHello& hello, std::string_view proven, Now now, Effects& out);
   /// Returns the name of the service that ended with this connection, if it was one.
   std::optional<std::string> on_gone(ConnectionId connection, Effects& out);
   void on_received(ConnectionId from, Now now) { services_.on_received(from, now.mono); }
+
+  void on_note(ConnectionId from, const std::string& note) { services_.on_note(from, note); }
 
   [[nodiscard]] const Services& services() const { return services_; }
   [[nodiscard]] bool is_full() const { return services_.all().size() >= kMaxConnections; }
@@ -58,10 +61,12 @@ class LocalBus {
   [[nodiscard]] Status may_be(const ServiceHello& hello, std::string_view proven) const;
   [[nodiscard]] Status may_sign_for(const Connection& from, const SignRequest& request) const;
   void forget_silent_probes(Now now, Effects& out);
+  void tell_revoked(ConnectionId to, const ServiceHello& hello, Effects& out);
   void refuse(ConnectionId from, const ServiceHello& hello, const Error& error, Effects& out);
 
   const LocalNode& node_;
   OwnMessages& messages_;
+  const TrustStore& trust_;
   Services services_;
 };
 

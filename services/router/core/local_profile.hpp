@@ -10,11 +10,9 @@
 #include "services/router/core/own_messages.hpp"
 #include "services/router/core/peer_table.hpp"
 #include "services/router/core/service_report.hpp"
+#include "services/router/core/services.hpp"
 
 namespace trb::router {
-
-constexpr std::string_view kSensorBus = "sensor-bus";
-constexpr std::string_view kModeAdapter = "mode-adapter";
 
 /// When the services that make the profile were last heard; nothing of one that is not connected, or has reported
 /// nothing that could be given up.

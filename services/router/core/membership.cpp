@@ -40,6 +40,8 @@ void Membership::on_relay_right(const std::string& id, Now now, Effects& out) {
 }
 
 std::string Membership::why_over(Now now) const {
+  if (const auto& lost = node_.config().updates_lost)
+    return "who is revoked is not known, so no other node is let in (trb doctor has the cure): " + lost->what;
   if (const Revocation* entry = trust_.own_revocation()) return "this node's certificate is revoked: " + entry->reason;
   const std::int64_t end = node_.config().own.not_after;
   return node_.checked_utc(now.utc).ns >= end ? "this node's certificate ended " + to_iso8601({end}) : "";
@@ -77,6 +79,11 @@ void Membership::unmute(Now now, Effects& out) {
 void Membership::mute(const std::string& why, Now now, Effects& out) {
   muted_ = true;
   beacons_.stop();
+  if (node_.config().updates_lost) {
+    // It is the first thing that a router learns: it has no links.
+    errors_.note(node_.id(), "", "own.revocations_unknown", why, now);
+    return out.log(LogLevel::error, "revocations_unknown", why + "; " + node_.config().updates_lost->hint);
+  }
   out.count("own_certificate_over");
   const bool revoked = trust_.own_revocation() != nullptr;
   errors_.note(node_.id(), "", revoked ? "own.cert_revoked" : "own.cert_expired", why, now);

@@ -14,6 +14,7 @@ namespace trb::router {
 /// this node | event                                             | next
 /// ----------|---------------------------------------------------|-----------------------------------------------
 /// member    | its certificate is revoked, or ends (expired)     | muted: no beacon, no dial, its links end
+/// member    | it starts, and cannot read who is revoked         | muted, and lets nobody in, until it is started again
 /// muted     | a renewed certificate, or a clock that was ahead  | member: beacons and dials at once
 /// member    | 30 days before the end                            | member; a warning once a day
 ///

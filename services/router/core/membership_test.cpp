@@ -57,13 +57,14 @@ struct Ant {
         encode(sign(kSignedBeacon, id, fleet.authority.fleet.id(), encode(body), keys.identity)), fleet.now, effects);
     fleet.carry_out(ant, effects);
   }
+  /// The list says that they have ended, so that the next one may lack them.
   void revoke(std::uint64_t number, const std::vector<std::string>& ids, std::uint64_t serial = 1,
               std::int64_t issued = kStartUtc) {
     RevocationList list;
     list.fleet = {fleet.authority.fleet.id()};
     list.number = number;
     list.issued = issued;
-    for (const std::string& id : ids) list.revoked.push_back({serial, id, "stolen", kStartUtc});
+    for (const std::string& id : ids) list.revoked.push_back({serial, id, "stolen", kStartUtc, kStartUtc});
     Effects effects;
     REQUIRE(ant.core->updates()
                 .on_update(
@@ -341,4 +342,24 @@ TEST_CASE("a renewal that has ended is forgotten when somebody joins, once the c
     one.revoke(static_cast<std::uint64_t>(minute), {"eel"});
     CHECK(one.ant.stored_updates.back().update.certificates.size() == (minute == 5 ? 1 : 0));
   }
+}
+
+TEST_CASE("a node that cannot read who is revoked lets nobody in and dials nobody, says why, and takes nothing over") {
+  Ant one({.seeds = {"cat"}, .updates_lost = fail(Errc::malformed, "state/news: is damaged", "rm it")});
+  const TestKeys cat = one.fleet.keys("cat");
+  one.tick(minutes(1));
+  CHECK(one.dials_to("cat") == 0);
+  CHECK(one.ant.beacons.empty());
+  CHECK_FALSE(one.admit(cat));
+  CHECK(one.ant.count("refused.revocations_unknown") == 1);
+  CHECK(one.row("ant", "own.revocations_unknown").find("state/news: is damaged") != std::string::npos);
+  CHECK(one.told("state/news: is damaged; rm it") == 1);
+  // An older list would take the place of what may still be mended.
+  Effects effects;
+  const auto taken = one.ant.core->updates().on_update({}, 0, one.fleet.now, effects);
+  REQUIRE_FALSE(taken.ok());
+  CHECK(taken.error().what == "what was signed before is not known: state/news: is damaged");
+  one.ant.core->updates().on_brought("keys/news.json", TrustUpdate{}, one.fleet.now, effects);
+  CHECK(one.ant.stored_updates.empty());
+  CHECK(one.ant.core->updates().note().empty());
 }

@@ -50,6 +50,9 @@ void add_node(const NodeMetrics& is, Text& out) {
   out.sample({}, is.own.clock == "verified" ? 1 : 0);
   out.family("certificate_ends_seconds", "gauge", "When the node's certificate ends, UTC.");
   out.sample({}, static_cast<std::uint64_t>(is.certificate_ends_s));
+  if (!is.disk_free_bytes) return;
+  out.family("disk_free_bytes", "gauge", "Room on the disk of the node's folder, without what is kept for root.");
+  out.sample({}, *is.disk_free_bytes);
 }
 
 void add_services(const NodeMetrics& is, Text& out) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 
 #include "proto/bodies/bus.hpp"
@@ -10,10 +11,11 @@
 namespace trb::router {
 
 struct NodeMetrics {
-  std::int64_t certificate_ends_s = 0;      ///< UTC
-  ServiceTable services;                    ///< the router first
-  std::map<std::string, std::size_t> rows;  ///< how many other nodes are ONLINE, OFFLINE ...
-  Route own;                                ///< this node's row of the table
+  std::int64_t certificate_ends_s = 0;             ///< UTC
+  std::optional<std::uint64_t> disk_free_bytes{};  ///< of the disk of the node's folder
+  ServiceTable services;                           ///< the router first
+  std::map<std::string, std::size_t> rows;         ///< how many other nodes are ONLINE, OFFLINE ...
+  Route own;                                       ///< this node's row of the table
   Counters counters;
 };
 

@@ -18,6 +18,7 @@ NodeMetrics arm() {
   is.own.boot = 7;
   is.own.clock = "verified";
   is.own.profile.robot = "ONLINE";
+  is.disk_free_bytes = 40'000'000;
   is.certificate_ends_s = 1'800'000'000;
   is.services.services.resize(2);
   is.services.services[0].service = "router";
@@ -37,6 +38,7 @@ TEST_CASE("metrics: a node's services, peers and counters") {
   CHECK(has(text, R"(trb_node_info{node="arm1",role="robot",version="0.1.0"} 1)"));
   CHECK(has(text, "trb_node_boot 7"));
   CHECK(has(text, "trb_node_clock_verified 1"));
+  CHECK(has(text, "trb_node_disk_free_bytes 40000000"));
   CHECK(has(text, "trb_node_certificate_ends_seconds 1800000000"));
   CHECK(has(text, R"(trb_node_service_up{service="router"} 1)"));
   CHECK(has(text, R"(trb_node_service_up{service="scheduler"} 0)"));

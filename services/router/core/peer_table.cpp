@@ -51,6 +51,14 @@ void PeerTable::forget_hints(BytesView key) {
   std::erase_if(seeds_, [&](const Seed& seed) { return seed.hint && seed.key == key; });
 }
 
+std::size_t PeerTable::awaited() const {
+  const auto is_met = [&](const Seed& seed) {
+    const Peer* peer = seed.peer.empty() ? nullptr : find(seed.peer);
+    return peer != nullptr && peer->met;
+  };
+  return seeds_.size() - static_cast<std::size_t>(std::ranges::count_if(seeds_, is_met));
+}
+
 bool PeerTable::has_room_for(std::string_view id) const {
   return peers_.size() < kMaxPeers || peers_.count(id) != 0;
 }

@@ -50,6 +50,8 @@ class PeerTable {
   void forget(const std::string& id);
   /// The owner of this key is linked: what the previous run knew of its address is of no use any more.
   void forget_hints(BytesView key);
+  /// How many seeds and hints have an owner that was not linked since this start.
+  [[nodiscard]] std::size_t awaited() const;
   /// How many were forgotten.
   [[nodiscard]] std::uint64_t forgotten() const { return forgotten_; }
 

@@ -45,19 +45,29 @@ struct ProfilePair {
     ant.core->forwarding().on_bus_message(9, asked, fleet.now, effects);
     return *decode<LinkErrorTable>(std::get<BusSend>(effects.list.at(0)).message.data);
   }
-  void serve(const std::string& service, ConnectionId from) {
+  void serve(const std::string& service, ConnectionId from) { serve(ant, service, from); }
+  void serve(TestNode& node, const std::string& service, ConnectionId from) {
     Effects effects;
-    ant.core->bus().on_hello(from, {service, {}, 5, 100, "1"}, service, fleet.now, effects);
-    fleet.carry_out(ant, effects);
+    node.core->bus().on_hello(from, {service, {}, 5, 100, "1"}, service, fleet.now, effects);
+    fleet.carry_out(node, effects);
   }
-  void own(ConnectionId from, const Body& body) {
+  void own(ConnectionId from, const Body& body) { own(ant, from, body); }
+  /// This node's mode-adapter reports its robot.
+  void own_robot(TestNode& node) {
+    NodeProfile robot;
+    robot.robot = "ONLINE";
+    serve(node, "mode-adapter", 2);
+    own(node, 2, robot);
+  }
+  void own_robot() { own_robot(ant); }
+  void own(TestNode& node, ConnectionId from, const Body& body) {
     Message message;
     message.type = MessageType::information;
     message.subtype = subtype_of(body);
     message.data = encode_body(body);
     Effects effects;
-    ant.core->forwarding().on_bus_message(from, message, fleet.now, effects);
-    fleet.carry_out(ant, effects);
+    node.core->forwarding().on_bus_message(from, message, fleet.now, effects);
+    fleet.carry_out(node, effects);
     fleet.run(2 * kStep);
   }
 };
@@ -248,4 +258,42 @@ TEST_CASE("a profile fits to the byte") {
   NodeProfile more = profile;
   more.model += "xx";  // not the maker: a text over its own bound is cut
   CHECK_FALSE(fits(more));
+}
+
+TEST_CASE("a router gathers the fleet for three seconds, and for ten while its robot or a member is awaited") {
+  ProfilePair pair;
+  const auto gathers = [&] { return pair.ant.core->answers().route_table(pair.fleet.now).gathers; };
+  CHECK(gathers());
+  SUBCASE("its robot has not reported") {
+    pair.fleet.run(Seconds(8));
+    CHECK(gathers());
+    pair.fleet.run(Seconds(2));
+    CHECK_FALSE(gathers());
+  }
+  SUBCASE("all are there") {
+    pair.own_robot();
+    CHECK(gathers());
+    pair.fleet.run(Seconds(3));
+    CHECK_FALSE(gathers());
+  }
+}
+
+TEST_CASE("a router that was linked to a member in the run before awaits it for ten seconds") {
+  ProfilePair pair;
+  pair.fleet.stop("ant");
+  pair.fleet.stop("bee");
+  TestNode& ant = pair.fleet.start("ant", {.boot = 2, .known = {"bee"}});
+  pair.own_robot(ant);
+  const auto gathers = [&] { return ant.core->answers().route_table(pair.fleet.now).gathers; };
+  pair.fleet.run(Seconds(5));
+  CHECK(gathers());
+  SUBCASE("it comes") {
+    pair.fleet.start("bee", {.boot = 2});
+    pair.fleet.run(Seconds(4));
+    CHECK_FALSE(gathers());
+  }
+  SUBCASE("it does not") {
+    pair.fleet.run(Seconds(6));
+    CHECK_FALSE(gathers());
+  }
 }

@@ -22,7 +22,8 @@ void RouterCore::start(Now now, Effects& out) {
                 " at least: set it; if it was ahead before, remove state/utc");
   }
   // What was in force before this start is in force now, before the first link; each part is checked anew.
-  updates_.on_file(own.updates, now, out);
+  trust_.restore_dropped(own.dropped);
+  if (!own.updates_lost) updates_.on_file(own.updates, now, out);
   membership_.check_own(now, out);
   if (!own.boot_stored) updates_.on_stored(Kept::boot, own.boot_stored, now, out);
 }
@@ -53,12 +54,11 @@ bool RouterCore::is_relayed(const Peer& peer) const {
 }
 
 ReportersHeard RouterCore::reporters_heard() const {
-  const auto heard = [&](bool matters, std::string_view service) -> std::optional<MonotonicTime> {
-    if (!matters) return std::nullopt;  // no deadline depends on it
-    const auto holder = bus_.services().holder(service);
-    return holder ? std::optional(bus_.services().find(*holder)->last_heard) : std::nullopt;
+  const auto heard = [](bool matters, const Connection* service) {  // otherwise no deadline depends on it
+    return matters && service != nullptr ? std::optional(service->last_heard) : std::nullopt;
   };
-  return {heard(profile_.has_plugged(), kSensorBus), heard(profile_.has_robot(), kModeAdapter)};
+  const Services& services = bus_.services();
+  return {heard(profile_.has_plugged(), services.sensor_bus()), heard(profile_.has_robot(), services.mode_adapter())};
 }
 
 std::optional<MonotonicTime> RouterCore::next_deadline() const {

@@ -68,13 +68,13 @@ class RouterCore final : private LinkWatcher {
   OwnMessages messages_{node_};
   PeerTable table_;
   LinkErrors errors_{table_};
-  LocalBus bus_{node_, messages_};
+  TrustStore trust_{node_, table_, errors_};
+  LocalBus bus_{node_, messages_, trust_};
   SealBook seals_{node_, messages_, counters_};
   LaneTable lanes_{node_, table_};
   KnownAddresses known_{table_};
   LocalProfile profile_{node_, table_, messages_, errors_};
   ReachablePeers reachable_{node_, table_, messages_};
-  TrustStore trust_{node_, table_, errors_};
   Admission admission_{node_, table_, trust_};
   Invitations invitations_{node_, admission_};
   Links links_{node_, table_, messages_, seals_, errors_, bus_, trust_, *this};

@@ -1,15 +1,16 @@
 #include "services/router/core/routing.hpp"
 
-#include <algorithm>
+#include <array>
 #include <utility>
 
+#include "common/base/lookup_table.hpp"
 #include "common/security/rights.hpp"
 
 namespace trb::router {
 namespace {
 
-// Sorted: the router itself takes these.
-constexpr std::string_view kOwnSubtypes[] = {
+// The router itself takes these.
+constexpr WordIndex kOwnSubtypes(std::to_array<std::string_view>({
     EchoRequest::kSubtype,
     TrustUpdate::kSubtype,
     Goodbye::kSubtype,
@@ -30,12 +31,9 @@ constexpr std::string_view kOwnSubtypes[] = {
     ServiceHello::kSubtype,
     ServiceListRequest::kSubtype,
     SignRequest::kSubtype,
-};
-static_assert(std::is_sorted(std::begin(kOwnSubtypes), std::end(kOwnSubtypes)));
-
-template <std::size_t N>
-bool contains(const std::string_view (&words)[N], std::string_view word) {
-  return std::binary_search(std::begin(words), std::end(words), word);
+}));
+bool is_own(std::string_view subtype) {
+  return kOwnSubtypes.find(subtype) != decltype(kOwnSubtypes)::kNone;
 }
 
 Routing drop(Errc reason) {
@@ -178,13 +176,13 @@ std::optional<ConnectionId> MessageRouting::counting_service(const HeaderView& h
 
 Routing MessageRouting::to_router_or_service(const HeaderView& header) const {
   if (const auto service = counting_service(header)) return to_service(service);
-  if (contains(kOwnSubtypes, header.subtype)) return {.to = Routing::To::router};
+  if (is_own(header.subtype)) return {.to = Routing::To::router};
   const Services& services = bus_.services();
   if (const auto claimed = services.by_subtype(header.subtype)) return to_service(claimed);
   if (is_reserved(header.subtype)) return drop(Errc::no_service);
   // A request by the name of a plugged sensor means its value; commands of that name are the robot's.
   const bool value = header.type == MessageType::request && profile_.is_plugged(header.subtype);
-  return to_service(services.holder(value ? kSensorBus : "mode-adapter"));
+  return to_service(services.holder(value ? kSensorBus : kModeAdapter));
 }
 
 }  // namespace trb::router

@@ -23,7 +23,7 @@ Result<std::uint16_t> Services::welcome(ConnectionId connection, const ServiceHe
   if (member == Member::visitor) forget_visitor(hello.service);
   if (Status may = may_come(hello, member); !may) return may.error();
   const std::uint16_t slot = kept != 0 ? kept : free_slot();
-  connections_[connection] = {hello, member, slot, now, now, std::move(sent)};
+  connections_[connection] = {hello, member, slot, now, now, std::move(sent), {}};
   slots_[slot] = connection;
   if (member == Member::service) add_service(connection, hello);
   return slot;
@@ -68,6 +68,16 @@ void Services::add_service(ConnectionId connection, const ServiceHello& hello) {
   for (const std::string& subtype : std::set<std::string>(hello.hears.begin(), hello.hears.end())) {
     subscribers_[subtype].push_back(connection);
   }
+  find_reporters();
+}
+
+void Services::find_reporters() {
+  const auto connection_of = [this](std::string_view service) {
+    const auto at = services_.find(service);
+    return at == services_.end() ? nullptr : find(at->second);
+  };
+  sensor_bus_ = connection_of(kSensorBus);
+  mode_adapter_ = connection_of(kModeAdapter);
 }
 
 std::uint16_t Services::free_slot() {
@@ -86,10 +96,15 @@ void Services::forget(ConnectionId connection) {
   std::erase_if(subscribers_, [](const auto& row) { return row.second.empty(); });
   std::erase_if(services_, [&](const auto& row) { return row.second == connection; });
   connections_.erase(at);
+  find_reporters();
 }
 
 void Services::on_received(ConnectionId connection, MonotonicTime now) {
   if (const auto at = connections_.find(connection); at != connections_.end()) at->second.last_heard = now;
+}
+
+void Services::on_note(ConnectionId connection, const std::string& note) {
+  if (const auto at = connections_.find(connection); at != connections_.end()) at->second.note = note;
 }
 
 const Connection* Services::find(ConnectionId connection) const {

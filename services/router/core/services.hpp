@@ -4,6 +4,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "common/base/time.hpp"
 #include "proto/bodies/bus.hpp"
@@ -11,6 +12,9 @@
 #include "services/router/core/sent_requests.hpp"
 
 namespace trb::router {
+
+constexpr std::string_view kSensorBus = "sensor-bus";
+constexpr std::string_view kModeAdapter = "mode-adapter";
 
 /// What a connection of the bus may do.
 enum class Member : unsigned char {
@@ -26,11 +30,14 @@ struct Connection {
   MonotonicTime since;
   MonotonicTime last_heard;
   SentRequests sent{};  ///< belongs to the slot: a new connection has requested nothing
+  std::string note{};   ///< what it says of itself while it works
 };
 
 class Services {
  public:
   explicit Services(std::uint16_t first_slot) : next_slot_(first_slot) {}
+  Services(const Services&) = delete;
+  Services& operator=(const Services&) = delete;
 
   /// Takes a connection in; a service has one visitor, the last. Errors: already_claimed (the holder of the service or
   /// of a subtype is still there), queue_full, bad_value, not_permitted (an operator's service claims a subtype of the
@@ -38,10 +45,15 @@ class Services {
   Result<std::uint16_t> welcome(ConnectionId connection, const ServiceHello& hello, Member member, MonotonicTime now);
   void forget(ConnectionId connection);
   void on_received(ConnectionId connection, MonotonicTime now);
+  void on_note(ConnectionId connection, const std::string& note);
 
   [[nodiscard]] const Connection* find(ConnectionId connection) const;
   [[nodiscard]] SentRequests* sent_by(ConnectionId connection);
   [[nodiscard]] std::optional<ConnectionId> holder(std::string_view service) const;
+  /// The connections of the services that report the node's profile; nullptr: none. They are asked for at each step of
+  /// the router, so no name is looked up.
+  [[nodiscard]] const Connection* sensor_bus() const { return sensor_bus_; }
+  [[nodiscard]] const Connection* mode_adapter() const { return mode_adapter_; }
   [[nodiscard]] std::optional<ConnectionId> by_subtype(std::string_view subtype) const;
   /// The connections that want a copy of information of that subtype.
   [[nodiscard]] const std::vector<ConnectionId>& subscribers(std::string_view subtype) const;
@@ -53,6 +65,7 @@ class Services {
   [[nodiscard]] Status may_take_subtypes(const ServiceHello& hello) const;
   void forget_visitor(const std::string& name);
   void add_service(ConnectionId connection, const ServiceHello& hello);
+  void find_reporters();
   std::uint16_t free_slot();
 
   std::map<ConnectionId, Connection> connections_;
@@ -60,6 +73,8 @@ class Services {
   std::map<std::string, std::vector<ConnectionId>, std::less<>> subscribers_;
   std::map<std::string, ConnectionId, std::less<>> services_;
   std::map<std::uint16_t, ConnectionId> slots_;
+  const Connection* sensor_bus_ = nullptr;  ///< a row of connections_
+  const Connection* mode_adapter_ = nullptr;
   std::uint16_t next_slot_;
 };
 

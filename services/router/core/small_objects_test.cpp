@@ -1,6 +1,7 @@
 // The router's own messages, known addresses, this node: what each guarantees by itself.
 #include "services/router/core/known_addresses.hpp"
 #include "services/router/core/nack.hpp"
+#include "services/router/core/services.hpp"
 #include "services/router/test/test_parts.hpp"
 
 using namespace trb;
@@ -46,6 +47,25 @@ TEST_CASE("this node moves once, and says what it waits for while it is nowhere"
   CHECK(parts.node.waits_for() == "no address");
   CHECK(parts.node.move_to("10.0.0.5:45000", "ignored"));
   CHECK(parts.node.waits_for().empty());
+}
+
+TEST_CASE("who reports the profile is found by its connection, again after a new start, and not once it is gone") {
+  Services services(7);
+  const MonotonicTime now{5};
+  const ServiceHello bus{"sensor-bus", {}, 1, 0, ""}, adapter{"mode-adapter", {}, 2, 0, ""};
+  CHECK(services.sensor_bus() == nullptr);
+  REQUIRE(services.welcome(1, bus, router::Member::probe, now));
+  CHECK(services.sensor_bus() == nullptr);
+  REQUIRE(services.welcome(2, bus, router::Member::service, now));
+  REQUIRE(services.welcome(3, adapter, router::Member::service, now));
+  CHECK(services.sensor_bus() == services.find(2));
+  REQUIRE(services.welcome(2, bus, router::Member::service, now));
+  CHECK(services.sensor_bus() == services.find(2));
+  services.on_received(2, MonotonicTime{9});
+  CHECK(services.sensor_bus()->last_heard == MonotonicTime{9});
+  services.forget(2);
+  CHECK(services.sensor_bus() == nullptr);
+  CHECK(services.mode_adapter() == services.find(3));
 }
 
 TEST_CASE("a clock behind what the authority has signed does not count") {

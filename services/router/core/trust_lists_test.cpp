@@ -76,6 +76,39 @@ TEST_CASE("services hear that a node is revoked which has been silent for long")
   CHECK(ant.told("peer_expired") == 2);
 }
 
+TEST_CASE("a service hears who is revoked at its welcome and at each list, met or not, but for who is a member again") {
+  Three three;
+  TestNode& ant = three.ant;
+  const auto last_told = [&] {
+    std::string out;
+    for (const BusSend& send : ant.bus) {
+      if (send.message.subtype != RevokedNodes::kSubtype) continue;
+      out.clear();
+      const auto body = decode<RevokedNodes>(send.message.data);
+      for (const RevokedNode& one : body->nodes) out += one.id + " " + std::to_string(one.serial) + ";";
+    }
+    return out;
+  };
+  const auto welcome = [&](ConnectionId as, const char* service, std::vector<std::string> hears) {
+    Effects effects;
+    ant.bus.clear();
+    ant.core->bus().on_hello(as, {service, {}, 5, 100, "1", std::move(hears)}, service, three.fleet.now, effects);
+    three.fleet.carry_out(ant, effects);
+    return last_told();
+  };
+  CHECK(welcome(1, "scheduler", {"revoked_nodes"}).empty());
+  REQUIRE(three.tell(ant, {list_of(three.fleet.authority, 1, {"cat", "dog"}), {}}).ok());
+  CHECK(last_told() == "cat 1;dog 1;");
+  CHECK(welcome(2, "resilience", {"peer_expired"}).empty());
+  CHECK(welcome(1, "scheduler", {"revoked_nodes"}) == "cat 1;dog 1;");
+  Certificate again = of_another(three.fleet, "dog", 2);
+  again.not_after = kStartUtc + std::chrono::nanoseconds(hours(24 * 300)).count();
+  REQUIRE(three.tell(ant, {{}, {three.sign_certificate(again)}}).ok());
+  CHECK(welcome(1, "scheduler", {"revoked_nodes"}) == "cat 1;");
+  REQUIRE(three.tell(ant, {list_of(three.fleet.authority, 2, {"cat", "eel"}), {}}).ok());
+  CHECK(last_told() == "cat 1;eel 1;");
+}
+
 TEST_CASE("a revoked node that this one never met is refused at its Hello and handed the list") {
   TestFleet fleet;
   TestNode& ant = fleet.start("ant", {.beacon = false});
@@ -162,4 +195,76 @@ TEST_CASE("a list tells a clock that is behind what time it is at least") {
   fleet.carry_out(ant, effects);
   REQUIRE_FALSE(ant.stored_utc.empty());
   CHECK(ant.stored_utc.back() == UtcTime{list.issued});
+}
+
+namespace {
+
+/// A list that revokes cat until `until`; with it or without.
+SignedRecord list_with_end(const TestAuthority& authority, std::uint64_t number, std::optional<std::int64_t> until) {
+  RevocationList list;
+  list.number = number;
+  list.beacon_number = static_cast<std::uint32_t>(number + 1);
+  if (until) list.revoked.push_back({1, "cat", "stolen", kStartUtc, *until});
+  return sign_list(authority, list);
+}
+
+}  // namespace
+
+TEST_CASE("a list that lacks who is revoked and has not ended is in force, and does not let that node in again") {
+  Three three;
+  const std::int64_t end = kStartUtc + std::chrono::nanoseconds(hours(24)).count();
+  REQUIRE(three.tell(three.ant, {list_with_end(three.fleet.authority, 1, end), {}}).ok());
+  CHECK(three.ant.count("news.dropped") == 0);
+  REQUIRE(three.tell(three.ant, {list_with_end(three.fleet.authority, 2, std::nullopt), {}}).ok());
+  three.fleet.run(Seconds(20));
+  CHECK(three.ant.peer("cat") == nullptr);
+  CHECK(three.bee.peer("cat") == nullptr);
+  CHECK(three.ant.count("news.dropped") == 1);
+  CHECK(logged(three.ant, "revocations_dropped list 2 lacks 'cat' (serial 1), one of 1 that are revoked"));
+  // What is stored and told to others is the list as it was signed.
+  CHECK(three.ant.stored_updates.back().update.revocations == list_with_end(three.fleet.authority, 2, std::nullopt));
+}
+
+TEST_CASE("who has ended leaves with the list that lacks it") {
+  Three three;
+  REQUIRE(three.tell(three.ant, {list_with_end(three.fleet.authority, 1, kStartUtc - 1), {}}).ok());
+  REQUIRE(three.tell(three.ant, {list_with_end(three.fleet.authority, 2, std::nullopt), {}}).ok());
+  CHECK(three.ant.count("news.dropped") == 0);
+  CHECK_FALSE(logged(three.ant, "revocations_dropped"));
+}
+
+TEST_CASE("who has ended nobody knows when stays out, whatever list lacks it") {
+  Three three;
+  three.fleet.stop("cat");  // it hears of no list
+  REQUIRE(three.tell(three.ant, {list_with_end(three.fleet.authority, 1, 0), {}}).ok());
+  REQUIRE(three.tell(three.ant, {list_with_end(three.fleet.authority, 2, std::nullopt), {}}).ok());
+  REQUIRE(three.tell(three.ant, {list_with_end(three.fleet.authority, 3, std::nullopt), {}}).ok());
+  three.fleet.start("cat", {.boot = 2});
+  three.fleet.run(Seconds(20));
+  CHECK(three.ant.peer("cat") == nullptr);
+  CHECK(three.bee.peer("cat") == nullptr);
+  // It may well have ended: an authority of an earlier version did not say.
+  CHECK(three.ant.count("news.dropped") == 0);
+  CHECK_FALSE(logged(three.ant, "revocations_dropped"));
+}
+
+TEST_CASE("a list that says of who is revoked no less drops nobody, whatever keys it names") {
+  const std::int64_t end = kStartUtc + std::chrono::nanoseconds(hours(24)).count();
+  const Revocation named{1, "cat", "stolen", kStartUtc, end, {Bytes(kRevokedKey, 'i')}, {Bytes(kRevokedKey, 'l')}};
+  const Revocation unnamed{1, "cat", "stolen", kStartUtc};  // as an earlier version writes the list anew
+  const Revocation later{9, "cat", "stolen", kStartUtc, end, {Bytes(kRevokedKey, 'j')}, {Bytes(kRevokedKey, 'm')}};
+  for (const Revocation& next : {unnamed, later}) {
+    Three three;
+    std::uint64_t number = 0;
+    for (const Revocation& entry : {named, next}) {
+      RevocationList list;
+      list.number = ++number;
+      list.beacon_number = static_cast<std::uint32_t>(number + 1);
+      list.revoked.push_back(entry);
+      REQUIRE(three.tell(three.ant, {sign_list(three.fleet.authority, list), {}}).ok());
+    }
+    CHECK(three.ant.count("news.dropped") == 0);
+    CHECK_FALSE(logged(three.ant, "revocations_dropped"));
+    CHECK(three.ant.peer("cat") == nullptr);
+  }
 }

@@ -7,6 +7,11 @@
 
 namespace trb::router {
 
+void TrustStore::restore_dropped(std::vector<Revocation> dropped) {
+  dropped_ = std::move(dropped);
+  list_.revoked = dropped_;
+}
+
 TakenUpdate TrustStore::take(const TrustUpdate& update, Budget* checks, Now now, Effects& out) {
   TakenUpdate taken;
   const bool lists = !update.revocations.kind.empty() && update.revocations != record_;
@@ -19,7 +24,7 @@ TakenUpdate TrustStore::take(const TrustUpdate& update, Budget* checks, Now now,
       taken.refusal = good.error();
     }
   }
-  taken.list_refused = taken.refusal.has_value();
+  taken.must_be_told = taken.refusal.has_value();
   take_certificates(update, checks, now, taken, out);
   return taken;
 }
@@ -38,7 +43,10 @@ void TrustStore::take_certificates(const TrustUpdate& update, Budget* checks, No
     const Status good = take_certificate(record, now, taken, out);
     if (good) taken.fresh.certificates.push_back(record);
     taken.own_renewed = taken.own_renewed || (good && record == node_.config().certificate);
-    if (!good && !taken.refusal) taken.refusal = good.error();
+    const bool ahead = !good && good.error().code == Errc::cert_not_yet_valid;
+    if (!good && (!taken.refusal || (ahead && !taken.must_be_told))) taken.refusal = good.error();
+    // Whoever has renewed it with a clock that is ahead would take "nothing new" for good news.
+    taken.must_be_told = taken.must_be_told || ahead;
     // A sender of one forged certificate sends more: a message of 256 would cost as many checks.
     if (taken.refusal && taken.refusal->code == Errc::bad_signature) return;
   }
@@ -75,9 +83,36 @@ Status TrustStore::take_list(const SignedRecord& record, Now now, Effects& out) 
           "list " + std::to_string(list->number) + " of " + to_iso8601({list->issued}) + ": " +
               std::to_string(list->revoked.size()) + " revoked, beacon key " + std::to_string(list->beacon_number));
   out.count("news.lists");
+  keep_dropped(*list, now, out);
   record_ = record;
   list_ = std::move(*list);
   return Done{};
+}
+
+/// A list leaves out who is revoked once that certificate has ended everywhere. One that does so earlier was signed in
+/// an older copy of the authority's folder, or by a wrong clock. To refuse it would shut this node out of the fleet:
+/// the next beacon key comes with it.
+void TrustStore::keep_dropped(RevocationList& next, Now now, Effects& out) {
+  constexpr std::size_t kMost = 2000;  // as many as a list may have
+  const UtcTime utc = node_.checked_utc(now.utc);
+  const auto has_ended = [&](const Revocation& entry) { return entry.until != 0 && entry.until <= utc.ns; };
+  const auto is_early = [&](const Revocation& entry) { return entry.until > utc.ns; };
+  dropped_ = not_revoked_by(next, list_.revoked);
+  // What an earlier start kept is forgotten by no clock that may be wrong at this one.
+  if (list_.number != 0) std::erase_if(dropped_, has_ended);
+  std::stable_partition(dropped_.begin(), dropped_.end(), is_early);
+  dropped_.resize(std::min(dropped_.size(), kMost - std::min(kMost, next.revoked.size())));
+  next.revoked.insert(next.revoked.end(), dropped_.begin(), dropped_.end());
+  const auto early = std::count_if(dropped_.begin(), dropped_.end(), is_early);
+  // Who may have ended, as the list does not say, is kept all the same: that costs nothing, and is nobody's mistake.
+  if (early == 0) return;
+  out.count("news.dropped");
+  out.log(LogLevel::warning, "revocations_dropped",
+          "list " + std::to_string(next.number) + " lacks '" + dropped_.front().id + "' (serial " +
+              std::to_string(dropped_.front().serial) + "), one of " + std::to_string(early) +
+              " that are revoked and have not ended; here they stay revoked: trb fleet revoke "
+              "FLEET_DIR " +
+              dropped_.front().id + " --via NODE_DIR, in the folder that revoked it");
 }
 
 Status TrustStore::take_certificate(const SignedRecord& record, Now now, TakenUpdate& taken, Effects& out) {
@@ -199,6 +234,21 @@ void TrustStore::drop_revoked() {
   });
 }
 
+RevokedNodes TrustStore::revoked_nodes() const {
+  std::map<std::string, std::uint64_t> serials;
+  for (const Revocation& entry : list_.revoked) {
+    const auto peer = table_.peers().find(entry.id);
+    const bool is_member = peer != table_.peers().end() && find_revoked(peer->second.certificate) == nullptr;
+    const bool is_own = entry.id == node_.id() && own_revocation() == nullptr;
+    if (is_member || is_own || renewed_.contains(entry.id)) continue;
+    std::uint64_t& serial = serials[entry.id];
+    serial = std::max(serial, entry.serial);
+  }
+  RevokedNodes out;
+  for (const auto& [id, serial] : serials) out.nodes.push_back({id, serial});
+  return out;
+}
+
 TrustUpdate TrustStore::all() const {
   TrustUpdate update{record_, {}};
   for (const auto& [id, record] : renewed_) {
@@ -209,7 +259,7 @@ TrustUpdate TrustStore::all() const {
 }
 
 StoreUpdate TrustStore::to_store(Effects& out) const {
-  StoreUpdate store{all(), list_.beacon_number, {}};
+  StoreUpdate store{all(), list_.beacon_number, {}, dropped_};
   for (const SealedKey& sealed : list_.beacon_keys) {
     if (sealed.id == node_.id()) store.beacon_box = sealed.box.bytes;
   }

@@ -20,7 +20,7 @@ struct TakenUpdate {
   bool known = false;                        ///< part of it was known already
   bool own_renewed = false;                  ///< this node has another certificate now
   std::vector<std::string> relay_changed{};  ///< who may relay now and might not before, or the reverse; also this node
-  bool list_refused = false;                 ///< reported even if other parts were known or new
+  bool must_be_told = false;                 ///< of a list, or a clock: reported even if other parts were known or new
   std::optional<Error> refusal;              ///< the first
   [[nodiscard]] bool is_empty() const { return fresh.revocations.kind.empty() && fresh.certificates.empty(); }
 };
@@ -36,10 +36,14 @@ struct TakenUpdate {
 /// any           | a forged one, of another fleet (invalid)         | bad_signature, foreign_fleet
 ///
 /// list          | a higher number                                  | in force, whatever the clock says
+/// list          | one that lacks who is revoked, and has not ended | that stays revoked, also after a restart
 /// list          | a lower number, or a second list of one (invalid)| downgraded, conflict
 class TrustStore {
  public:
   TrustStore(LocalNode& node, PeerTable& table, LinkErrors& errors) : node_(node), table_(table), errors_(errors) {}
+
+  /// What the last start had to know beside its list; before anything is taken.
+  void restore_dropped(std::vector<Revocation> dropped);
 
   /// Takes what is new. `checks`: how many signatures the sender may cause to be checked; nullptr: any number.
   TakenUpdate take(const TrustUpdate& update, Budget* checks, Now now, Effects& out);
@@ -57,6 +61,8 @@ class TrustStore {
     return find_revocation(list_, certificate);
   }
   [[nodiscard]] const Revocation* own_revocation() const { return find_revoked(node_.config().own); }
+  /// Who is revoked, and up to which certificate; but for those of whom this node knows one that is not.
+  [[nodiscard]] RevokedNodes revoked_nodes() const;
   [[nodiscard]] std::uint64_t list_number() const { return list_.number; }
 
   /// Keeps the key of a certificate that is revoked, as far as this node has met it: unless a member has that key.
@@ -85,6 +91,7 @@ class TrustStore {
   [[nodiscard]] Result<Certificate> open_known(const SignedRecord& record, std::string_view holder) const;
   void take_certificates(const TrustUpdate& update, Budget* checks, Now now, TakenUpdate& taken, Effects& out);
   Status take_list(const SignedRecord& record, Now now, Effects& out);
+  void keep_dropped(RevocationList& next, Now now, Effects& out);
   Status take_certificate(const SignedRecord& record, Now now, TakenUpdate& taken, Effects& out);
   [[nodiscard]] Status check_own(const Certificate& certificate) const;
   Status keep(const SignedRecord& record, const Certificate& certificate, TakenUpdate& taken);
@@ -93,8 +100,9 @@ class TrustStore {
   LocalNode& node_;
   PeerTable& table_;
   LinkErrors& errors_;
-  SignedRecord record_;  ///< the newest list; its kind is empty if there is none
-  RevocationList list_;
+  SignedRecord record_;                          ///< the newest list; its kind is empty if there is none
+  RevocationList list_;                          ///< its content, and what it dropped too early
+  std::vector<Revocation> dropped_;              ///< of these what it dropped
   std::map<std::string, SignedRecord> renewed_;  ///< of others, by id: newer than what they present themselves
   std::map<Bytes, Certificate, std::less<>> revoked_keys_;
 };

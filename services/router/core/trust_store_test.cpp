@@ -9,12 +9,14 @@ using namespace trb::router;
 namespace {
 
 struct Store : Parts {
-  [[nodiscard]] SignedRecord list(std::uint64_t number, const std::vector<std::string>& out_of_it) const {
+  /// It says that they have ended, so that the next one may lack them.
+  [[nodiscard]] SignedRecord list(std::uint64_t number, const std::vector<std::string>& out_of_it,
+                                  std::int64_t until = kStartUtc) const {
     RevocationList made;
     made.fleet = {authority.fleet.id()};
     made.number = number;
     made.issued = kStartUtc;
-    for (const std::string& id : out_of_it) made.revoked.push_back({1, id, "stolen", kStartUtc});
+    for (const std::string& id : out_of_it) made.revoked.push_back({1, id, "stolen", kStartUtc, until});
     return sign(kSignedRevocations, "", authority.fleet.id(), encode(made), authority.key);
   }
   /// The same keys, signed again.
@@ -64,11 +66,32 @@ TEST_CASE("given a list that revokes a member, then it is none, its key is refus
   store.trust.remember_presented(store.bee.record, store.bee.link.public_key);
   CHECK(store.trust.refuse_revoked_key(store.bee.link.public_key, store.now, store.out));
   const TakenUpdate old = store.trust.take({store.list(1, {}), {}}, nullptr, store.now, store.out);
-  CHECK(old.list_refused);
+  CHECK(old.must_be_told);
   CHECK(store.trust.list_number() == 2);
   store.trust.take({store.list(3, {}), {}}, nullptr, store.now, store.out);
   store.trust.drop_revoked();
   CHECK_FALSE(store.trust.is_revoked_key(store.bee.link.public_key));
+}
+
+TEST_CASE("given a list that lacks who has not ended, then the next start keeps that node out, by whatever clock") {
+  Store store;
+  const std::int64_t end = kStartUtc + std::chrono::nanoseconds(std::chrono::hours(1)).count();
+  store.trust.take({store.list(1, {"bee"}, end), {}}, nullptr, store.now, store.out);
+  store.trust.take({store.list(2, {}), {}}, nullptr, store.now, store.out);
+  const StoreUpdate stored = store.trust.to_store(store.out);
+  REQUIRE(stored.dropped.size() == 1);
+  for (const std::int64_t ahead : {0, 2}) {
+    const Now then{store.now.mono, store.now.utc + std::chrono::hours(ahead)};
+    TrustStore next{store.node, store.table, store.errors};
+    next.restore_dropped(stored.dropped);
+    next.take(stored.update, nullptr, then, store.out);
+    CHECK(next.list_number() == 2);
+    CHECK_FALSE(next.open_member(store.bee.record, store.now, store.out));
+    CHECK(next.to_store(store.out).dropped == stored.dropped);
+    // The next list is the first one that this start has seen come.
+    next.take({store.list(3, {}), {}}, nullptr, then, store.out);
+    CHECK(next.to_store(store.out).dropped.empty() == (ahead != 0));
+  }
 }
 
 TEST_CASE(

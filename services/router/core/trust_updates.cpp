@@ -6,6 +6,9 @@
 namespace trb::router {
 
 Result<std::string> TrustUpdates::on_update(const TrustUpdate& update, LinkId from, Now now, Effects& out) {
+  // Whatever comes may be older than what was stored, and would take its place.
+  if (const auto& lost = node_.config().updates_lost)
+    return fail(Errc::io_error, "what was signed before is not known: " + lost->what, lost->hint);
   const Link* link = table_.link(from);
   Peer* teller = link == nullptr ? nullptr : table_.find(link->peer);
   TakenUpdate taken = trust_.take(update, teller == nullptr ? nullptr : &teller->update_checks, now, out);
@@ -14,16 +17,19 @@ Result<std::string> TrustUpdates::on_update(const TrustUpdate& update, LinkId fr
     unstored_.add(Kept::certificate);
   }
   if (taken.is_empty()) {
-    if (taken.refusal && (taken.list_refused || !taken.known)) return *taken.refusal;
+    if (taken.refusal && (taken.must_be_told || !taken.known)) return *taken.refusal;
     return std::string("nothing new");
   }
   store(out);
   const std::size_t others = pass_on(taken.fresh, from, out);
   const bool list = !taken.fresh.revocations.kind.empty();
-  if (list) membership_.apply_revocations(now, out);
+  if (list) {
+    membership_.apply_revocations(now, out);
+    bus_.notify(trust_.revoked_nodes(), out);
+  }
   membership_.check_own(now, out);
   for (const std::string& id : taken.relay_changed) membership_.on_relay_right(id, now, out);
-  if (taken.list_refused) return *taken.refusal;
+  if (taken.must_be_told) return *taken.refusal;
   return (list ? "list " + std::to_string(trust_.list_number()) + ", " : std::string()) +
          std::to_string(taken.fresh.certificates.size()) + " renewed certificates, told to " + std::to_string(others) +
          " nodes";
@@ -37,6 +43,7 @@ void TrustUpdates::on_file(const TrustUpdate& update, Now now, Effects& out) {
 
 void TrustUpdates::on_brought(const std::string& path, const Result<TrustUpdate>& read, Now now, Effects& out) {
   refused_files_.erase(path);
+  if (node_.config().updates_lost) return;  // the next start reads it
   const auto taken = read ? on_update(*read, 0, now, out) : Result<std::string>(read.error());
   if (taken || taken.error().code == Errc::downgraded) return;
   refuse(path, taken.error(), out);

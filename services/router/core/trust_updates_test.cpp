@@ -61,6 +61,26 @@ TEST_CASE("that a list is refused is told, whatever came with it") {
   CHECK(three.ant.peer("bee")->certificate.serial == 6);
 }
 
+TEST_CASE("that a renewal begins later than now is told, whatever came with it: the authority's clock is ahead") {
+  Three three;
+  const SignedRecord known = three.sign_certificate(three.renewed("cat", 5));
+  REQUIRE(three.tell(three.ant, {{}, {known}}).ok());
+  Certificate ahead = three.renewed("bee", 6);
+  ahead.not_before = three.fleet.now.utc.ns + 86'400'000'000'000;
+  const SignedRecord early = three.sign_certificate(ahead);
+  const auto told = three.tell(three.ant, {{}, {known, early}});
+  REQUIRE_FALSE(told.ok());
+  CHECK(told.error().code == Errc::cert_not_yet_valid);
+  CHECK(told.error().what.find("certificate of 'bee' is valid from ") == 0);
+  CHECK(told.error().hint.find("if the authority's is ahead") != std::string::npos);
+  const SignedRecord old = three.sign_certificate(three.renewed("cat", 0));
+  CHECK(three.code(three.ant, {{}, {old, early}}) == Errc::cert_not_yet_valid);
+  // What is good of it is in force all the same.
+  CHECK(three.code(three.ant, {list_of(three.fleet.authority, 1, {"dog"}), {early}}) == Errc::cert_not_yet_valid);
+  CHECK(three.ant.count("news.lists") == 1);
+  CHECK(three.ant.peer("bee")->certificate.serial == 1);
+}
+
 TEST_CASE("of a message with a forged certificate nothing behind it is looked at") {
   Three three;
   SignedRecord forged = three.sign_certificate(three.renewed("bee", 8));

@@ -10,6 +10,10 @@ namespace {
 
 /// What a lossy frame costs of the turn: a flood of them ends it after eight.
 constexpr std::uint64_t kLossyCounts = 32;
+/// A connection is asked for its hello once in this time: a burst of a service that does not know yet that its router
+/// was started anew wants one answer.
+constexpr Duration kAskAgain = std::chrono::milliseconds(100);
+constexpr std::size_t kMostAsked = 256;  ///< that are remembered
 
 }  // namespace
 
@@ -49,7 +53,7 @@ Status BusSockets::open_tcp() {
 }
 
 void BusSockets::add_server(const std::string& key, Socket socket, const std::string& name) {
-  auto& server = servers_[key] = std::make_unique<Server>(Server{std::move(socket), name, {}});
+  auto& server = servers_[key] = std::make_unique<Server>(Server{std::move(socket), name, {}, {}});
   shell_.loop().add_socket(
       server->socket.handle(), [this, at = server.get()] { drain(*at); }, server->socket.unseen());
 }
@@ -195,6 +199,11 @@ bool BusSockets::is_gone(ConnectionId connection) {
 }
 
 void BusSockets::request_hello(Server& server, BytesView routing_id) {
+  const MonotonicTime now = read_clocks().mono;
+  const auto before = server.asked.find(routing_id);
+  if (before != server.asked.end() && now - before->second < kAskAgain) return;
+  std::erase_if(server.asked, [&](const auto& one) { return now - one.second >= kAskAgain; });
+  if (server.asked.size() < kMostAsked) server.asked.emplace(routing_id, now);
   Message message;
   message.type = MessageType::information;
   message.subtype = HelloWanted::kSubtype;

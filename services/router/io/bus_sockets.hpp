@@ -40,6 +40,7 @@ class BusSockets {
     Socket socket;
     std::string name;  ///< the service it proves; empty: the key does
     std::map<Bytes, ConnectionId, std::less<>> connections;
+    std::map<Bytes, MonotonicTime, std::less<>> asked;  ///< for their hello, not long ago
   };
   struct Connection {
     Server* server = nullptr;

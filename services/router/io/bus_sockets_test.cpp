@@ -31,6 +31,29 @@ TEST_CASE("a client that has not said Hello is asked for it, and known afterward
   CHECK(parts.core.bus().knows(1));
 }
 
+TEST_CASE("a burst of a client that is not known is answered by one request for its hello, another client by its own") {
+  ShellParts parts;
+  REQUIRE(parts.bus.open().ok());
+  BusClient first(parts, "probe");
+  for (int i = 0; i < 100; ++i) first.send("service_list", "");
+  BusClient second(parts, "probe");
+  second.send("service_list", "");
+  std::string answer;
+  REQUIRE(parts.turn_until([&] { return !(answer = second.receive()).empty(); }));
+  CHECK(answer == "hello_wanted");
+  // Behind all of the burst
+  first.send("service_hello", hello("probe"));
+  REQUIRE(parts.turn_until([&] { return parts.core.bus().knows(1); }));
+  int asked = 0;
+  CHECK(parts.bus.send(1, to_frame("the last")) == SendResult::sent);
+  REQUIRE(parts.turn_until([&] {
+    answer = first.receive();
+    asked += answer == "hello_wanted" ? 1 : 0;
+    return answer == "malformed";
+  }));
+  CHECK(asked < 50);
+}
+
 TEST_CASE("a frame to a known connection arrives; to one that has gone it is unroutable, and the core forgets it") {
   ShellParts parts;
   REQUIRE(parts.bus.open().ok());

@@ -6,6 +6,7 @@
 
 #include "common/base/disk_state.hpp"
 #include "common/security/keys.hpp"
+#include "common/security/stored_updates.hpp"
 #include "common/transport/signals.hpp"
 #include "services/router/core/metrics_text.hpp"
 #include "services/router/io/own_frame.hpp"
@@ -40,9 +41,10 @@ RouterShell::RouterShell(RouterConfig config, const ShellOptions& options)
 
 RouterConfig RouterShell::with_ports(RouterConfig config) const {
   config.random = random_u64;
-  config.disk_room = [dir = std::filesystem::current_path().string()]() -> Status {
+  config.machine_note = [this, dir = std::filesystem::current_path().string()] {
     const auto disk = disk_state(dir);
-    return disk ? takes_more(*disk, dir) : Status(Done{});
+    const std::string room = disk ? note_of_room(*disk, dir) : "";
+    return room + (room.empty() || no_metrics_.empty() ? "" : "; ") + no_metrics_;
   };
   config.has_room = [this](LinkId link, std::size_t bytes) { return links_.has_room(link, bytes); };
   return config;
@@ -50,11 +52,14 @@ RouterConfig RouterShell::with_ports(RouterConfig config) const {
 
 Status RouterShell::open() {
   if (Status bus = bus_.open(); !bus) return bus;
-  // To stop the robot there must be a router, whether or not it is watched.
+  if (Status address = address_.open(); !address) return address;
+  // To stop the robot there must be a router, whether or not it is watched: last, so that it takes no port of the
+  // router's.
   if (const Status metrics = metrics_at_ ? metrics_.open(*metrics_at_) : Done{}; !metrics) {
     log_event(Level::error, "no_metrics", metrics.error().text());
+    no_metrics_ = "no metrics, and Prometheus takes the node for gone: " + metrics.error().text();
   }
-  return address_.open();
+  return Done{};
 }
 
 std::string RouterShell::metrics() {
@@ -68,6 +73,7 @@ std::string RouterShell::metrics() {
   if (const auto own = decode<Certificate>(is.own.certificate.payload.bytes)) {
     is.certificate_ends_s = own->not_after / 1'000'000'000;
   }
+  if (const auto disk = disk_state(".")) is.disk_free_bytes = disk->free_bytes;
   is.counters = core_.counters().table(core_.config().id, "router");
   return metrics_text(is);
 }
@@ -79,6 +85,19 @@ bool RouterShell::admit(BytesView domain, BytesView key) {
       domain == kLaneDomain ? core_.lanes().admit(key, effects) : core_.admission().admit(key, read_clocks(), effects);
   carry_out(effects);
   return good;
+}
+
+/// A start reads what has been mended meanwhile.
+void RouterShell::watch_lost_updates(int& status) {
+  if (!core_.config().updates_lost) return;
+  shell_.loop().add_timer([this] { return std::optional(look_again_); },
+                          [this, &status](Now now) {
+                            look_again_ = now.mono + std::chrono::seconds(1);
+                            if (!read_stored_updates(".", core_.config().authority)) return;
+                            log_event(Level::info, "revocations_known", "it starts again, and reads them");
+                            status = kStartAgain;
+                            shell_.loop().stop();
+                          });
 }
 
 int RouterShell::run() {
@@ -95,6 +114,7 @@ int RouterShell::run() {
   address_.notify();
   files_.watch_keys();
   seals_.watch();
+  watch_lost_updates(status);
   loop.add_timer([this] { return core_.next_deadline(); },
                  [this](Now now) {
                    Effects due;

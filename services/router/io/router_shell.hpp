@@ -50,8 +50,10 @@ class RouterShell {
   void report_unsent();
   /// At what some of the connections send without completing it.
   void look(Now now);
+  void watch_lost_updates(int& status);
   [[nodiscard]] std::string metrics();
 
+  std::string no_metrics_;  ///< why nobody can ask for them; for people
   RouterCore core_;
   ShellContext shell_;
   Tap tap_;
@@ -74,6 +76,7 @@ class RouterShell {
   MetricsPort metrics_;
   MemoryReturn memory_;
   LookRound round_;
+  MonotonicTime look_again_;  ///< whether what the authority has signed can be read now
 };
 
 }  // namespace trb::router

@@ -14,6 +14,7 @@
 #include "common/log/log.hpp"
 #include "common/security/bus_keys.hpp"
 #include "common/security/node_keys.hpp"
+#include "common/security/stored_updates.hpp"
 #include "common/service/version.hpp"
 #include "common/transport/loop.hpp"
 #include "common/transport/signals.hpp"
@@ -28,6 +29,7 @@ constexpr const char* kRaise = "raise the limit (LimitNOFILE= of its systemd uni
 
 std::uint64_t stored_number(const std::string& path) {
   auto text = read_file(path, 64);
+  if (!text && text.error().code != Errc::missing) log_event(Level::warning, "not_read", text.error().text());
   return text ? std::strtoull(text->c_str(), nullptr, 10) : 0;
 }
 
@@ -61,12 +63,23 @@ std::vector<SeedAddress> read_known() {
   return out;
 }
 
-/// What the authority had signed before this start; empty if there is none. If the file is damaged, a peer sends it
-/// again.
-TrustUpdate stored_update() {
-  auto bytes = read_file("state/news");
-  auto update = bytes ? decode<TrustUpdate>(*bytes) : Result<TrustUpdate>(bytes.error());
-  return update ? std::move(*update) : TrustUpdate{};
+/// What the authority had signed before this start. Damaged or unreadable, it must not count as nothing: who was
+/// revoked would be a member again, until a peer comes who knows better.
+void restore_updates(RouterConfig& config) {
+  auto stored = read_stored_updates(".", config.authority);
+  if (!stored) {
+    config.updates_lost = stored.error();
+    return;
+  }
+  if (stored->damaged) log_event(Level::warning, "copy_used", stored->damaged->text() + "; its copy is in force");
+  config.updates = std::move(stored->update);
+}
+
+/// Whom that list lacked, and who stays revoked all the same.
+std::vector<Revocation> stored_dropped() {
+  auto bytes = read_file(kDroppedFile);
+  auto list = bytes ? decode<RevocationList>(*bytes) : Result<RevocationList>(bytes.error());
+  return list ? std::move(list->revoked) : std::vector<Revocation>{};
 }
 
 RouterConfig make_config(const NodeConfig& node, const NodeKeys& keys, std::uint64_t boot) {
@@ -101,7 +114,8 @@ RouterConfig restored_config(const NodeConfig& node, const NodeKeys& keys) {
   RouterConfig config = make_config(node, keys, boot);
   config.boot_stored = write_boot(boot);
   config.utc_bound = bound;
-  config.updates = stored_update();
+  config.dropped = stored_dropped();
+  restore_updates(config);
   return config;
 }
 
@@ -161,6 +175,7 @@ Status enter_folder(const std::string& dir) {
   for (const char* folder : {"log", "state"}) {
     if (Status made = make_private_dir(folder); !made) return made;
   }
+  for (const char* folder : {".", "keys", "keys/bus", "state"}) remove_unfinished_files(folder);
   return Done{};
 }
 

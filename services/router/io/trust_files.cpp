@@ -5,6 +5,7 @@
 #include "common/base/files.hpp"
 #include "common/security/certificate_file.hpp"
 #include "common/security/revocations.hpp"
+#include "common/security/stored_updates.hpp"
 #include "proto/body.hpp"
 
 namespace trb::router {
@@ -25,11 +26,14 @@ Result<TrustUpdate> readable(Result<TrustUpdate> read, const std::string& path) 
               "let the node's user read it: chmod a+r " + std::filesystem::absolute(path).string());
 }
 
-Status store_update_file(const TrustUpdate& update) {
-  const Bytes bytes = encode(update);
-  // At each start the update is read from this very file.
-  if (const auto there = read_file("state/news"); there && *there == bytes) return Done{};
-  return write_file("state/news", bytes);
+/// Before the list that lacks them: whoever is interrupted between the two forgets nobody.
+Status store_dropped_file(const std::vector<Revocation>& dropped) {
+  if (dropped.empty() && !file_exists(kDroppedFile)) return Done{};
+  RevocationList list;
+  list.revoked = dropped;
+  const Bytes bytes = encode(list);
+  if (const auto there = read_file(kDroppedFile); there && *there == bytes) return Done{};
+  return write_file(kDroppedFile, bytes);
 }
 
 Status store_certificate_file(const std::string& path, const SignedRecord& record) {
@@ -55,7 +59,9 @@ TrustFiles::TrustFiles(ShellContext& shell, BeaconChannel& beacons, LinkKey own)
     : shell_(shell), beacons_(beacons), own_(std::move(own)) {}
 
 void TrustFiles::store(const StoreUpdate& store) {
-  stored(Kept::update, in_full(store_update_file(store.update), "state"));
+  Status done = store_dropped_file(store.dropped);
+  if (done) done = write_stored_updates(".", store.update);
+  stored(Kept::update, in_full(done, "state"));
   if (!store.beacon_box.empty() && store.beacon_number > beacons_.key_number()) take_beacon_key(store);
 }
 

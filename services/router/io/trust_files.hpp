@@ -1,5 +1,5 @@
-// What the authority has signed, on disk: state/news, state/utc, state/boot, state/peers, keys/certificate.json,
-// keys/news.json.
+// What the authority has signed, on disk: state/news with its copy, state/dropped, state/utc, state/boot, state/peers,
+// keys/certificate.json, keys/news.json.
 #pragma once
 
 #include <functional>
@@ -13,6 +13,8 @@
 
 namespace trb::router {
 
+/// Those that the list in state/news lacks, and that stay revoked, as a RevocationList; nobody has signed it.
+constexpr const char* kDroppedFile = "state/dropped";
 constexpr const char* kBootFile = "state/boot";
 /// Errors: io_error, with a cure.
 Status write_boot(std::uint64_t boot);

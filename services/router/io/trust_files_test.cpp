@@ -36,12 +36,25 @@ TEST_CASE("a trust update is written whole, and again only if it is another one"
   const TrustUpdate update{list_of(parts.ant.authority, 1, {"bee"}), {}};
   parts.files.store(StoreUpdate{update, 0, ""});
   CHECK(*read_file("state/news") == encode(update));
+  CHECK(*read_file("state/news.copy") == encode(update));
   // A file is written beside the old one, and takes its place.
   const ino_t written = inode_of("state/news");
   parts.files.store(StoreUpdate{update, 0, ""});
   CHECK(inode_of("state/news") == written);
   parts.files.store(StoreUpdate{{list_of(parts.ant.authority, 2, {"bee"}), {}}, 0, ""});
   CHECK(inode_of("state/news") != written);
+}
+
+TEST_CASE("whom a list lacks too early is on disk, until none is") {
+  ShellParts parts;
+  const TrustUpdate update{list_of(parts.ant.authority, 2, {}), {}};
+  parts.files.store(StoreUpdate{update, 0, ""});
+  CHECK_FALSE(file_exists(kDroppedFile));
+  const Revocation bee{1, "bee", "stolen", kStartUtc, kStartUtc + 1};
+  parts.files.store(StoreUpdate{update, 0, "", {bee}});
+  CHECK(decode<RevocationList>(*read_file(kDroppedFile))->revoked == std::vector{bee});
+  parts.files.store(StoreUpdate{update, 0, ""});
+  CHECK(decode<RevocationList>(*read_file(kDroppedFile))->revoked.empty());
 }
 
 TEST_CASE("a beacon key that this node cannot open leaves the old one in use") {

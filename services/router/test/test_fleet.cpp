@@ -59,6 +59,7 @@ RouterConfig TestFleet::config_of(const std::string& id, const Options& options)
   config.address = address(id);
   config.boot = options.boot;
   if (options.disk_full) config.boot_stored = no_room();
+  config.updates_lost = options.updates_lost;
   config.random = [this] { return next_random(); };
   config.beacon = options.beacon;
   config.seal_before_delivery = options.seal_before_delivery;

@@ -6,6 +6,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -94,7 +95,8 @@ class TestFleet {
     bool lane = true;
     Role role = Role::robot;
     bool seal_before_delivery = false;
-    Duration clock_off{};  ///< the error of the node's UTC clock
+    std::optional<Error> updates_lost{};  ///< it cannot read what the authority has signed
+    Duration clock_off{};                 ///< the error of the node's UTC clock
   };
 
   TestNode& start(const std::string& id, const Options& options);

@@ -26,9 +26,9 @@ struct Parts {
   OwnMessages messages{node};
   PeerTable table{node.config()};
   LinkErrors errors{table};
-  LocalBus bus{node, messages};
-  SealBook seals{node, messages, counters};
   TrustStore trust{node, table, errors};
+  LocalBus bus{node, messages, trust};
+  SealBook seals{node, messages, counters};
   Watcher watcher;
   Links links{node, table, messages, seals, errors, bus, trust, watcher};
   Effects out;

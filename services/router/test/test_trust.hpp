@@ -14,13 +14,14 @@ inline SignedRecord sign_list(const TestAuthority& authority, RevocationList lis
   return sign(kSignedRevocations, "", authority.fleet.id(), encode(list), authority.key);
 }
 
-/// List `number`: revokes these ids up to serial 1; the beacon key's box is for the named nodes.
+/// List `number`: revokes these ids up to serial 1, which it says to have ended, so that the next list may lack them;
+/// the beacon key's box is for the named nodes.
 inline SignedRecord list_of(const TestAuthority& authority, std::uint64_t number,
                             const std::vector<std::string>& out_ids, const std::vector<std::string>& staying = {}) {
   RevocationList list;
   list.number = number;
   list.beacon_number = static_cast<std::uint32_t>(number + 1);
-  for (const std::string& id : out_ids) list.revoked.push_back({1, id, "stolen", kStartUtc});
+  for (const std::string& id : out_ids) list.revoked.push_back({1, id, "stolen", kStartUtc, kStartUtc});
   for (const std::string& id : staying) list.beacon_keys.push_back({id, {Bytes(80, 'b')}});
   return sign_list(authority, list);
 }

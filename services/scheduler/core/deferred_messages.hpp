@@ -2,6 +2,7 @@
 // has the most gives way, so that nobody takes the others' places.
 #pragma once
 
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <vector>
@@ -22,6 +23,13 @@ class DeferredMessages {
   std::optional<Inbound> add(const std::string& run, const Inbound& message, MonotonicTime now);
   /// True if `source` has a message waiting for that run: only then was the definition requested from it.
   [[nodiscard]] bool waits(const std::string& run, const std::string& source) const;
+  /// One of those that `source` has waiting for that run matches.
+  template <class Match>
+  [[nodiscard]] bool any(const std::string& run, const std::string& source, const Match& match) const {
+    return std::ranges::any_of(entries_, [&](const Entry& entry) {
+      return entry.run == run && entry.message.source == source && match(entry.message.body);
+    });
+  }
   /// Takes out all messages of a run, in order of arrival.
   std::vector<Inbound> take(const std::string& run);
   /// Takes out what `source` sent for a run: its definition was wrong.

@@ -22,20 +22,33 @@ void add_choice(const Run& run, TaskIndex task, std::vector<SignedRecord>& choic
   if (is_new) choices.push_back(held->record);
 }
 
-/// As many of the tasks as fit. `proof_of`: the results to send of a task.
+/// Adds what is held of a task; false: it does not fit any more.
+bool add_task(const Run& run, TaskIndex task, const std::vector<const HeldResult*>& proof, std::size_t& size,
+              Results& out) {
+  const HeldChoice* choice = run.facts().choice_on(task);
+  if (proof.empty() && choice == nullptr) return true;
+  for (const HeldResult* held : proof) size += size_of(held->record);
+  if (choice != nullptr) size += size_of(choice->record);
+  const bool fits = size <= kMaxPacked && out.results.size() + proof.size() <= kMaxTasks;
+  if (!fits && !(out.results.empty() && out.choices.empty())) return false;
+  for (const HeldResult* held : proof) out.results.push_back(held->record);
+  add_choice(run, task, out.choices);
+  return true;
+}
+
+/// As many of the tasks as fit, those with results first: an answer without any says that there is no other.
+/// `proof_of`: the results to send of a task.
 template <class ProofOf>
 Results pack(const Run& run, const std::vector<TaskIndex>& tasks, const ProofOf& proof_of) {
   Results out{run.id(), {}, {}};
   std::size_t size = 0;
-  for (const TaskIndex task : std::set<TaskIndex>(tasks.begin(), tasks.end())) {
-    const std::vector<const HeldResult*> proof = proof_of(task);
-    if (proof.empty()) continue;
-    for (const HeldResult* held : proof) size += size_of(held->record);
-    if (const HeldChoice* choice = run.facts().choice_on(task)) size += size_of(choice->record);
-    const bool fits = size <= kMaxPacked && out.results.size() + proof.size() <= kMaxTasks;
-    if (!fits && !out.results.empty()) break;
-    for (const HeldResult* held : proof) out.results.push_back(held->record);
-    add_choice(run, task, out.choices);
+  const std::set<TaskIndex> in_order(tasks.begin(), tasks.end());
+  for (const bool with_result : {true, false}) {
+    for (const TaskIndex task : in_order) {
+      const std::vector<const HeldResult*> proof = proof_of(task);
+      if (proof.empty() == with_result) continue;
+      if (!add_task(run, task, proof, size, out)) return out;
+    }
   }
   return out;
 }
@@ -86,6 +99,17 @@ void send(const Run& run, const PendingDelivery& delivery, Step step) {
   }
 }
 
+/// What all members hold of a run that its judge, this node, has learned of from one of them.
+void ask_members(Run& run, Step step) {
+  for (Recovery::Question& asks : run.recovery().take_due(run.silent_members(), run.tasks().size(), step.now.mono)) {
+    if (asks.decisions) {
+      step.out.request(asks.member, NeedDefinition{run.id(), run.definition().start().digest, false, true});
+    } else {
+      step.out.request(asks.member, NeedResults{run.id(), std::move(asks.tasks)});
+    }
+  }
+}
+
 /// A robot may have died for good between its result and the pass. A baton that comes twice does no harm.
 void pass_overdue(Run& run, Step step) {
   for (const TaskIndex task : run.work().timers().take_due_passes(step.now.mono, step.now.mono + kPassAgain)) {
@@ -104,10 +128,12 @@ Results pack_results(const Run& run, const std::vector<TaskIndex>& tasks) {
 }
 
 void send_due(Run& run, Step step) {
-  pass_overdue(run, step);
+  const bool recovers = run.is_recovering();
+  if (!recovers) pass_overdue(run, step);
   for (const PendingDelivery& delivery : run.deliveries().pending().take_due(step.now.mono)) {
-    send(run, delivery, step);
+    if (!recovers || delivery.kind != DeliveryKind::baton) send(run, delivery, step);
   }
+  if (recovers) return ask_members(run, step);
   for (auto& [giver, tasks] : run.work().awaited().take_due_results(step.now.mono)) {
     step.out.request(giver, NeedResults{run.id(), std::move(tasks)});
   }

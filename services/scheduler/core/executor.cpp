@@ -6,6 +6,7 @@
 #include "proto/body.hpp"
 #include "proto/value.hpp"
 #include "services/scheduler/core/after_failure.hpp"
+#include "services/scheduler/core/obstacle.hpp"
 #include "services/scheduler/core/run/signature.hpp"
 
 namespace trb::scheduler {
@@ -31,23 +32,7 @@ bool passes(const std::string& code) {
 
 std::string Executor::obstacle(const std::string& skill) const {
   if (!adapter_) return "its mode-adapter has not reported yet";
-  if (adapter_->robot != "ONLINE") return "the robot is " + (adapter_->robot.empty() ? "not there" : adapter_->robot);
-  if (adapter_->fenced) return "the robot is stopped until 'release'";
-  if (!adapter_->control.empty()) {
-    return "the robot is controlled by '" + adapter_->control + "', until 10 s after its last command";
-  }
-  if (adapter_->busy) return "the robot is busy";
-  const SkillUse* use = find_skill(skill);
-  for (const OutOfUse& one : adapter_->out_of_use) {
-    const std::string by = one.by.empty() ? "" : " (" + one.by + ")";
-    if (one.retired) return "the robot is out of service: " + one.text + by + "; trb robot return takes it back";
-    const bool all = one.capability.empty();
-    if (!all && (use == nullptr || use->capability != one.capability)) continue;
-    return (all ? "the robot" : "its '" + one.capability + "'") +
-           " is out of use: " + std::string(name_of(one.severity)) + ": " + one.text + by +
-           "; once it is mended: trb robot repaired";
-  }
-  return {};
+  return obstacle_of(*adapter_, skill);
 }
 
 std::string Executor::obstacle() const {

@@ -54,12 +54,19 @@ struct JournalChoice {
   }
 };
 
-/// Another node has journaled what this node owed it.
+/// Of JournalDelivered: this node learned of the run from a member, and asks all of them what they hold of it; a member
+/// has told all (if it is this node: nobody needs to be asked); the submitter says that it is new. Earlier versions
+/// ignore them.
+inline constexpr std::string_view kRecovers = "recovers";
+inline constexpr std::string_view kHasTold = "has_told";
+inline constexpr std::string_view kFirstPass = "first_pass";
+
+/// Another node has journaled what this node owed it, or told it all that it holds.
 struct JournalDelivered {
   static constexpr std::string_view kKind = "journal_delivered";
   std::string run;
   std::string to;
-  std::string what;  ///< "baton", "results", "abort", "decision", "pause"
+  std::string what;  ///< "baton", "results", "abort", "decision", "pause"; kRecovers, kHasTold, kFirstPass
   std::vector<std::uint16_t> tasks;
   std::uint32_t epoch = 1;
   template <class T = JournalDelivered>

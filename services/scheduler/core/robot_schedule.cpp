@@ -1,11 +1,11 @@
 #include "services/scheduler/core/robot_schedule.hpp"
 
 #include <algorithm>
-#include <cstdio>
 #include <limits>
 
 #include "common/scenario/values.hpp"
 #include "proto/value.hpp"
+#include "services/scheduler/core/late_binding.hpp"
 #include "services/scheduler/core/refusal.hpp"
 #include "services/scheduler/core/result_room.hpp"
 
@@ -80,7 +80,7 @@ bool RobotSchedule::is_doing(const Run& run, TaskIndex task) const {
 void RobotSchedule::update_due(Run& run, Step step) const {
   TaskTimers& timers = run.work().timers();
   timers.drop_past_retries(step.now.mono);
-  const bool goes_on = run.orders().goes_on();
+  const bool goes_on = run.orders().goes_on() && !run.is_recovering();
   if (!goes_on) timers.drop_all_due();
   // No fact of the run says that a task has begun.
   timers.drop_due_if([&](TaskIndex task) { return run.reports().is_under_way(task) || is_doing(run, task); });
@@ -97,6 +97,9 @@ void RobotSchedule::update_due(Run& run, Step step) const {
     if (!is_doing(run, task)) due.push_back(task);
   }
   timers.set_due(std::move(due), step.now.mono);
+  std::vector<TaskIndex> unbound = run.epochs().own_tasks();
+  std::erase_if(unbound, [&](TaskIndex task) { return !run.facts().wants_robot(task); });
+  timers.set_unbound(std::move(unbound), step.now.mono);
 }
 
 bool RobotSchedule::is_late(const Run& run, TaskIndex task, Step step) {
@@ -104,10 +107,28 @@ bool RobotSchedule::is_late(const Run& run, TaskIndex task, Step step) {
 }
 
 std::string RobotSchedule::late_text(const Run& run, TaskIndex task) const {
-  const std::string why = executor_.obstacle(run.tasks()[task].skill);
-  char within[32];
-  std::snprintf(within, sizeof within, "%g s", run.tasks()[task].start_within_s);
-  return "it did not begin within " + std::string(within) + (why.empty() ? "" : ": " + why);
+  std::string why = executor_.obstacle(run.tasks()[task].skill);
+  if (executor_.attempt()) {
+    const AttemptKey& key = executor_.attempt()->execute.key;
+    const bool other = key.run != run.id() || key.task != run.tasks()[task].id;
+    if (other) why = "the robot was at task '" + key.task + "' of run " + key.run;
+  }
+  return "it did not begin within " + within_text(run, task) + (why.empty() ? "" : ": " + why);
+}
+
+void RobotSchedule::fail_late(Run& run, Step step) const {
+  if (lost_.open() || !run.may_start(step.steady)) return;
+  for (const TaskIndex task : run.open_tasks().startable()) {
+    if (!is_late(run, task, step) || !is_surely_new(run, task, step.now.utc)) continue;
+    run.work().withheld().fail(task, late_text(run, task));
+  }
+}
+
+void RobotSchedule::resume_pauses(Run& run, Step step) {
+  for (std::size_t i = 0; i < run.tasks().size(); ++i) {
+    const auto task = static_cast<TaskIndex>(i);
+    if (!run.epochs().is_own(task)) run.await_retry(task, step.now.mono, step.steady);
+  }
 }
 
 std::optional<MonotonicTime> RobotSchedule::next_late(const Run& run, MonotonicTime now) {
@@ -202,8 +223,6 @@ bool RobotSchedule::start_of(Run& run, bool is_blocked, Step step) {
       return true;
     }
     executor_.want_adapter(true);
-    // It fails with that at the step's end.
-    if (is_late(run, task, step)) run.work().withheld().fail(task, late_text(run, task));
   }
   return false;
 }

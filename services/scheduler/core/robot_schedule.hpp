@@ -27,6 +27,11 @@ class RobotSchedule {
   void resume_attempt();
   /// At a step's end, for each run: sets its timers by its facts.
   void update_due(Run& run, Step step) const;
+  /// The same: tasks of this robot that have waited longer than their scenario lets them have failed, also while it is
+  /// at another one.
+  void fail_late(Run& run, Step step) const;
+  /// Takes up the pauses of other robots before they try a task again. Only this process knew of them.
+  static void resume_pauses(Run& run, Step step);
   /// When the next task of this node becomes late, after `now`.
   [[nodiscard]] static std::optional<MonotonicTime> next_late(const Run& run, MonotonicTime now);
   /// At a step's end: sets what the run allows the attempt by now.

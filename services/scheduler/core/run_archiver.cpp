@@ -9,9 +9,9 @@ namespace {
 /// What comes once more from those that do not know it yet is answered as before.
 constexpr Duration kGrace = std::chrono::seconds(60);
 
-JournalArchive record_of(const Run& run, const Executor& executor, Step step) {
+JournalArchive record_of(const Run& run, const RunStore& runs, const Executor& executor, Step step) {
   JournalArchive fact;
-  fact.view = view_of(run, executor, step.clock());
+  fact.view = view_of(run, runs, executor, step.clock());
   fact.view.over = step.now.utc.ns;
   put_signed_records(run, fact);
   fact.until = run.definition().buried_until().ns;
@@ -45,9 +45,9 @@ bool RunArchiver::is_over(const Run& run, Step step) const {
 }
 
 void RunArchiver::archive(Run& run, Step step) {
-  JournalArchive fact = record_of(run, executor_, step);
+  JournalArchive fact = record_of(run, runs_, executor_, step);
   step.out.log(LogLevel::info, "run_over", "run " + run.id() + ": " + std::string(name_of(fact.view.state)));
-  RunSummary last = summary_of(run, executor_, step.clock());
+  RunSummary last = summary_of(run, runs_, executor_, step.clock());
   last.over = fact.view.over;
   watchers_.leave(last, step.out);
   const std::string id = run.id();  // NOLINT(performance-unnecessary-copy-initialization): the run goes

@@ -1,5 +1,7 @@
 #include "services/scheduler/core/run_journal.hpp"
 
+#include <algorithm>
+
 #include "common/scenario/condition.hpp"
 
 namespace trb::scheduler {
@@ -40,6 +42,55 @@ Run& RunJournal::add(std::unique_ptr<Run> run, bool submitted_here, Step step) {
   return added;
 }
 
+Run& RunJournal::learn(std::unique_ptr<Run> run, bool is_first, Step step) {
+  Run& added = add(std::move(run), false, step);
+  const bool is_new = is_first && is_young(added, step) && !may_be_lost(added, step);
+  if (!added.epochs().judges_here() || is_new) return added;
+  keep_recovery(added, node_, kRecovers, step);
+  if (is_first) keep_recovery(added, node_, kFirstPass, step);
+  step.out.log(LogLevel::warning, "run_recovered",
+               "run " + added.id() + " is not in this node's journal: its members are asked for all that they hold");
+  return added;
+}
+
+void RunJournal::note_first(Run& run, Step step) {
+  if (run.is_recovering() && !run.recovery().is_first_passed()) keep_recovery(run, node_, kFirstPass, step);
+  look_again(run, step);
+}
+
+/// Its word alone counts only of a run that has just been made: a stolen submitter of an older one could say so to a
+/// node with an empty disk, which would then decide against what it had signed. But a node that was cut off for long
+/// hears late of a new run, and must not wait for who is off.
+void RunJournal::look_again(Run& run, Step step) {
+  if (!run.is_recovering() || !run.recovery().is_first_passed() || run.has_signed() || may_be_lost(run, step)) return;
+  const bool is_over = is_young(run, step) || run.recovery().are_away(run.silent_members());
+  if (is_over) keep_recovery(run, node_, kHasTold, step);
+}
+
+bool RunJournal::is_young(const Run& run, Step step) {
+  constexpr std::int64_t kYoung = 600'000'000'000;  // two clocks may be apart by minutes
+  const std::int64_t age = step.steady.ns - run.definition().start().created;
+  return age < kYoung && age > -kYoung;
+}
+
+void RunJournal::keep_told(Run& run, const std::string& member, Step step) {
+  const std::vector<std::string> silent = run.silent_members();
+  const bool is_awaited = run.is_recovering() && std::ranges::find(silent, member) != silent.end();
+  if (is_awaited) keep_recovery(run, member, kHasTold, step);
+}
+
+bool RunJournal::may_be_lost(const Run& run, Step step) const {
+  return lost_.may_have_held(run.definition().start().created, step.now.utc);
+}
+
+void RunJournal::keep_recovery(Run& run, const std::string& node, std::string_view what, Step step) {
+  const JournalDelivered fact{run.id(), node, std::string(what), {}, run.epochs().current()};
+  step.out.record(fact);
+  if (auto applied = run.apply(fact); !applied) {
+    step.out.log(LogLevel::error, "recovery_not_applied", applied.error().text());
+  }
+}
+
 Status RunJournal::note_submitted(Run& run, Step step) {
   const JournalRun fact{run.definition().record(), true};
   step.out.record(fact);
@@ -52,10 +103,8 @@ void RunJournal::keep_result(Run& run, HeldResult held, Step step) {
   const SignedRecord record = held.record;
   const TaskResult result = held.result;
   if (!run.add(std::move(held))) return;
-  const bool tries_again = result.outcome == TaskOutcome::retriable && run.facts().current(task) == nullptr;
-  if (result.robot == node_ && tries_again) {
-    run.work().timers().retry_at(task, step.now.mono + run.facts().retry_pause(task));
-  }
+  // Its robot tries by this timer; on other nodes it says that the task is not due meanwhile.
+  if (run.results().of(task)->result.key == result.key) run.await_retry(task, step.now.mono, step.steady);
   step.out.record(JournalResult{record});
   const std::string text = "run " + run.id() + ", task '" + result.key.task + "' on '" + result.robot + "'";
   step.out.log(LogLevel::info, "result_kept", text + ": " + std::string(name_of(result.outcome)));
@@ -108,7 +157,12 @@ void RunJournal::keep_delivery(Run& run, DeliveryKind kind, const Inbound& from,
   fact.tasks = std::move(tasks);
   fact.epoch = epoch;
   // If it is lost, the delivery is sent again and answered as a repeat, as if this answer had been lost on its way.
-  step.out.record_later(fact);
+  // But a person is told ABORTED once every member has confirmed it, and that must stay so.
+  if (kind == DeliveryKind::abort) {
+    step.out.record(fact);
+  } else {
+    step.out.record_later(fact);
+  }
   if (auto applied = run.apply(fact); !applied) {
     step.out.log(LogLevel::error, "delivery_not_applied", applied.error().text());
   }

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "services/scheduler/core/lost_journal.hpp"
 #include "services/scheduler/core/run_store.hpp"
 #include "services/scheduler/core/step.hpp"
 
@@ -12,13 +13,25 @@ namespace trb::scheduler {
 
 class RunJournal {
  public:
-  /// `node`: the own one.
-  RunJournal(std::string node, RunStore& runs) : node_(std::move(node)), runs_(runs) {}
+  /// `node`: the own one. Both must outlive it.
+  RunJournal(std::string node, RunStore& runs, const LostJournal& lost)
+      : node_(std::move(node)), runs_(runs), lost_(lost) {}
   RunJournal(const RunJournal&) = delete;
   RunJournal& operator=(const RunJournal&) = delete;
 
   /// A run becomes known.
   Run& add(std::unique_ptr<Run> run, bool submitted_here, Step step);
+  /// A run becomes known by another node. `is_first`: its submitter passes it for the first time, and nothing is
+  /// decided. Its judge, this node, may have had it in a journal that was lost, and asks all members; unless the run is
+  /// young and no journal of then was lost.
+  Run& learn(std::unique_ptr<Run> run, bool is_first, Step step);
+  /// The submitter passes a known run for the first time.
+  void note_first(Run& run, Step step);
+  /// Of a run that its submitter says is new: nobody needs to be asked any more if it is young, or once all who are up
+  /// have told what they hold, and none of it is this node's own.
+  void look_again(Run& run, Step step);
+  /// That member has told all that it holds of the run.
+  void keep_told(Run& run, const std::string& member, Step step);
   /// A known run is submitted here. Error: conflict.
   Status note_submitted(Run& run, Step step);
 
@@ -42,8 +55,13 @@ class RunJournal {
   Status keep_decisions(Run& run, const std::vector<SignedRecord>& records, Step step);
 
  private:
+  [[nodiscard]] bool may_be_lost(const Run& run, Step step) const;
+  [[nodiscard]] static bool is_young(const Run& run, Step step);
+  static void keep_recovery(Run& run, const std::string& node, std::string_view what, Step step);
+
   std::string node_;
   RunStore& runs_;
+  const LostJournal& lost_;
 };
 
 }  // namespace trb::scheduler

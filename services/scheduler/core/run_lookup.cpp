@@ -106,6 +106,10 @@ bool RunLookup::awaits_definition(const std::string& run, const std::string& fro
   return deferred_.waits(run, from);
 }
 
+bool RunLookup::is_first_passed(const RunStart& start) const {
+  return deferred_.any(start.run, start.submitter, is_first_pass);
+}
+
 void RunLookup::hand_out(const std::string& run, const Dispatch& dispatch, Step step) {
   // Nothing starts before the step's end: an abort among them comes before any start.
   handing_out_ = true;

@@ -13,6 +13,12 @@
 
 namespace trb::scheduler {
 
+/// The baton by which a run's submitter makes it known to a cloud node, if it comes from it: it names no task.
+[[nodiscard]] inline bool is_first_pass(const Body& body) {
+  const auto* baton = get_if<Baton>(&body);
+  return baton != nullptr && baton->tasks.empty() && baton->epoch == 1;
+}
+
 class RunLookup {
  public:
   using Dispatch = std::function<void(const Inbound&, Step)>;
@@ -44,6 +50,8 @@ class RunLookup {
 
   /// The run's definition was requested from that node.
   [[nodiscard]] bool awaits_definition(const std::string& run, const std::string& from) const;
+  /// A message that waits for its definition shows that its submitter passes the run to this node for the first time.
+  [[nodiscard]] bool is_first_passed(const RunStart& start) const;
   /// Hands out what waited for a definition or for decisions.
   void hand_out(const std::string& run, const Dispatch& dispatch, Step step);
   /// Refuses what that node has sent of the run: its definition was wrong.

@@ -1,6 +1,7 @@
 #include "services/scheduler/core/scheduler_core.hpp"
 
 #include "services/scheduler/core/delivery_sender.hpp"
+#include "services/scheduler/core/late_binding.hpp"
 #include "services/scheduler/core/refusal.hpp"
 #include "services/scheduler/core/short_messages.hpp"
 
@@ -40,7 +41,7 @@ SchedulerCore::SchedulerCore(SchedulerSettings settings, const Archive& archive)
       runs_(settings_.node, settings_.authority),
       executor_(settings_.node),
       lookup_(settings_.node, runs_, archive),
-      journal_(settings_.node, runs_),
+      journal_(settings_.node, runs_, lost_),
       definitions_(settings_.node, runs_, lookup_, journal_,
                    [this](const Inbound& message, Step step) { dispatch(message, step); }),
       batons_(settings_.node, runs_, executor_, lookup_, journal_),
@@ -52,14 +53,15 @@ SchedulerCore::SchedulerCore(SchedulerSettings settings, const Archive& archive)
       queries_(runs_, archive, executor_, watchers_),
       robot_(settings_.node, runs_, executor_, lost_, journal_),
       conditions_(settings_.node, runs_, journal_),
-      routes_(settings_.node, conditions_, definitions_),
-      refusals_(settings_.node, runs_, executor_, conditions_, batons_),
+      robots_(settings_.node, runs_),
+      routes_(settings_.node, conditions_, definitions_, robots_),
+      refusals_(settings_.node, runs_, executor_, conditions_, batons_, journal_),
       schedule_(runs_, executor_, lost_, settings_.identity_key),
       unattempted_(settings_.node, journal_),
       archiver_(settings_.has_robot, runs_, executor_, watchers_) {}
 
 std::vector<std::string> SchedulerCore::subscriptions() {
-  return {std::string(PeerJoined::kSubtype), std::string(PeerExpired::kSubtype)};
+  return {std::string(PeerJoined::kSubtype), std::string(PeerExpired::kSubtype), std::string(RevokedNodes::kSubtype)};
 }
 
 Status SchedulerCore::restore(std::span<const JournalRecord> records) {
@@ -81,14 +83,17 @@ void SchedulerCore::on_welcome(const NodeIdentity& node, Now now, Outbox& out) {
             "the router is node '" + node.id + "', the keys are '" + settings_.node + "'");
     return;
   }
+  const Step step = step_at(now, out);
   for (Run* run : runs_.touch_all()) {
     run->deliveries().pending().restart();
     run->work().restart(now);
+    run->recovery().restart();
+    RobotSchedule::resume_pauses(*run, step);
   }
   last_ = now;
   schedule_.resume_attempt();
   if (settings_.has_robot) executor_.welcome(now, out);
-  advance(step_at(now, out));
+  advance(step);
 }
 
 void SchedulerCore::on(const Inbound& message, Now now, Outbox& out) {
@@ -147,7 +152,10 @@ void SchedulerCore::advance(Step step) {
   lost_.watch_clock(step.now, step.out);
   touch_attempted();
   archive_runs(step);
-  for (Run* run : runs_.due(step.clock())) schedule_.update_due(*run, step);
+  for (Run* run : runs_.due(step.clock())) {
+    schedule_.update_due(*run, step);
+    schedule_.fail_late(*run, step);
+  }
   schedule_.permit_attempt(step);
   executor_.tick(step.now, step.out);
   if (settings_.has_robot) schedule_.start_next(step);
@@ -156,8 +164,10 @@ void SchedulerCore::advance(Step step) {
   for (Run* run : runs_.due(step.clock())) {
     advance(*run, step);
     plan_visit(*run);
+    robots_.look(*run, step);
     ++visits_;
   }
+  robots_.tick(step);
   next_of_runs_ = next_visit();
   lookup_.refuse_late(step);
   if (!watchers_.empty()) queries_.notify_watchers(step);
@@ -181,6 +191,7 @@ void SchedulerCore::advance(Run& run, Step step) {
 void SchedulerCore::archive_runs(Step step) {
   for (Run* run : runs_.due(step.clock())) {
     aborts_.give_up_revoked(*run, step);
+    journal_.look_again(*run, step);
     if (run->is_open(step.steady)) {
       run->work().stay();
     } else {
@@ -208,6 +219,7 @@ std::optional<MonotonicTime> SchedulerCore::next_deadline() const {
   if (!last_) return std::nullopt;
   std::optional<MonotonicTime> out = earlier(executor_.next_deadline(), lookup_.next());
   out = earlier(earlier(out, steady_.next()), lost_.next());
+  out = earlier(out, robots_.next_deadline());
   return earlier(out, next_of_runs_);
 }
 
@@ -218,7 +230,9 @@ void SchedulerCore::touch_attempted() {
 
 void SchedulerCore::plan_visit(Run& run) const {
   std::optional<MonotonicTime> at = earlier(run.deliveries().pending().next(), run.work().next());
+  if (run.is_recovering()) at = earlier(at, run.recovery().next(run.silent_members()));
   at = earlier(at, RobotSchedule::next_late(run, last_->mono));
+  at = earlier(at, next_unbound_too_long(run, last_->mono));
   // What its visit has changed, its timers follow from the next step on.
   const bool again = !run.work().timers().are_of(run.timers_version());
   run.next_visit().set(again, at, run.definition().next_end(last_steady_));

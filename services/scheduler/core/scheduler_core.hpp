@@ -111,6 +111,7 @@ class SchedulerCore : public Core {
   scheduler::QueryHandler queries_;
   scheduler::RobotHandler robot_;
   scheduler::ConditionHandler conditions_;
+  scheduler::AwaitedRobots robots_;
   scheduler::RouteHandler routes_;
   scheduler::RefusalHandler refusals_;
 

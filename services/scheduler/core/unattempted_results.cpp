@@ -2,12 +2,14 @@
 
 #include <set>
 
+#include "services/scheduler/core/late_binding.hpp"
 #include "services/scheduler/core/refusal.hpp"
 #include "services/scheduler/core/run/drafts.hpp"
 
 namespace trb::scheduler {
 
 void UnattemptedResults::request(Run& run, Step step) const {
+  if (run.is_recovering()) return run.work().signatures().keep_results({});
   std::set<TaskIndex> wanted;
   const UtcTime now = step.now.utc;
   const auto want = [&](TaskIndex task, const auto& make) {
@@ -23,6 +25,12 @@ void UnattemptedResults::request(Run& run, Step step) const {
     for (const TaskIndex task : run.open_tasks().to_bind()) release(task);
     for (const TaskIndex task : run.open_tasks().skippable()) {
       want(task, [&] { return skipped_result(run, task, now); });
+    }
+    for (const TaskIndex task : unbound_too_long(run, step.clock())) {
+      const OnFailure then = run.tasks()[task].on_failure;
+      // Else people choose, as they are asked to, or the run ends.
+      if (then != OnFailure::skip && then != OnFailure::continue_) continue;
+      want(task, [&] { return unbegun_result(run, task, unbound_late_text(run, task), now); });
     }
     for (const auto& [task, why] : run.work().withheld().failing()) {
       want(task, [&, of = task, text = why] { return unbegun_result(run, of, text, now); });

@@ -1,5 +1,5 @@
-// Results that need no attempt: SKIPPED, given back, what has yet to get a robot, and what cannot be begun. This node
-// has them signed.
+// Results that need no attempt: SKIPPED, given back, what has yet to get a robot or got none in time, and what cannot
+// be begun. This node has them signed.
 #pragma once
 
 #include <string>

@@ -68,7 +68,7 @@ void show(const TaskResult& result, TaskView& view) {
   view.data = cut_utf8(result.data, kShownData);
 }
 
-TaskView task_view(const Run& run, const Executor& executor, TaskIndex task, Known known) {
+TaskView task_view(const Run& run, const RunStore& runs, const Executor& executor, TaskIndex task, Known known) {
   const Task& is = run.tasks()[task];
   TaskView view;
   view.id = is.id;
@@ -77,7 +77,8 @@ TaskView task_view(const Run& run, const Executor& executor, TaskIndex task, Kno
   view.failed_by = run.results().failed_by(task);
   view.twice = run.orders().is_double(is.id);
   view.due = run.work().timers().is_due(task);
-  if (view.due) view.waits_for = cut_utf8(due_text(run, executor, task), kDefaultMaxSize);
+  const bool pauses = run.orders().goes_on() && run.work().timers().waits(task);
+  if (view.due || pauses) view.waits_for = cut_utf8(due_text(run, runs, executor, task), kDefaultMaxSize);
   view.after = is.after;
   view.condition = condition_of(run, task);
   // A task comes from no robot if the decider's node has held it.
@@ -94,16 +95,17 @@ TaskView task_view(const Run& run, const Executor& executor, TaskIndex task, Kno
 
 /// What a run's view and its summary both say.
 template <class Shown>
-Shown shown(const Run& run, const Executor& executor, Clock clock) {
+Shown shown(const Run& run, const RunStore& runs, const Executor& executor, Clock clock) {
   Shown out;
   out.run = run.id();
   out.name = run.definition().start().scenario.name;
   out.state = state_of(run, executor, clock);
-  out.waits_for = waits_for(run, executor, clock);
+  out.waits_for = waits_for(run, runs, executor, clock);
   out.priority = run.definition().start().priority;
   out.left_s = left_s(run, clock);
   out.epoch = run.epochs().current();
   out.created = run.definition().start().created;
+  out.recovers = run.is_recovering();
   return out;
 }
 
@@ -117,8 +119,11 @@ RunState state_of(const Run& run, const Executor& executor, Clock clock) {
   const bool doubles = run.orders().is_held_for_doubles() || run.orders().has_new_double();
   if (run.orders().has_ended() || (run.facts().all_final() && !doubles)) return RunState::finished;
   if (run.definition().expired(clock.steady)) return RunState::expired;
-  const bool waits =
-      run.orders().is_held() || doubles || !run.facts().problems().empty() || lacks_robot(run, clock.steady);
+  // What is to be decided shows once the members have told all, or a person has to know that one does not.
+  if (run.is_recovering() && !run.orders().is_held() && !run.recovery().is_stuck(run.silent_members()))
+    return RunState::running;
+  const bool waits = run.is_recovering() || run.orders().is_held() || doubles || !run.facts().problems().empty() ||
+                     lacks_robot(run, clock);
   return waits ? RunState::paused : RunState::running;
 }
 
@@ -141,8 +146,8 @@ void fit(RunView& view) {
   }
 }
 
-RunView view_of(const Run& run, const Executor& executor, Clock clock) {
-  auto view = shown<RunView>(run, executor, clock);
+RunView view_of(const Run& run, const RunStore& runs, const Executor& executor, Clock clock) {
+  auto view = shown<RunView>(run, runs, executor, clock);
   view.submitter = run.definition().start().submitter;
   view.expires = run.definition().start().expires;
   for (std::size_t i = 0; i < run.epochs().decisions().size(); ++i) {
@@ -154,14 +159,14 @@ RunView view_of(const Run& run, const Executor& executor, Clock clock) {
   const std::vector<bool> known = run.known_final();
   const std::vector<bool> skipped = run.known_skipped();
   for (std::size_t i = 0; i < run.tasks().size(); ++i) {
-    view.tasks.push_back(task_view(run, executor, static_cast<TaskIndex>(i), {known[i], skipped[i]}));
+    view.tasks.push_back(task_view(run, runs, executor, static_cast<TaskIndex>(i), {known[i], skipped[i]}));
   }
   fit(view);
   return view;
 }
 
-RunSummary summary_of(const Run& run, const Executor& executor, Clock clock) {
-  auto summary = shown<RunSummary>(run, executor, clock);
+RunSummary summary_of(const Run& run, const RunStore& runs, const Executor& executor, Clock clock) {
+  auto summary = shown<RunSummary>(run, runs, executor, clock);
   summary.tasks = static_cast<std::uint32_t>(run.tasks().size());
   const std::vector<bool> known = run.known_final();
   summary.version = run.version();

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "services/scheduler/core/executor.hpp"
-#include "services/scheduler/core/run/run.hpp"
+#include "services/scheduler/core/run_store.hpp"
 #include "services/scheduler/core/step.hpp"
 
 namespace trb::scheduler {
@@ -12,8 +12,9 @@ RunState state_of(const Run& run, const Executor& executor, Clock clock);
 
 /// A view is one message: of a very large run the longest words are left out, then what the oldest decisions were on.
 void fit(RunView& view);
-RunView view_of(const Run& run, const Executor& executor, Clock clock);
-RunSummary summary_of(const Run& run, const Executor& executor, Clock clock);
+/// `runs`: all that this node knows of.
+RunView view_of(const Run& run, const RunStore& runs, const Executor& executor, Clock clock);
+RunSummary summary_of(const Run& run, const RunStore& runs, const Executor& executor, Clock clock);
 /// Of a run in the archive.
 RunSummary summary_of(const RunView& view);
 

@@ -38,7 +38,8 @@ std::string going_on(const Run& run, const Executor& executor) {
   for (std::size_t i = 0; i < run.tasks().size(); ++i) {
     const auto task = static_cast<TaskIndex>(i);
     const bool here = executor.runs(run.id()) && executor.attempt()->execute.key.task == run.tasks()[task].id;
-    if (here || run.reports().is_under_way(task) || run.work().timers().is_due(task)) {
+    const bool goes_on = run.work().timers().is_due(task) || run.work().timers().waits(task);
+    if (here || goes_on || run.reports().is_under_way(task)) {
       names.push_back("'" + run.tasks()[task].id + "' on '" + run.epochs().robot_of(task) + "'");
     }
   }
@@ -91,6 +92,28 @@ std::string robot_text(const Run& run, const Executor& executor) {
   return {};
 }
 
+std::string end_text(const std::string& task, const std::string& run, const std::string& robot) {
+  return "task '" + task + "' of run " + run + " to end on '" + robot + "'";
+}
+
+/// A time of day, not how long it takes: the words stay the same until then.
+std::string pause_text(const Run& run, TaskIndex task) {
+  const auto at = run.facts().tried_again_at(task);
+  return "'" + run.epochs().robot_of(task) + "' to try task '" + run.tasks()[task].id + "' again" +
+         (at ? ", at " + to_iso8601(*at) : "");
+}
+
+/// What another node's robot does, as it has reported; empty: nothing that this node knows of.
+std::string other_task_text(const RunStore& runs, const std::string& robot) {
+  for (const Run* run : runs.runs()) {
+    if (!run->orders().is_open()) continue;
+    for (const TaskIndex task : run->reports().running()) {
+      if (run->epochs().robot_of(task) == robot) return end_text(run->tasks()[task].id, run->id(), robot);
+    }
+  }
+  return {};
+}
+
 /// What a condition waits for: as this node knows, or as the node that evaluates it has reported.
 std::string condition_obstacle(const Run& run) {
   for (const Inquiry& inquiry : run.work().inquiries()) {
@@ -99,13 +122,14 @@ std::string condition_obstacle(const Run& run) {
   return run.reports().first_wait();
 }
 
-/// A task that could begin, and of which nothing is known: who has to pass it on may be gone as well as who has to do
-/// it.
-std::string handover_text(const Run& run, const Executor& executor, MonotonicTime now) {
+/// A task that could begin. If nothing is known of it, who has to pass it on may be gone as well as who has to do it.
+std::string handover_text(const Run& run, const RunStore& runs, const Executor& executor, MonotonicTime now) {
   constexpr Duration kUsual = std::chrono::seconds(10);
   for (const auto& [task, since] : run.work().timers().due_since()) {
-    if (now >= since + kUsual) return due_text(run, executor, task);
+    const bool is_kept = !run.reports().obstacle_of(task, run.epochs().robot_of(task)).empty();
+    if (is_kept || now >= since + kUsual) return due_text(run, runs, executor, task);
   }
+  if (const auto task = run.work().timers().first_that_waits()) return due_text(run, runs, executor, *task);
   for (const TaskIndex task : run.open_tasks().choosing_elsewhere()) {
     return "'" + run.epochs().chooser_of(task) + "' to evaluate the condition of task '" + run.tasks()[task].id + "'";
   }
@@ -115,35 +139,49 @@ std::string handover_text(const Run& run, const Executor& executor, MonotonicTim
 
 }  // namespace
 
-bool lacks_robot(const Run& run, UtcTime steady) {
+bool lacks_robot(const Run& run, Clock clock) {
   constexpr Duration kChoosing = std::chrono::seconds(10);
   const auto task = first_unbound(run);
-  return task && steady >= UtcTime{run.results().of(*task)->result.ended} + kChoosing;
+  if (!task) return false;
+  if (!run.epochs().decides_here()) return clock.steady >= UtcTime{run.results().of(*task)->result.ended} + kChoosing;
+  const auto& since = run.work().timers().unbound_since();
+  const auto at = since.find(*task);
+  return at != since.end() && clock.mono >= at->second + kChoosing;
 }
 
-std::string due_text(const Run& run, const Executor& executor, TaskIndex task) {
+std::string due_text(const Run& run, const RunStore& runs, const Executor& executor, TaskIndex task) {
   const std::string& robot = run.epochs().robot_of(task);
+  if (run.work().timers().waits(task)) return pause_text(run, task);
   if (run.epochs().is_own(task)) {
     if (run.work().withheld().are_all()) return kOtherKeys;
     const bool here = executor.runs(run.id()) && executor.attempt()->execute.key.task == run.tasks()[task].id;
-    const std::string obstacle = executor.obstacle(run.tasks()[task].skill);
-    if (!obstacle.empty() || here || !executor.attempt()) return obstacle;
-    return "task '" + executor.attempt()->execute.key.task + "' of run " + executor.attempt()->execute.key.run +
-           " to end on '" + robot + "'";
+    if (here || !executor.attempt()) return executor.obstacle(run.tasks()[task].skill);
+    return end_text(executor.attempt()->execute.key.task, executor.attempt()->execute.key.run, robot);
   }
-  if (run.deliveries().pending().owes_baton(task)) {
-    const auto& refusals = run.deliveries().refusals();
-    const auto refusal = refusals.find(robot);
+  const std::string kept = run.reports().obstacle_of(task, robot);
+  const auto& refusals = run.deliveries().refusals();
+  const auto refusal = refusals.find(robot);
+  if (run.deliveries().pending().owes_baton(task) && (kept.empty() || refusal != refusals.end())) {
     return "'" + robot + "' to take its baton" + (refusal == refusals.end() ? "" : ": " + refusal->second);
   }
+  if (const std::string other = other_task_text(runs, robot); !other.empty()) return other;
+  const std::string begins = "'" + robot + "' to begin task '" + run.tasks()[task].id + "'";
+  if (!kept.empty()) return begins + ": " + kept;
   const auto& after = run.tasks()[task].after;
   const std::string& giver = after.empty() ? run.definition().start().submitter : run.epochs().robot_of(after.back());
-  return "'" + robot + "' to begin task '" + run.tasks()[task].id + "', passed on by '" + giver + "'";
+  return begins + ", passed on by '" + giver + "'";
 }
 
-std::string waits_for(const Run& run, const Executor& executor, Clock clock) {
+std::string recovery_text(const Run& run) {
+  return recovery_text(run.silent_members(), run.recovery().is_first_passed() && !run.has_signed());
+}
+
+std::string waits_for(const Run& run, const RunStore& runs, const Executor& executor, Clock clock) {
   std::string out;
-  switch (state_of(run, executor, clock)) {
+  const RunState state = state_of(run, executor, clock);
+  const bool goes_on = state == RunState::running || state == RunState::paused;
+  if (goes_on && run.is_recovering()) return cut_utf8(recovery_text(run), 1024);
+  switch (state) {
     case RunState::aborting:
       out = abort_text(run, executor);
       break;
@@ -158,7 +196,7 @@ std::string waits_for(const Run& run, const Executor& executor, Clock clock) {
       out = robot_text(run, executor);
       if (out.empty()) out = condition_obstacle(run);
       if (out.empty()) out = unbound_text(run);
-      if (out.empty()) out = handover_text(run, executor, clock.mono);
+      if (out.empty()) out = handover_text(run, runs, executor, clock.mono);
       break;
     case RunState::finished:
     case RunState::aborted:

@@ -369,8 +369,9 @@ TEST_CASE("what breaks as its task begins is what the run waits for, at the clou
   story.submit({named_task("grip", "ur3", {})});
   story.fleet.pass(seconds(3));
   const std::string wait =
-      "task 'grip' on 'ur3': its 'hands' is out of use: CRITICAL: gripper overheated; once it is mended: "
-      "trb robot repaired";
+      "task 'grip' on 'ur3': its 'hands' is out of use: CRITICAL: gripper overheated; once it is mended, and if the "
+      "robot "
+      "itself does not say so: trb robot repaired";
   CHECK(story.view().state == RunState::running);
   CHECK(story.view().tasks[0].state == TaskState::initializing);
   CHECK(story.view().waits_for == wait);

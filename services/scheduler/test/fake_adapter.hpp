@@ -31,6 +31,7 @@ class FakeAdapter {
   std::vector<AttemptKey> restart();
   /// Ends what runs, unless the robot stays there and is not stopped.
   void set(bool online, bool is_fenced);
+  [[nodiscard]] bool is_fenced() const { return fenced_; }
   void take_into_use(const TakeIntoUse& word);
   /// Nothing is kept of that run any more.
   void forget(const std::string& run);

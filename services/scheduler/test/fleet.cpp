@@ -176,6 +176,7 @@ RouteTable Fleet::routes(const Node& node, const std::string& after) const {
     route.role = other.role;
     route.certificate = identities_.certificate(id);
     route.profile = other.profile;
+    route.profile.fenced = other.adapter.is_fenced();
     route.profile.out_of_use = other.adapter.out_of_use;
     route.profile.plugged = other.sensors.infos();
     table.routes.push_back(std::move(route));

@@ -11,7 +11,7 @@ KnownRun::KnownRun(const Scenario& scenario, const std::string& node, std::size_
       runs(self, signers.authority(), most_bytes),
       executor(self),
       lookup(self, runs, archive),
-      journal(self, runs) {
+      journal(self, runs, lost) {
   auto opened = runs.open(start);
   REQUIRE_MESSAGE(opened.ok(), (opened ? "" : opened.error().text()));
   runs.add(std::move(*opened));

@@ -59,6 +59,7 @@ class KnownRun {
   RunStore runs;
   Executor executor;
   RunLookup lookup;
+  LostJournal lost;
   RunJournal journal;
 };
 

@@ -134,6 +134,111 @@ TEST_CASE("nobody can do it: the run is PAUSED and says what for, the others go 
   CHECK(story.begun_by("ridgeback") == 2);
 }
 
+TEST_CASE(
+    "nobody can do it in the time in which it was to begin: it has failed, and the run goes on as its author says") {
+  for (const OnFailure then : {OnFailure::skip, OnFailure::continue_, OnFailure::abort, OnFailure::resilience}) {
+    CAPTURE(static_cast<int>(then));
+    Late story(Takers{});
+    Scenario scenario = whoever_can();
+    scenario.tasks[1].start_within_s = 12;
+    scenario.tasks[1].on_failure = then;
+    story.submit(scenario);
+    REQUIRE(story.fleet.until([&] { return story.seen("carry").outcome == TaskOutcome::released; }));
+    story.fleet.pass(seconds(10));
+    CHECK(story.seen("carry").outcome == TaskOutcome::released);
+    CHECK(story.begun_by("ur3") == 0);
+    story.fleet.pass(seconds(30));
+    if (then == OnFailure::resilience) {  // people are asked all the time
+      CHECK(story.view().state == RunState::paused);
+      CHECK(story.seen("carry").outcome == TaskOutcome::released);
+      continue;
+    }
+    if (then == OnFailure::abort) {
+      CHECK(story.view().state == RunState::aborted);
+      continue;
+    }
+    CHECK(story.view().state == RunState::finished);
+    CHECK(story.seen("carry", "ur3").outcome == TaskOutcome::skipped);
+    CHECK(story.seen("carry").reason == "it did not begin within 12 s: no robot was chosen");
+    CHECK(story.begun_by("ur3") == 1);
+  }
+}
+
+TEST_CASE("a run that was held gives a task that wants a robot its time anew") {
+  Late story(Takers{});
+  Scenario scenario = whoever_can();
+  scenario.tasks[1].start_within_s = 12;
+  scenario.tasks[1].on_failure = OnFailure::skip;
+  story.submit(scenario);
+  REQUIRE(story.fleet.until([&] { return story.seen("carry").outcome == TaskOutcome::released; }));
+  const auto order = [&](std::uint32_t number, bool paused) {
+    PauseOrder is{kRun, number, paused, "cloud", "lunch", story.fleet.now().utc.ns, {}};
+    story.fleet.ask("cloud", MessageType::command, RunPause{story.fleet.sign("cloud", kSignedRunPause, encode(is))});
+  };
+  order(1, true);
+  story.fleet.pass(seconds(30));
+  CHECK(story.seen("carry").outcome == TaskOutcome::released);
+  order(2, false);
+  story.fleet.pass(seconds(10));
+  CHECK(story.seen("carry").outcome == TaskOutcome::released);
+  story.fleet.pass(seconds(5));
+  CHECK(story.seen("carry").outcome == TaskOutcome::skipped);
+}
+
+TEST_CASE("a clock that steps changes nothing of the time that a task without a robot has") {
+  for (const double ahead_s : {-3600.0, -60.0, 3600.0}) {
+    CAPTURE(ahead_s);
+    for (const OnFailure then : {OnFailure::skip, OnFailure::abort}) {
+      Late story(Takers{});
+      Scenario scenario = whoever_can();
+      scenario.tasks[1].start_within_s = 12;
+      scenario.tasks[1].on_failure = then;
+      story.submit(scenario);
+      story.fleet.pass(seconds(0.2));
+      REQUIRE(story.seen("carry").outcome == TaskOutcome::none);
+      story.fleet["cloud"].clock.set({.ahead_s = ahead_s});
+      REQUIRE(story.fleet.until([&] { return story.seen("carry").outcome != TaskOutcome::none; }, seconds(20)));
+      story.fleet.pass(seconds(3));
+      CHECK(story.seen("carry").outcome == TaskOutcome::released);
+      CHECK(story.view().state == RunState::running);
+      story.fleet.pass(seconds(30));
+      if (then == OnFailure::abort) {
+        CHECK(story.view().state == RunState::aborted);
+      } else {
+        CHECK(story.seen("carry").outcome == TaskOutcome::skipped);
+      }
+    }
+  }
+}
+
+TEST_CASE("whoever lets a run go on, the time that its order states changes nothing of the time that a task has") {
+  constexpr std::int64_t kHour = 3'600'000'000'000;
+  for (const std::int64_t off : {std::int64_t{0}, -kHour, kHour, std::numeric_limits<std::int64_t>::max()}) {
+    CAPTURE(off);
+    Late story(Takers{});
+    Scenario scenario = whoever_can();
+    scenario.tasks[1].start_within_s = 12;
+    scenario.tasks[1].on_failure = OnFailure::skip;
+    story.submit(scenario);
+    REQUIRE(story.fleet.until([&] { return story.seen("carry").outcome == TaskOutcome::released; }));
+    const auto order = [&](std::uint32_t number, bool paused) {
+      const bool forged = off == std::numeric_limits<std::int64_t>::max();
+      const std::int64_t time = forged ? off : story.fleet.now().utc.ns + off;
+      const PauseOrder is{kRun, number, paused, "ridgeback", "lunch", time, {}};
+      story.fleet.ask("ridgeback", MessageType::command,
+                      RunPause{story.fleet.sign("ridgeback", kSignedRunPause, encode(is))});
+    };
+    order(1, true);
+    story.fleet.pass(seconds(60));
+    CHECK(story.view().paused_by == "ridgeback");
+    order(2, false);
+    story.fleet.pass(seconds(10));
+    CHECK(story.seen("carry").outcome == TaskOutcome::released);
+    story.fleet.pass(seconds(20));
+    CHECK(story.seen("carry").outcome == TaskOutcome::skipped);
+  }
+}
+
 TEST_CASE("who was chosen fails: its task goes on to another one, as any other") {
   Late story(Takers{{"carry", "pioneer"}});
   story.fleet["pioneer"].adapter.endings = {{"carry", TaskOutcome::failed}};

@@ -121,6 +121,18 @@ TEST_CASE("ABORTED is said once all have confirmed, by every node alike") {
   CHECK(story.begun("drone") == 0);
 }
 
+TEST_CASE("what was told to be ABORTED stays so, also if the cloud is killed then and a robot is switched off") {
+  HeldStory story(chain({"ur3", "drone"}));
+  story.fleet.pass(seconds(0.5));
+  story.abort("cloud");
+  REQUIRE(story.until([&] { return story.state("cloud") == RunState::aborted; }));
+  story.fleet.stop("drone");
+  story.fleet.stop("cloud");
+  story.fleet.start("cloud");
+  story.fleet.pass(seconds(120));
+  CHECK(story.state("cloud") == RunState::aborted);
+}
+
 TEST_CASE("a run that is aborted goes to the archive without a stolen node, once its certificate is revoked") {
   HeldStory story(chain({"ur3", "drone"}));
   story.fleet["drone"].cut = true;

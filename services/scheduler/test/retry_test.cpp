@@ -127,3 +127,147 @@ TEST_CASE("a value of an earlier result goes into the command; one that is not t
     if (!there) CHECK(story.fleet.view("cloud", kStoryRun).waits_for.find("missing") != std::string::npos);
   }
 }
+
+TEST_CASE("a task that its robot will try again is not due meanwhile, and says when that is; so after a restart, too") {
+  for (const bool restarts : {false, true}) {
+    CAPTURE(restarts);
+    Chain story([](Task& task) {
+      task.retries = 1;
+      task.retry_after_s = 50;
+      task.start_within_s = 3;  // from the end of the pause on
+    });
+    const auto shown = [&](const char* node = "cloud") { return story.fleet.view(node, kStoryRun).tasks[1]; };
+    REQUIRE(story.fleet.until([&] { return shown().attempt == 2; }));
+    if (restarts) {
+      story.fleet.stop("cloud");
+      story.fleet.pass(seconds(2));
+      story.fleet.start("cloud");
+    }
+    story.fleet.pass(seconds(40));
+    for (const char* node : {"cloud", "ur3"}) {
+      CAPTURE(node);
+      CHECK_FALSE(shown(node).due);
+      CHECK(shown(node).waits_for.starts_with("'ur3' to try task 'task-1' again, at "));
+    }
+    CHECK(story.fleet.view("cloud", kStoryRun).waits_for == shown().waits_for);
+    CHECK(story.attempts() == 1);
+    story.fleet["ur3"].adapter.endings.clear();
+    REQUIRE(story.until(RunState::finished, seconds(20)));
+    CHECK(story.attempts() == 2);
+  }
+}
+
+TEST_CASE("a cloud that was cut off during a failure says nothing of another try once the task is FINISHED") {
+  Chain story([](Task& task) {
+    task.retries = 2;
+    task.retry_after_s = 100;
+  });
+  const auto view = [&] { return story.fleet.view("cloud", kStoryRun); };
+  story.fleet["drone"].adapter.skill_time = seconds(300);
+  REQUIRE(story.fleet.until([&] { return story.attempts() == 1; }));
+  story.fleet["cloud"].cut = true;
+  story.fleet.pass(seconds(90));
+  story.fleet["cloud"].cut = false;
+  story.fleet["ur3"].adapter.endings.clear();
+  REQUIRE(story.fleet.until([&] { return view().tasks[1].state == TaskState::finished; }, seconds(60)));
+  story.fleet.pass(seconds(5));
+  CHECK(view().tasks[1].waits_for.empty());
+  CHECK(view().waits_for.empty());
+}
+
+TEST_CASE("an aborted run tries nothing again, and its record says nothing of it") {
+  Chain story([](Task& task) {
+    task.retries = 2;
+    task.retry_after_s = 300;
+  });
+  const auto waits = [&](const char* node) { return story.fleet.view(node, kStoryRun).tasks[1].waits_for; };
+  REQUIRE(story.fleet.until([&] { return story.fleet.view("cloud", kStoryRun).tasks[1].attempt == 2; }));
+  CHECK(waits("cloud").find("again") != std::string::npos);
+  story.fleet.ask("cloud", MessageType::command, RunAbort{story.fleet.sign_order("cloud", kStoryRun)});
+  REQUIRE(story.until(RunState::aborted));
+  CHECK(waits("cloud").empty());
+  CHECK(waits("ur3").empty());
+  story.fleet.pass(seconds(100));  // it is in the archive
+  CHECK(waits("cloud").empty());
+}
+
+TEST_CASE("who replaced a robot does not wait for the pause after that one's failure: its task is due") {
+  Chain story([](Task& task) {
+    task.retries = 2;
+    task.retry_after_s = 600;
+  });
+  const auto task = [&](const char* node) { return story.fleet.view(node, kStoryRun).tasks[1]; };
+  story.fleet["ur3"].adapter.skill_time = seconds(5);
+  REQUIRE(story.fleet.until([&] { return task("cloud").state == TaskState::running; }));
+  story.fleet["ur3"].cut = true;
+  story.fleet.pass(seconds(10));
+  REQUIRE(task("ur3").attempt == 2);
+  const Decider decider(story.fleet, "", {}, "");
+  story.fleet["pioneer"].adapter.set(false, false);
+  story.fleet.ask("cloud", MessageType::command,
+                  RunDecision{decider.decision({{"task-1", Ruling::move, "pioneer", 5, Evidence::word}})});
+  story.fleet.pass(seconds(3));
+  REQUIRE(task("cloud").robot == "pioneer");
+  story.fleet["ur3"].cut = false;
+  story.fleet.pass(seconds(15));
+  CHECK(task("cloud").due);
+  CHECK(task("cloud").waits_for.find("again") == std::string::npos);
+}
+
+TEST_CASE("a task that waits for another one of its robot says so where the run is decided, and in another run, too") {
+  Fleet fleet;
+  add_demonstration(fleet);
+  fleet["ur3"].adapter.skill_time = seconds(40);
+  Scenario both = chain({"ur3", "ur3"});
+  both.tasks[1].after.clear();
+  fleet.ask("cloud", MessageType::command, RunSubmit{start_without(fleet, both, {})});
+  fleet.pass(seconds(1));
+  const std::string other = "00000000000000000000000000000002";
+  fleet.ask("cloud", MessageType::command, RunSubmit{fleet.make_start(chain({"ur3"}), "cloud", seconds(3600), other)});
+  fleet.pass(seconds(20));
+  const std::string wait = "task 'task-0' of run " + kStoryRun + " to end on 'ur3'";
+  for (const char* node : {"cloud", "ur3"}) {
+    CAPTURE(node);
+    CHECK(fleet.view(node, kStoryRun).tasks[1].waits_for == wait);
+    CHECK(fleet.view(node, other).tasks[0].waits_for == wait);
+    CHECK(fleet.view(node, other).waits_for == wait);
+  }
+}
+
+TEST_CASE("a task that does not begin in time has failed, also while its robot is at another task") {
+  for (const OnFailure then : {OnFailure::abort, OnFailure::skip, OnFailure::continue_, OnFailure::resilience}) {
+    for (const bool other_run : {false, true}) {
+      CAPTURE(other_run);
+      CAPTURE(static_cast<int>(then));
+      Fleet fleet;
+      add_demonstration(fleet);
+      fleet["ur3"].adapter.skill_time = seconds(30);
+      Scenario both = chain({"ur3", "ur3"});
+      both.tasks[1].after.clear();
+      if (other_run) {
+        const std::string other = "00000000000000000000000000000002";
+        fleet.ask("cloud", MessageType::command,
+                  RunSubmit{fleet.make_start(chain({"ur3"}), "cloud", seconds(3600), other)});
+        fleet.pass(seconds(3));
+        both.tasks.erase(both.tasks.begin());
+      }
+      Task& late = both.tasks.back();
+      late.start_within_s = 5;
+      late.on_failure = then;
+      fleet.ask("cloud", MessageType::command, RunSubmit{start_without(fleet, both, {})});
+      fleet.pass(seconds(10));
+      const RunView view = fleet.view("cloud", kStoryRun);
+      const TaskView& shown = view.tasks.back();
+      CHECK(shown.reason.find("did not begin within 5 s: the robot was at task 'task-0' of run ") != std::string::npos);
+      const bool skips = then == OnFailure::skip || then == OnFailure::continue_;
+      CHECK(shown.outcome == (skips ? TaskOutcome::skipped : TaskOutcome::failed));
+      fleet.pass(seconds(30));
+      const std::size_t begun = fleet["ur3"].adapter.begun.size();
+      CHECK(begun == 1);
+      const RunState ends = skips                           ? RunState::finished
+                            : then == OnFailure::resilience ? RunState::paused
+                                                            : RunState::aborted;
+      CHECK(fleet.view("cloud", kStoryRun).state == ends);
+    }
+  }
+}

@@ -16,6 +16,7 @@ void Identities::add(const std::string& id, Role role) {
   is.key = make_signing_key();
   Certificate certificate;
   certificate.fleet.bytes = authority_.id();
+  certificate.serial = ++serials_;
   certificate.id = id;
   certificate.role = role;
   certificate.identity_key.bytes = is.key.public_key;

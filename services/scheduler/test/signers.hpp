@@ -32,6 +32,7 @@ class Identities {
   SigningKey authority_key_;
   FleetAuthority authority_;
   std::map<std::string, Identity> all_;
+  std::uint64_t serials_ = 0;
 };
 
 inline const std::string kKnownRun(32, 'a');

@@ -4,6 +4,7 @@
 
 #include "common/base/words.hpp"
 #include "common/fleet/charge.hpp"
+#include "common/fleet/sensor_unit.hpp"
 #include "proto/body.hpp"
 #include "proto/value.hpp"
 
@@ -132,7 +133,8 @@ Result<const Sensor*> Sensors::add_fed(const std::string& name, MonotonicTime no
   if (static_cast<std::size_t>(fed) >= kMaxFed || sensors_.size() >= kMaxSensors)
     return fail(Errc::queue_full, "trbots." + name + ": programs feed too many sensors", "64 at most");
   Sensor sensor;
-  sensor.info = {name, name, "", "", "a program on D-Bus", SensorState::ok, ""};
+  sensor.info = {name, name, "", "", "a program on D-Bus", SensorState::ok, std::string(kUnitNotRead)};
+  sensor.why = kUnitNotRead;
   sensor.heard = now;
   return &add(std::move(sensor), now);
 }
@@ -150,7 +152,7 @@ Result<const Sensor*> Sensors::fed(const std::string& name, MonotonicTime now) {
     sensor.period = std::max<Duration>(gap, (7 * sensor.period + 3 * gap) / 10);
     sensor.heard = now;
   }
-  set_state(sensor, SensorState::ok, "");
+  set_state(sensor, SensorState::ok, sensor.value ? "" : std::string(kUnitNotRead));
   look_at(sensor);
   return &sensor;
 }

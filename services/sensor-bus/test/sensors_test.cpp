@@ -1,4 +1,5 @@
 // What is plugged in and fed: names, identity, states, and what the fleet is told.
+#include "common/fleet/sensor_unit.hpp"
 #include "services/sensor-bus/test/fixture.hpp"
 
 using namespace trb;
@@ -190,6 +191,24 @@ TEST_CASE("a program that emits is a sensor, silent when it stops, gone after a 
   fixture.wait(4s);
   CHECK(fixture.info("humidity").name.empty());
   CHECK(fixture.told().empty());
+}
+
+TEST_CASE("a program's sensor says that nobody has read it, until somebody has: its unit comes with a value only") {
+  Fixture fixture;
+  fixture.bus_event(ProgramHeard{"humidity"});
+  CHECK(fixture.info("humidity").state == SensorState::ok);
+  CHECK_FALSE(is_unit_known(fixture.info("humidity")));
+  fixture.wait(60ms);
+  fixture.bus_event(ProgramHeard{"humidity"});
+  CHECK_FALSE(is_unit_known(fixture.info("humidity")));
+  fixture.program("humidity", 47, "percent");
+  CHECK(is_unit_known(fixture.info("humidity")));
+  CHECK(fixture.info("humidity").unit == "percent");
+  fixture.bus_event(ProgramHeard{"humidity"});
+  CHECK(is_unit_known(fixture.info("humidity")));
+  fixture.program("count", 3);
+  CHECK(is_unit_known(fixture.info("count")));  // it has none
+  CHECK(fixture.info("count").detail.empty());
 }
 
 TEST_CASE("programs feed 64 sensors at most, and take no name from a device") {

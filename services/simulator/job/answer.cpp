@@ -1,5 +1,6 @@
 #include "services/simulator/job/answer.hpp"
 
+#include <algorithm>
 #include <array>
 
 namespace trb::simulator {
@@ -21,9 +22,12 @@ Value with_between(const Count& all, const Count& between) {
   return Value{std::move(out)};
 }
 
-Value over_time(const counting::Tally& tally) {
+/// Up to the end: behind it the tally has what the run might have taken longer.
+Value over_time(const counting::Tally& tally, double seconds) {
+  const auto intervals = static_cast<std::size_t>(seconds / tally.interval_s()) + 1;
   Value::List messages, bytes;
-  for (const Count& one : tally.over_time()) {
+  for (std::size_t i = 0; i < std::min(intervals, tally.over_time().size()); ++i) {
+    const Count& one = tally.over_time()[i];
     messages.push_back(integer(one.messages));
     bytes.push_back(integer(one.bytes));
   }
@@ -51,7 +55,7 @@ Value answer_value(const counting::Tally& tally, double seconds) {
   for (auto& [key, value] : count_object(tally.all())) out.emplace_back(key, std::move(value));
   out.emplace_back("between_computers", Value{count_object(tally.between())});
   out.emplace_back("phases", Value{std::move(phases)});
-  out.emplace_back("over_time", over_time(tally));
+  out.emplace_back("over_time", over_time(tally, seconds));
   return Value{std::move(out)};
 }
 

@@ -8,7 +8,8 @@
 namespace trb::simulator {
 
 /// {"seconds", "messages", "bytes", "between_computers": {"messages", "bytes"}, "phases": {PHASE: {"messages", "bytes",
-/// "between_computers": {...}}}, "over_time": {"interval_s", "messages": [...], "bytes": [...]}}
+/// "between_computers": {...}}}, "over_time": {"interval_s", "messages": [...], "bytes": [...]}}; over time up to
+/// `seconds`, the run's end.
 Value answer_value(const counting::Tally& tally, double seconds);
 
 /// One line of a trace: {"at_s", "phase", "from", "to", "bytes"}.

@@ -57,6 +57,22 @@ TEST_CASE("one task may have a time of its own") {
   CHECK(makespan_s < 13);
 }
 
+TEST_CASE("a task takes a value that the job says its robot tells") {
+  const std::string scenario = R"({"name": "where to", "tasks": [
+      {"id": "look", "robot": "arm", "skill": "pick"},
+      {"id": "go", "robot": "cart1", "skill": "go_to", "after": ["look"], "data": {"place": {"from": "look", "value": "at"}}}]})";
+  ConfigFaults faults;
+  const Job job =
+      read_job(job_of(kFleet, scenario, R"(, "times": {"task:look": {"mean": 2, "result": {"at": "dock"}}})"), faults);
+  REQUIRE_MESSAGE(faults.empty(), to_text(faults));
+  world::World world(*job.world);
+  CHECK(world.play().state == RunState::finished);
+  CHECK(world.witness().done("go") == 1);
+  read_job(job_of(kFleet, scenario), faults);
+  REQUIRE(faults.size() == 1);
+  CHECK(faults[0].key == "times.task:look.result");
+}
+
 TEST_CASE("a robot that breaks is replaced by one that can do the same, if the task names none") {
   ConfigFaults faults;
   const std::string scenario = R"({"name": "one", "tasks": [

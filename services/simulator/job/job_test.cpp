@@ -29,6 +29,14 @@ TEST_CASE("a job with everything becomes a plan, and its answer has every phase"
   CHECK(answer.find("over_time")->find("messages")->list().size() == 181);
 }
 
+TEST_CASE("what was sent over time ends with the run, whatever it might have taken") {
+  counting::Tally tally(1000);
+  tally.add(9.5, CostPhase::task, 50, true);
+  const Value over_time = *answer_value(tally, 9.8).find("over_time");
+  for (const char* const key : {"messages", "bytes"}) CHECK(over_time.find(key)->list().size() == 10);
+  CHECK(over_time.find("messages")->list().back().integer() == 1);
+}
+
 TEST_CASE("every fault of a job is named, with a hint") {
   for (
       const Wrong& one : {
@@ -161,7 +169,7 @@ TEST_CASE("a line of a trace names both ends") {
 
 TEST_CASE("a run that `seconds` cut off at work is open and nothing is broken, and the answer says so") {
   ConfigFaults faults;
-  const Job job = read_job(R"({"protocol": "talkrobots", "robots": 2, "tasks": 3, "seconds": 12})", faults);
+  const Job job = read_job(R"({"protocol": "talkrobots", "robots": 2, "tasks": 3, "seconds": 6})", faults);
   REQUIRE(faults.empty());
   const Value answer = world_value(world::World(*job.world).play());
   CHECK(answer.find("state")->text() == "OPEN");
@@ -170,6 +178,7 @@ TEST_CASE("a run that `seconds` cut off at work is open and nothing is broken, a
   CHECK(answer.find("cut_off")->boolean());
   CHECK(answer.find("alerts")->list().empty());
   CHECK(answer.find("at_work")->integer() == 1);
+  CHECK_FALSE(answer.find("finished_at_cloud")->boolean());
   CHECK_FALSE(answer.find("stands_still_s"));
   const Job whole = read_job(R"({"protocol": "talkrobots", "robots": 2, "tasks": 3, "seconds": 120})", faults);
   CHECK_FALSE(world_value(world::World(*whole.world).play()).find("cut_off"));
@@ -218,6 +227,20 @@ TEST_CASE("a run that its plan keeps from its end stands still, and nothing is b
       CHECK(world.find("off")->list().size() == (more == dead ? 1 : 0));
     }
   }
+}
+
+TEST_CASE("an answer says whether all links were up, and which faults were not reached, by their place in the job") {
+  const Value usual = world_of(R"("robots": 2, "tasks": 2)");
+  CHECK(usual.find("all_linked")->boolean());
+  CHECK(usual.find("not_reached")->list().empty());
+  const Value apart = world_of(R"("robots": 2, "tasks": 2, "seconds": 5, "faults": [{"kind": "cut", "node": "r0"},
+      {"at": 2, "kind": "fail", "node": "r1"}, {"at": 6, "kind": "heal", "node": "r0"}])");
+  CHECK_FALSE(apart.find("all_linked")->boolean());
+  CHECK(dump_json(*apart.find("not_reached")) == R"([{"fault":2,"at":6.0}])");
+}
+
+TEST_CASE("seconds of 0 are as none: the run is played to its end") {
+  CHECK(world_of(R"("robots": 2, "tasks": 3, "seconds": 0)").find("state")->text() == "FINISHED");
 }
 
 TEST_CASE("nothing stands still before the last that is planned has come") {

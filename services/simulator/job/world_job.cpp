@@ -45,6 +45,7 @@ void add_standstill(const world::Standstill& is, Value::Object& out) {
   out.emplace_back("alerts", Value{std::move(alerts)});
   if (is.still_s > 0) out.emplace_back("stands_still_s", Value{is.still_s});
   out.emplace_back("at_work", Value{static_cast<std::int64_t>(is.at_work)});
+  out.emplace_back("finished_at_cloud", Value{is.is_finished});
   out.emplace_back("open_at", Value{texts_of(is.open_at, world::kMaxRobots + 1)});
   out.emplace_back("off", Value{texts_of(is.off, world::kMaxRobots + 1)});
 }
@@ -78,16 +79,22 @@ Value world_value(const world::Played& played) {
   const auto integer = [](std::uint64_t number) { return Value{static_cast<std::int64_t>(number)}; };
   Value::List broken;
   for (const std::string& text : played.broken) broken.push_back(Value{text});
+  Value::List not_reached;
+  for (const world::LateFault& late : played.not_reached) {
+    not_reached.push_back(Value{Value::Object{{"fault", integer(late.index)}, {"at", Value{late.at_s}}}});
+  }
   const bool over = played.over_everywhere;
   Value::Object out{{"state", Value{over ? std::string(name_of(played.state)) : "OPEN"}},
                     {"over_everywhere", Value{over}},
                     {"tasks_done", integer(played.tasks_done)},
                     {"makespan_s", Value{played.makespan_s}},
+                    {"all_linked", Value{played.all_linked}},
                     {"linked_s", Value{played.linked_s}},
                     {"submitted_s", Value{played.submitted_s}},
                     {"events", integer(played.events)},
                     {"digest", Value{hex_of(played.digest)}},
-                    {"broken", Value{std::move(broken)}}};
+                    {"broken", Value{std::move(broken)}},
+                    {"not_reached", Value{std::move(not_reached)}}};
   if (played.cut_off) out.emplace_back("cut_off", Value{true});
   if (played.standstill) add_standstill(*played.standstill, out);
   return Value{std::move(out)};

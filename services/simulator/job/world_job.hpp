@@ -8,7 +8,8 @@ namespace trb::simulator {
 
 /// Keys: `robots`, `tasks`; optional: `task_seconds` (3), `deviation` (0, of a task's time), `link`: see
 /// link_job.hpp; `seed` (1), `until_event` (it ends
-/// behind that event), `seconds` (at most so many are simulated), `faults` and `relays`: see fault_job.hpp;
+/// behind that event), `seconds` (at most so many are simulated, from the run's submission; 0, or without it: see
+/// WorldPlan::until_s), `faults` and `relays`: see fault_job.hpp;
 /// `sensor_values`: see sensor_job.hpp.
 world::WorldPlan read_world(ObjectReader& reader);
 
@@ -16,8 +17,11 @@ constexpr std::size_t kMaxListedAlerts = 100;  ///< and of each so many tasks
 
 /// What the world adds to the answer; `cut_off`: true, if the time was up before the run was over. Then also why:
 /// `alerts` that wait for a person ([{"robot", "cause", "text", "tasks"}]), `stands_still_s` (nothing has moved for so
-/// long, and nothing planned is to come; left out: something may move), `at_work` (robots at a task), `open_at` (nodes
-/// where it is not over), `off` (of these, whose processes do not run).
+/// long, and nothing planned is to come; left out: something may move), `at_work` (robots at a task),
+/// `finished_at_cloud` (it is; nodes keep a run for a minute more), `open_at` (nodes where it is not over), `off` (of
+/// these, whose processes do not run).
+/// `all_linked`: every pair of nodes had its link at `linked_s`; false: it had not, and that is when nobody waited any
+/// longer. `not_reached`, [{"fault", "at"}]: faults of the plan, by index, whose time was not before the end.
 Value world_value(const world::Played& played);
 
 }  // namespace trb::simulator

@@ -28,7 +28,9 @@ void Network::move(const std::string& id, const std::string& address) {
 }
 
 void Network::attach(LinkId connection, const std::string& dialler, Bytes key, const std::string& acceptor) {
-  connections_[connection] = {way_to(acceptor), way_to(dialler), std::move(key), false};
+  Connection& row = connections_[connection];
+  row = {way_to(acceptor), way_to(dialler), std::move(key), false};
+  by_id_.set(connection, row);
 }
 
 template <class Is>
@@ -37,7 +39,6 @@ std::vector<LinkId> Network::connections_where(Is&& is) const {
   for (const auto& [link, connection] : connections_) {
     if (is(connection)) out.push_back(link);
   }
-  std::ranges::sort(out);
   return out;
 }
 
@@ -84,14 +85,14 @@ void Network::resume(LinkId connection, bool there) {
 
 /// A part of it waits again if the way was cut again.
 void Network::hand_over_held(LinkId connection, bool there) {
-  const auto begun = connections_.find(connection);
-  if (begun != connections_.end()) begun->second.way(there).resumes = false;
-  for (auto at = begun; at != connections_.end(); at = connections_.find(connection)) {  // a host may end it
-    Way& way = at->second.way(there);
-    if (way.held.empty() || is_stopped(way, at->second.sender(there), way.held.front())) return;
+  Connection* is = by_id_.find(connection);
+  if (is != nullptr) is->way(there).resumes = false;
+  for (; is != nullptr; is = by_id_.find(connection)) {  // a host may end it
+    Way& way = is->way(there);
+    if (way.held.empty() || is_stopped(way, is->sender(there), way.held.front())) return;
     Parcel parcel = std::move(way.held.front());
     way.held.pop_front();
-    hand_over(connection, at->second, there, std::move(parcel));
+    hand_over(connection, *is, there, std::move(parcel));
   }
 }
 
@@ -127,12 +128,11 @@ void Network::connect(const std::string& from, const router::Dial& dial) {
 }
 
 bool Network::send(LinkId connection, const std::string& from, std::string_view subtype, Bytes frame) {
-  const auto at = connections_.find(connection);
-  if (at == connections_.end()) return false;
-  Connection& is = at->second;
-  const bool there = is.back.to == from;
-  count(from, is.way(there).to, subtype, on_wire(frame.size()), frame);
-  post(connection, is, there, {std::move(frame), false});
+  Connection* is = by_id_.find(connection);
+  if (is == nullptr) return false;
+  const bool there = is->back.to == from;
+  count(from, is->way(there).to, subtype, on_wire(frame.size()), frame);
+  post(connection, *is, there, {std::move(frame), false});
   return true;
 }
 
@@ -162,17 +162,20 @@ bool Network::is_stopped(Way& way, const std::string& from, const Parcel& parcel
 }
 
 void Network::arrive(LinkId connection, bool there, Parcel parcel) {
-  const auto at = connections_.find(connection);
-  if (at == connections_.end() || at->second.lost) return;
-  Way& way = at->second.way(there);
-  const bool waits = !way.held.empty() || is_stopped(way, at->second.sender(there), parcel);
+  Connection* is = by_id_.find(connection);
+  if (is == nullptr || is->lost) return;
+  Way& way = is->way(there);
+  const bool waits = !way.held.empty() || is_stopped(way, is->sender(there), parcel);
   if (waits) return way.held.push_back(std::move(parcel));
-  hand_over(connection, at->second, there, std::move(parcel));
+  hand_over(connection, *is, there, std::move(parcel));
 }
 
 void Network::hand_over(LinkId connection, const Connection& is, bool there, Parcel parcel) {
   Host* here = *is.way(there).host;
-  if (parcel.end) connections_.erase(connection);
+  if (parcel.end) {
+    by_id_.erase(connection);
+    connections_.erase(connection);
+  }
   if (here == nullptr) return;
   if (parcel.end) return here->on_connection_end(connection);
   if (meddle && !meddle(is.sender(there), connection, parcel.frame)) return;
@@ -180,8 +183,7 @@ void Network::hand_over(LinkId connection, const Connection& is, bool there, Par
 }
 
 void Network::close(LinkId connection, const std::string& by) {
-  const auto at = connections_.find(connection);
-  if (at != connections_.end()) post(connection, at->second, at->second.back.to == by, {{}, true});
+  if (Connection* is = by_id_.find(connection)) post(connection, *is, is->back.to == by, {{}, true});
 }
 
 void Network::broadcast(const std::string& from, const Bytes& plain) {

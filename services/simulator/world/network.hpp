@@ -7,9 +7,9 @@
 #include <memory>
 #include <set>
 #include <string>
-#include <unordered_map>
 #include <utility>
 
+#include "common/base/lookup_table.hpp"
 #include "common/simulation/link_kind.hpp"
 #include "services/router/core/effects.hpp"
 #include "services/router/core/link_end_reason.hpp"
@@ -59,7 +59,7 @@ class Network {
   void dial(const std::string& from, const router::Dial& dial);
   /// A connection that is made already. A dialler that is no host hears nothing, and nothing tells that.
   void attach(LinkId connection, const std::string& dialler, Bytes key, const std::string& acceptor);
-  [[nodiscard]] bool has(LinkId connection) const { return connections_.contains(connection); }
+  [[nodiscard]] bool has(LinkId connection) const { return by_id_.find(connection) != nullptr; }
   /// `subtype`: the frame's. False: there is no such connection any more.
   bool send(LinkId connection, const std::string& from, std::string_view subtype, Bytes frame);
   void close(LinkId connection, const std::string& by);
@@ -132,7 +132,9 @@ class Network {
   LinkKind kind_;
   std::map<std::string, Host*> hosts_;            ///< nullptr: away
   std::map<std::string, std::string> addresses_;  ///< HOST:PORT -> id
-  std::unordered_map<LinkId, Connection> connections_;
+  std::map<LinkId, Connection> connections_;
+  LookupTable<LinkId, Connection>
+      by_id_;  ///< the same rows: each frame looks one up when it leaves and when it arrives
   Duration slowest_{0};
   bool over_ = false;
   std::set<std::pair<std::string, std::string>> cuts_;  ///< from, to

@@ -74,7 +74,9 @@ void Robot::end(bool well) {
   if (!well) give_up();
   work_.reset();
   if (well && on_end) on_end();
-  inform(well ? "done" : "failed", well ? skill_ : skill_ + " broken");
+  if (!well) return inform("failed", skill_ + " broken");
+  const std::string& result = time_of_work().result;
+  inform("done", result.empty() ? skill_ : skill_ + " " + result);
 }
 
 void Robot::fail() {

@@ -65,16 +65,16 @@ void RouterProcess::on_dial_ended(LinkId link, LinkEndReason how) {
 
 void RouterProcess::on_connection_end(LinkId connection) {
   // That an accepted link's connection is gone shows only at the next send.
-  if (!accepted_.contains(connection)) on_dial_ended(connection, LinkEndReason::disconnected);
+  const router::Link* link = std::as_const(core_).table().link(connection);
+  if (link == nullptr || link->dialled) on_dial_ended(connection, LinkEndReason::disconnected);
 }
 
 void RouterProcess::on_frame(LinkId connection, BytesView dialler_key, Bytes frame) {
   const auto header = decode_frame(frame);
   if (!header) return;
   const bool dialled_here = dialler_key == link_key();
-  const bool known =
-      dialled_here ? std::as_const(core_).table().link(connection) != nullptr : accepted_.contains(connection);
-  if (known) return void(from_link(connection, *header, std::move(frame)));
+  const router::Link* link = std::as_const(core_).table().link(connection);
+  if (link != nullptr && link->dialled == dialled_here) return void(from_link(connection, *header, std::move(frame)));
   if (dialled_here) return;  // closed meanwhile
   origin_ = connection;
   step([&](Now now, Effects& out) { core_.forwarding().from_stranger(dialler_key, *header, frame, now, out); });
@@ -195,7 +195,6 @@ void RouterProcess::carry_out(router::LinkSend& own) {
 }
 
 void RouterProcess::carry_out(router::CloseLink& close) {
-  accepted_.erase(close.link);
   held_.erase(close.link);
   core_.seals().forget(close.link);
   network_.close(close.link, id());

@@ -7,7 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <unordered_set>
+#include <utility>
 
 #include "services/router/core/router_core.hpp"
 #include "services/simulator/world/bus.hpp"
@@ -76,7 +76,7 @@ class RouterProcess final : public Host, public BusServer {
   void carry_out(router::Dial& dial);
   void carry_out(router::DialLane&) {}  // no lanes: nothing here is lossy
   void carry_out(router::CloseLink& close);
-  void carry_out(router::AcceptLink& accept) { accepted_.insert(accept.link); }
+  void carry_out(router::AcceptLink&) {}
   void carry_out(router::SendBeacon& beacon) { network_.broadcast(id(), beacon.plain); }
   void carry_out(router::StorePeers&) {}
   void carry_out(router::RefuseCandidate& refuse);
@@ -107,7 +107,6 @@ class RouterProcess final : public Host, public BusServer {
   RouterWatch watch_;
   Bus bus_;
   Timer timer_;
-  std::unordered_set<LinkId> accepted_;
   std::vector<LinkId> lost_;  ///< accepted, found gone at a send
   std::map<LinkId, std::deque<Held>> held_;
   LinkId origin_ = 0;  ///< the connection whose frame is being handled

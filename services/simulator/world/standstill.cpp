@@ -1,6 +1,7 @@
 #include "services/simulator/world/standstill.hpp"
 
 #include <algorithm>
+#include <variant>
 
 #include "services/simulator/world/world.hpp"
 
@@ -19,10 +20,19 @@ double still_for(const World& world, double submitted_s) {
   return still_s < kStill_s ? 0 : still_s;
 }
 
+bool is_finished_at(const Node& node, const std::string& run) {
+  if (const auto over = node.disk().archive.record(run)) return over->view.state == RunState::finished;
+  return std::ranges::any_of(node.disk().journal, [&](const auto& record) {
+    const auto of = scheduler::run_of(record);
+    return std::holds_alternative<scheduler::JournalEnd>(record) && of && *of == run;
+  });
+}
+
 }  // namespace
 
 Standstill standstill_of(const World& world, double submitted_s) {
   Standstill out;
+  out.is_finished = is_finished_at(*world.nodes().at("cloud"), world.run());
   for (const auto& [id, alert] : world.nodes().at("cloud")->disk().alerts.alerts()) {
     if (alert.run == world.run() && resilience::is_open(alert)) out.alerts.push_back(alert);
   }

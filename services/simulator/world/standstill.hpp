@@ -18,6 +18,7 @@ struct Standstill {
   std::vector<std::string> open_at;  ///< nodes on whose disk the run is not over
   std::vector<std::string> off;      ///< of these, whose processes do not run
   std::size_t at_work = 0;           ///< robots that work at a task
+  bool is_finished = false;          ///< on the cloud's disk it is: nodes keep a run for a minute more
   double still_s = 0;                ///< nothing has moved for so long and nothing planned is to come; 0: something may
 };
 

@@ -58,7 +58,7 @@ double WorldPlan::latest_s() const {
 }
 
 double WorldPlan::limit_s() const {
-  if (until_s > 0) return until_s;
+  if (until_s > 0) return kLinksAtMost_s + kRest_s + until_s;
   const auto count = static_cast<double>(fleet.empty() ? tasks : scenario.tasks.size());
   return std::min(kMaxUntil, kLinksAtMost_s + kSlow_s + latest_s() + count * (longest_task_s() + 1));
 }
@@ -68,7 +68,7 @@ World::World(WorldPlan plan, Meddler meddler)
       meddler_(std::move(meddler)),
       dice_(plan_.seed),
       chance_of_faults_(plan_.seed ^ kFaultSeed),
-      meter_(plan_.limit_s()),
+      meter_(plan_.limit_s() + kRest_s),
       network_(events_, meter_, dice_, plan_.link),
       authority_key_(seeded_signing_key(dice_.next())),
       run_(run_id(dice_)) {
@@ -147,8 +147,13 @@ Played World::play() {
     events_.after(Duration{static_cast<std::int64_t>(dice_.below(1'000'000'000))}, [&is = *node] { is.start(); });
   }
   events_.after(std::chrono::seconds(1), [this] { look_for_links(); });
-  pass(plan_.limit_s());
-  if (ended_) pass(events_.seconds_passed() + kRest_s);
+  end_in(plan_.limit_s());
+  pass();
+  if (!is_stopped()) ended_ = is_over_everywhere();  // perhaps since the last look
+  if (ended_) {
+    end_in(kRest_s);
+    pass();
+  }
   outcome_.cut_off = !ended_ && !is_stopped();
   if (outcome_.cut_off) outcome_.standstill = standstill_of(*this, outcome_.submitted_s);
   if (is_cut_off_at_work()) leave_open();
@@ -156,6 +161,7 @@ Played World::play() {
   if (const auto record = nodes_.at("cloud")->disk().archive.record(run_)) outcome_.state = record->view.state;
   outcome_.makespan_s = witness_.makespan_s();
   outcome_.tasks_done = witness_.tasks_done();
+  outcome_.not_reached = not_reached();
   outcome_.seconds = events_.seconds_passed();
   outcome_.events = events_.count();
   outcome_.digest = meter_.digest();
@@ -164,10 +170,13 @@ Played World::play() {
   return outcome_;
 }
 
-void World::pass(double limit_s) {
-  const MonotonicTime limit = events_.now() + seconds(limit_s - events_.seconds_passed());
+void World::end_in(double seconds) {
+  limit_ = events_.now() + trb::seconds(seconds);
+}
+
+void World::pass() {
   const bool ended = ended_;
-  while (ended_ == ended && !is_stopped() && events_.step(limit)) report_second();
+  while (ended_ == ended && !is_stopped() && events_.step(limit_)) report_second();
 }
 
 /// Nobody can say that such a run would not have ended.
@@ -193,6 +202,7 @@ void World::look_for_links() {
   const bool all =
       std::ranges::all_of(nodes_, [&](const auto& one) { return one.second->linked() + 1 == nodes_.size(); });
   if (!all && events_.seconds_passed() < kLinksAtMost_s) return events_.after(kLook, [this] { look_for_links(); });
+  outcome_.all_linked = all;
   outcome_.linked_s = events_.seconds_passed();
   events_.after(seconds(kRest_s), [this] { submit(); });
 }
@@ -205,7 +215,7 @@ RunStart World::start() const {
     if (at_work.contains(robot.id)) members.push_back(nodes_.at(robot.id)->member());
   }
   const UtcTime now = nodes_.at("cloud")->utc();
-  const Duration life = std::max(kUsualLife, seconds(plan_.limit_s()));
+  const Duration life = std::max(kUsualLife, seconds(plan_.until_s > 0 ? plan_.until_s : plan_.limit_s()));
   return build_run_start(plan_.scenario, std::move(members), "cloud", now, now + life, run_, plan_.assigned);
 }
 
@@ -217,6 +227,7 @@ void World::submit() {
   Node& cloud = *nodes_.at("cloud");
   if (!cloud.is_up()) return events_.after(kLook, [this] { submit(); });
   outcome_.submitted_s = events_.seconds_passed();
+  if (plan_.until_s > 0) end_in(plan_.until_s);
   plan_faults();
   cloud.submit(start());
   events_.after(kLook, [this] { look_for_end(); });
@@ -249,13 +260,27 @@ void World::prepare_faults() {
 }
 
 void World::plan_faults() {
-  for (const Fault& fault : plan_.faults) {
+  for (std::size_t i = 0; i < plan_.faults.size(); ++i) {
+    const Fault& fault = plan_.faults[i];
     if (fault.kind == FaultKind::rate) {
       draw_faults(fault);
     } else if (!fault.from_start) {
-      events_.after(seconds(fault.at_s), [this, &fault] { happen(fault); });
+      events_.after(seconds(fault.at_s), [this, i] {
+        reached_.insert(i);
+        happen(plan_.faults[i]);
+      });
     }
   }
+}
+
+std::vector<LateFault> World::not_reached() const {
+  std::vector<LateFault> out;
+  for (std::size_t i = 0; i < plan_.faults.size(); ++i) {
+    const Fault& fault = plan_.faults[i];
+    const bool has_time = fault.kind != FaultKind::rate && !fault.from_start;
+    if (has_time && !reached_.contains(i)) out.push_back({i, fault.at_s});
+  }
+  return out;
 }
 
 void World::draw_faults(const Fault& rate) {
@@ -266,7 +291,7 @@ void World::draw_faults(const Fault& rate) {
 
 /// The next failure is drawn when the one before is over: a list of a week's would have millions.
 void World::fail_by_chance(const FaultRate& rate, const std::string& robot) {
-  const auto after_s = time_to_failure(rate.between_s, plan_.limit_s() - events_.seconds_passed(), chance_of_faults_);
+  const auto after_s = time_to_failure(rate.between_s, to_seconds(limit_ - events_.now()), chance_of_faults_);
   if (!after_s) return;
   events_.after(seconds(*after_s), [this, &rate, &robot] {
     happen({.kind = FaultKind::fail, .node = robot});

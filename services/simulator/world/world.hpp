@@ -8,6 +8,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -32,7 +33,8 @@ struct WorldPlan {
   std::vector<std::string> assigned;         ///< who has each of its tasks at first (see bind_tasks)
   SkillTime task;                            ///< of skills without a time of their own
   std::map<std::string, SkillTime> times{};  ///< by skill, or of one task: "task:ID"
-  double until_s = 0;    ///< 0: as long as faults and sensors go on, then the tasks may take, and some minutes
+  double until_s = 0;    ///< from the run's submission; 0: for as long as faults and sensors go on, then the tasks may
+                         ///< take, and some minutes
   bool must_end = true;  ///< false: what is planned may keep it from its end, and that it stands still breaks nothing
   LinkKind link = kLinkKinds[0];
   std::uint64_t seed = 1;
@@ -42,11 +44,18 @@ struct WorldPlan {
   std::map<std::string, CrashPoint> crashes{};
   std::vector<PlannedSensor> sensors;
   std::vector<std::string> relays;  ///< nodes that relay
+  /// How long the world exists at most; a run that is over by then has a rest of some seconds more.
   [[nodiscard]] double limit_s() const;
   /// When the last thing happens that the plan has for a time of its own: a fault, a repair, a sensor's step.
   [[nodiscard]] double latest_s() const;
   /// What no task takes longer than.
   [[nodiscard]] double longest_task_s() const;
+};
+
+/// The run, or what is played of it, ended before its time.
+struct LateFault {
+  std::size_t index = 0;  ///< among the plan's faults
+  double at_s = 0;        ///< from the run's submission
 };
 
 /// What became of it.
@@ -55,8 +64,9 @@ struct Played {
   std::string refusal;    ///< why it was refused; empty: it was not
   RunState state{};       ///< at the cloud, if it is over there
   bool over_everywhere = false;
-  double linked_s = 0;     ///< when every pair of nodes had its link
-  double submitted_s = 0;  ///< when the person submitted the run
+  bool all_linked = false;  ///< every pair of nodes had its link, before the run was submitted
+  double linked_s = 0;      ///< when they had; else when they were waited for no longer
+  double submitted_s = 0;   ///< when the person submitted the run
   double makespan_s = 0;
   double seconds = 0;  ///< of virtual time
   std::size_t tasks_done = 0;
@@ -66,6 +76,7 @@ struct Played {
   bool cut_off = false;                  ///< the time was up before the run was over
   bool left_open = false;                ///< and it was under way then, or need not end: that it is open is no fault
   std::optional<Standstill> standstill;  ///< why it is not over, if it was cut off
+  std::vector<LateFault> not_reached;    ///< those of the plan whose time was not before the end
   std::vector<std::string> broken;       ///< invariants that do not hold, as text
 };
 
@@ -102,7 +113,8 @@ class World {
   void add(const std::string& id, Role role, std::uint32_t number, const NodeProfile& profile);
   void watch(Node& node);
   void look_for_double(const Node& beginner);
-  void pass(double limit_s);
+  void end_in(double seconds);
+  void pass();
   [[nodiscard]] bool is_cut_off_at_work() const;
   void leave_open();
   void report_second();
@@ -113,6 +125,7 @@ class World {
   [[nodiscard]] double run_seconds() const;
   void prepare_faults();
   void plan_faults();
+  [[nodiscard]] std::vector<LateFault> not_reached() const;
   void draw_faults(const Fault& rate);
   void fail_by_chance(const FaultRate& rate, const std::string& robot);
   void repair_until_next(const FaultRate& rate, const std::string& robot);
@@ -137,6 +150,8 @@ class World {
   Repeats repeats_;
   std::map<std::string, std::unique_ptr<Node>> nodes_;
   Played outcome_;
+  MonotonicTime limit_{};          ///< it is played until then
+  std::set<std::size_t> reached_;  ///< faults of the plan, by index
   bool ended_ = false;
   double reported_s_ = 0;
 };

@@ -95,12 +95,63 @@ TEST_CASE("a task that was begun in time is not skipped because its robot is gon
 
 TEST_CASE("a run that is under way when its time is up was cut off: nothing is broken") {
   WorldPlan plan = plan_of(2, 4);
-  plan.until_s = 14;
+  plan.until_s = 8;
   const Played is = World(plan).play();
   check_unbroken(is);
   CHECK(is.cut_off);
   CHECK_FALSE(is.over_everywhere);
   CHECK_FALSE(World(plan_of(2, 4)).play().cut_off);
+}
+
+TEST_CASE("how long is played counts from the run's submission, as faults' times do") {
+  WorldPlan plan = plan_of(2, 4);  // twelve seconds, and a minute behind its end
+  plan.until_s = 75;
+  check_all_done(World(plan).play(), 4);
+  plan.until_s = 8;
+  const Played is = World(plan).play();
+  CHECK(is.seconds - is.submitted_s == doctest::Approx(8));
+  REQUIRE(is.standstill);
+  CHECK_FALSE(is.standstill->is_finished);
+}
+
+TEST_CASE("of a run whose tasks are all done, and which the nodes keep for a minute more, the cloud knows the end") {
+  WorldPlan plan = plan_of(2, 4);
+  plan.until_s = 12.5;
+  const Played is = World(plan).play();
+  check_unbroken(is);
+  CHECK(is.cut_off);
+  CHECK(is.tasks_done == 4);
+  CHECK_FALSE(is.over_everywhere);
+  REQUIRE(is.standstill);
+  CHECK(is.standstill->is_finished);
+}
+
+TEST_CASE("links that are not up are told: the run is submitted all the same, and played as long as was asked for") {
+  WorldPlan plan = plan_of(2, 2);
+  CHECK(World(plan).play().all_linked);
+  plan.faults = {Fault{.kind = FaultKind::cut, .node = "r0", .from_start = true}};
+  plan.until_s = 10;
+  const Played is = World(plan).play();
+  CHECK_FALSE(is.all_linked);
+  CHECK(is.linked_s >= 60);
+  CHECK(is.submitted_s > is.linked_s);
+  CHECK(is.seconds - is.submitted_s == doctest::Approx(10));
+}
+
+TEST_CASE("faults whose time does not come before the end are told; one that comes and one by chance are not") {
+  Fault rate{.kind = FaultKind::rate, .node = "r1"};
+  rate.rate.between_s = 1e7;
+  const Played is = World(plan_of(2, 2,
+                                  {{2, FaultKind::cut, "r0", "r1"},
+                                   {1e5, FaultKind::fail, "r0"},
+                                   {2.5, FaultKind::heal, "r0", "r1"},
+                                   rate,
+                                   {.kind = FaultKind::disk, .node = "r1", .from_start = true}}))
+                        .play();
+  check_all_done(is, 2);
+  REQUIRE(is.not_reached.size() == 1);
+  CHECK(is.not_reached[0].index == 1);
+  CHECK(is.not_reached[0].at_s == 1e5);
 }
 
 TEST_CASE("a run that stands still until its time is up is broken, unless somebody wanted no more of it") {

@@ -37,7 +37,7 @@ TEST_CASE("http: a skill is queued, its number kept, and its end seen under that
   fixture.deliver(MessageType::command, order("drive", R"({"mission": "home"})", 2), "mir");
   CHECK(fixture.serve() == R"(POST /queue {"mission_id": "home"})");
   fixture.state = "Aborted";
-  fixture.live(1);
+  fixture.live(2.1);
   const auto failed = fixture.told<Outcome>();
   REQUIRE_FALSE(failed.empty());
   const Outcome last = get<Outcome>(failed.back().body);
@@ -71,8 +71,9 @@ TEST_CASE("http: what the robot refuses is told with its words; a sign-in that i
   fixture.asked();
   fixture.answer_with(401);
   const auto faults = fixture.told<RobotFault>();
-  REQUIRE(faults.size() == 2);  // a value each
+  REQUIRE(faults.size() == 1);  // of both values of the path
   const std::string said = get<RobotFault>(faults[0].body).text;
+  CHECK(said.starts_with("2 values (battery, position): GET /status was answered with 401"));
   CHECK(said.find("keys/robot.auth") != std::string::npos);
   CHECK(said.find("for a MiR the SHA-256 of the password in its place: echo -n PASSWORD | sha256sum") !=
         std::string::npos);
@@ -190,4 +191,18 @@ TEST_CASE("http: a way that needs what no answer has told yet is refused, and no
   fixture.serve();
   fixture.command("again", "");
   CHECK(fixture.serve() == "DELETE /queue/7");
+}
+
+TEST_CASE("http: a state of before the command ends no skill") {
+  Settings settings = mir();
+  settings.commands.values["mission"] = "GET /status /battery_percentage";
+  settings.description.skills[0].end.equals = 81.5;
+  MirFixture fixture(settings);
+  fixture.connect();
+  fixture.deliver(MessageType::command, order("drive", R"({"mission": "dock"})"), "mir");
+  fixture.serve();
+  fixture.live(1.9);
+  CHECK(fixture.told<Outcome>().empty());
+  fixture.live(0.2);
+  CHECK(fixture.one<Outcome>().outcome == TaskOutcome::finished);
 }

@@ -88,11 +88,13 @@ struct MirFixture : Fixture {
     serve();
     deliver(MessageType::command, CancelExecution{drive.key, "enough"}, "mir");
   }
-  /// The skill 'drive' was cancelled, and the robot has stopped for it.
+  /// The skill 'drive' was cancelled, and the robot has stopped for it; the release is due.
   void halt_drive() {
     cancel_drive();
     CHECK(asked() == R"(PUT /status {"state_id": 4})");
     answer_with(200, "{}");
+    live(0.4);
+    wait(0.1);
   }
   /// The connection ends, and the next one is there soon after.
   void reconnect() {

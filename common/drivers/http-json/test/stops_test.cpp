@@ -99,8 +99,7 @@ TEST_CASE("http: each halt has three connections of its own: what one before has
     CHECK(fixture.asked() == R"(PUT /status {"state_id": 4})");
     fixture.reconnect();
     CHECK(fixture.serve().starts_with(R"(PUT /status {"state_id": 4})"));
-    fixture.wait(0.1);
-    fixture.serve();
+    fixture.live(0.5);
   }
   for (const auto& told : fixture.told<RobotFault>()) CHECK(get<RobotFault>(told.body).ended);
 }
@@ -112,6 +111,7 @@ TEST_CASE("http: a skill is halted once the robot has answered that; if it refus
     CHECK(fixture.asked() == R"(PUT /status {"state_id": 4})");
     CHECK(fixture.told<Outcome>().empty());
     fixture.answer_with(status, "{}");
+    fixture.wait(0.5);
     CHECK(fixture.one<Outcome>().outcome == (status == 200 ? TaskOutcome::failed : TaskOutcome::interrupted));
   }
 }
@@ -123,9 +123,30 @@ TEST_CASE("http: a robot that was halted is released before it gets anything els
   fixture.flags = kFlagTakeControl;
   fixture.command("again", "");
   fixture.answer_with(200, "{}");
+  fixture.live(0.4);
+  fixture.wait(0.1);
   CHECK(fixture.asked() == R"(PUT /status {"state_id": 3})");
   fixture.reconnect();
   CHECK(fixture.serve() == R"(PUT /status {"state_id": 3}; DELETE /queue/7)");
+}
+
+TEST_CASE("http: a halt is held before it is taken back, but not if a stop comes") {
+  for (const bool stop : {false, true}) {
+    OnlineMir fixture;
+    fixture.cancel_drive();
+    CHECK(fixture.asked() == R"(PUT /status {"state_id": 4})");
+    fixture.answer_with(200, "{}");
+    fixture.wait(0.45);
+    CHECK(fixture.serve().empty());
+    CHECK(fixture.told<Outcome>().empty());
+    if (stop) {
+      fixture.deliver(MessageType::command, Stop{}, "operator");
+      CHECK(fixture.serve() == R"(PUT /status {"state_id": 4})");
+    }
+    fixture.wait(0.05);
+    CHECK(fixture.serve() == (stop ? "" : R"(PUT /status {"state_id": 3})"));
+    CHECK(fixture.one<Outcome>().outcome == (stop ? TaskOutcome::interrupted : TaskOutcome::failed));
+  }
 }
 
 TEST_CASE("http: a stop that comes after a halt leaves the robot stopped") {
@@ -171,10 +192,8 @@ TEST_CASE("http: a halt that the robot took in part, and refused, is followed by
     fixture.connect();
     fixture.cancel_drive();
     CHECK(fixture.asked() == R"(PUT /status {"state_id": 4})");
-    if (part) {
-      fixture.answer_with(200, "{}");
-      CHECK(fixture.asked() == "DELETE /queue");
-    }
+    fixture.answer_with(part ? 200 : 503, "{}");
+    CHECK(fixture.asked() == "DELETE /queue");  // attempted, whatever becomes of the other one
     fixture.answer_with(503);
     const bool told = fixture.one<RobotFault>().text.ends_with("; it may stand in its stop: stop and release it");
     CHECK(told == part);
@@ -189,11 +208,12 @@ TEST_CASE("http: a halt that the robot took in part, and refused, is followed by
         fixture.answer_with(200, R"({"state": "Executing"})");
       } else {
         again += what + "; ";
-        fixture.answer_with(what == (part ? "DELETE /queue" : R"(PUT /status {"state_id": 4})") ? 503 : 200, "{}");
+        const bool goes = what.ends_with("3}") || (part && what.ends_with("4}"));
+        fixture.answer_with(goes ? 200 : 503, "{}");
       }
     }
     CHECK(again == (part ? R"(PUT /status {"state_id": 4}; DELETE /queue; PUT /status {"state_id": 3}; )"
-                         : R"(PUT /status {"state_id": 4}; )"));
+                         : R"(PUT /status {"state_id": 4}; DELETE /queue; )"));
   }
 }
 
@@ -234,4 +254,25 @@ TEST_CASE("http: releases without end keep nobody from the robot: the polling go
   CHECK(fixture.serve() == R"(PUT /status {"state_id": 3}; PUT /status {"state_id": 3})");
   for (const std::uint64_t id : releases) CHECK(fixture.answer(id) == "ack released");
   CHECK(fixture.counted("to_robot.release") == 2);
+}
+
+TEST_CASE("http: a stop attempts each of its requests, and is sent again each second until the robot takes it") {
+  Settings settings = mir();
+  settings.commands.commands["stop"] = "POST /halt {}\nPOST /estop {}";
+  MirFixture fixture(settings);
+  fixture.connect();
+  const auto stop = fixture.deliver(MessageType::command, Stop{}, "operator");
+  CHECK(fixture.asked() == "POST /halt {}");
+  fixture.answer_with(500);
+  CHECK(fixture.asked() == "POST /estop {}");
+  fixture.answer_with(200, "{}");
+  fixture.wait(0.01);
+  CHECK(fixture.nack_of(stop).what ==
+        "the node is fenced, but the robot refused to stop: POST /halt was answered with 500; 1 of its 2 requests was "
+        "answered well");
+  CHECK(fixture.kept.size() == 1);
+  fixture.live(0.9);
+  CHECK(fixture.kept.size() == 1);
+  fixture.live(0.2);
+  CHECK(fixture.kept.empty());
 }

@@ -87,3 +87,33 @@ TEST_CASE("commands.json of such a robot is checked: each fault names its key an
         "ur.values.robot_mode: needs <mod>, which no command's answer tells\n"
         "ur.requests.position: 'joint' is no name of \"values\"\n");
 }
+
+TEST_CASE("an end or a fault that waits for a number that no text of the value gets") {
+  const auto faults_of = [](const std::string& end, const std::string& value = "/state Pending=0 Done=2 Aborted=3",
+                            const std::string& rule = "0") {
+    const NodeFolder folder("ur");
+    folder.write("commands.json", R"({"ur": {"transport": "http-json", "port": 80,
+      "commands": {"go": "PUT /go", "stop": "PUT /stop {}"}, "values": {"mission": "GET /queue )" +
+                                      value + "\"}}}");
+    folder.change("robots/r.json", R"("kind": "acknowledgement")", R"("kind": "state", "state": "mission", )" + end);
+    folder.change(
+        "robots/r.json", R"("skills")",
+        R"("faults": {"f": {"value": "mission", "equals": )" + rule + R"(, "severity": "WARNING"}}, "skills")");
+    return without_keys(folder.check().faults);
+  };
+  const ConfigFaults far = faults_of(R"("equals": 22, "fails_at": 7)");
+  REQUIRE_MESSAGE(far.size() == 2, to_text(far));
+  CHECK(far[0].file == "commands.json");
+  CHECK(far[0].key == "ur.values.mission");
+  CHECK(far[0].what ==
+        "is never 22, for which skills.go.end.equals of the description waits: it gives its texts the numbers "
+        "Aborted=3, Done=2, Pending=0");
+  CHECK(far[0].hint == "write one of these numbers there, or add TEXT=22 to the value");
+  CHECK(far[1].what.starts_with("is never 7, for which skills.go.end.fails_at"));
+  CHECK(faults_of(R"("equals": 2)", "/state Pending=0 Done=2 Aborted=3", "9").size() == 1);
+  for (const ConfigFaults& none :
+       {faults_of(R"("equals": 2, "fails_at": 3)"), faults_of(R"("equals": 22)", "/state"),
+        faults_of(R"("equals": 22)", "/state A=1 /other"), faults_of(R"("equals": 2)", "/state Done=2", "\"Lost\"")}) {
+    CHECK_MESSAGE(none.empty(), to_text(none));
+  }
+}

@@ -64,8 +64,8 @@ TEST_CASE("modbus: data is numbers; anything else is refused before something is
       {"", "speed needs data, and there is none"},
       {"[0.25, 1]", "speed needs one number, and the data has 2 items"},
       {"[]", "the data has 0 items"},
-      {"{}", "the data holds a"},
-      {"null", "the data holds a"},
+      {"{}", "the data holds an object"},
+      {"null", "the data holds null"},
       {"70", "speed (holding 0): 70 does not fit holding 0, a uint16"},
       {"-0.001", "does not fit"},
   };
@@ -78,7 +78,9 @@ TEST_CASE("modbus: data is numbers; anything else is refused before something is
     CHECK_FALSE(fixture.nack_of(id).hint.empty());
   }
   const auto missing = fixture.command("jog", "[0.25]");
-  CHECK(fixture.nack_of(missing).what == "running needs item 1 of a list, and the data has 1 items");
+  CHECK(fixture.nack_of(missing).what == "running takes {1}, which needs 2 items, and the data has 1 item");
+  const auto surplus = fixture.command("jog", "[0.25, 1, 99]");
+  CHECK(fixture.nack_of(surplus).what == "the command takes 2 items, and the data has 3 items");
   CHECK(fixture.asked().empty());
 }
 
@@ -207,4 +209,50 @@ TEST_CASE("modbus: calls and answers survive their way to the thread that makes 
   CHECK_FALSE(decode_modbus_call(encode(ModbusCall{false, kHolding, 0, 126, {}})).has_value());
   CHECK(decode_modbus_answer(encode(ModbusAnswer{2, {3}}))->words == std::vector<std::uint16_t>{3});
   CHECK_FALSE(decode_modbus_answer("").has_value());
+}
+
+TEST_CASE("modbus: a device that is busy for a second is polled as before, and no value is a fault of its own") {
+  OnlinePlc fixture;
+  const auto answer_all = [&](std::uint8_t exception) {
+    std::string calls;
+    for (std::string call = fixture.asked(); !call.empty(); call = fixture.asked()) {
+      calls += call + "; ";
+      fixture.answer_call(exception,
+                          exception == 0 ? fixture.registers_of(fixture.waiting) : std::vector<std::uint16_t>{});
+    }
+    return calls;
+  };
+  const std::string round = "read discrete 3 x1; read input 0 x3; read holding 0 x1; ";
+  for (int i = 0; i < 10; ++i) {
+    fixture.wait(0.1);
+    CHECK(answer_all(6) == round);
+  }
+  CHECK(fixture.told<RobotFault>().empty());
+  CHECK(fixture.answer(fixture.send(MessageType::request, "position", "")) == "nack robot_error");
+  fixture.wait(0.1);
+  CHECK(answer_all(0) == round);
+  CHECK(fixture.answer(fixture.send(MessageType::request, "position", "")) == "0");
+  for (int i = 0; i < 40; ++i) {
+    fixture.wait(0.1);
+    answer_all(4);
+  }
+  const auto faults = fixture.told<RobotFault>();
+  REQUIRE(faults.size() == 3);  // one of each call
+  CHECK(get<RobotFault>(faults[1].body)
+            .text.starts_with("2 values (position, boxes): the device answered 'server device failure' (exception 4)"));
+}
+
+TEST_CASE("modbus: values that were read alone are read together again on the next connection") {
+  OnlinePlc fixture;
+  fixture.wait(0.1);
+  CHECK(fixture.asked() == "read discrete 3 x1");
+  fixture.answer_call(0, {0});
+  CHECK(fixture.asked() == "read input 0 x3");
+  fixture.answer_call(2);
+  CHECK(fixture.asked() == "read input 0 x1");
+  fixture.down(Channel::command, "closed by the device");
+  fixture.up(Channel::command);
+  CHECK(fixture.asked() == "read discrete 3 x1");
+  fixture.answer_call(0, {0});
+  CHECK(fixture.asked() == "read input 0 x3");
 }

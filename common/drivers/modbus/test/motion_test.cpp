@@ -75,8 +75,8 @@ TEST_CASE("modbus: a stop that the device refuses is told to everybody and is no
   const RobotFault fault = fixture.one<RobotFault>();
   CHECK(fault.severity == Severity::critical);
   CHECK(fault.text.starts_with("the device refused to stop: running (coil 0)"));
-  fixture.live(2.1);
-  CHECK(fixture.answer(id) == "nack timeout");
+  fixture.wait(0.01);
+  CHECK(fixture.answer(id) == "nack robot_error");
   CHECK(fixture.kept.size() == 1);
   fixture.deliver(MessageType::command, Stop{""});
   fixture.live(0.2);
@@ -138,20 +138,21 @@ TEST_CASE("modbus: a skill that times out is stopped without a fence") {
   CHECK(fixture.serve() == "holding 0 500; coil 0 1");
   fixture.live(9.8);
   fixture.memory[{ModbusKind::coil, 0}] = 1;
-  fixture.live(0.3);
+  fixture.live(0.8);
   CHECK(fixture.one<Outcome>().reason == "timed out after 10 s");
   CHECK(fixture.memory[{ModbusKind::coil, 0}] == 0);
   CHECK(fixture.answer(fixture.command("set_speed", "0.5")).find("fenced") == std::string::npos);
 }
 
 TEST_CASE("modbus: a skill is halted once the device has acknowledged it; if it refuses, nobody knows") {
-  for (const std::uint8_t exception : {0, 4}) {
+  for (const std::uint8_t exception : std::initializer_list<std::uint8_t>{0, 4}) {
     OnlinePlc fixture;
     fixture.begin_run();
     fixture.cancel_run();
     CHECK(fixture.asked() == "write coil 0 0");
     CHECK(fixture.told<Outcome>().empty());
     fixture.answer_call(exception);
+    fixture.wait(0.5);
     const auto outcome = fixture.one<Outcome>();
     CHECK(outcome.outcome == (exception == 0 ? TaskOutcome::failed : TaskOutcome::interrupted));
     CHECK(outcome.reason.starts_with("cancelled: enough"));
@@ -168,10 +169,13 @@ TEST_CASE("modbus: a device that was halted is released, again if that is lost, 
     fixture.cancel_run();
     CHECK(fixture.asked() == "write coil 0 0");
     fixture.answer_call();
+    fixture.live(0.45);
+    fixture.wait(0.05);
     CHECK(fixture.asked() == "write coil 2 1");
     if (lost) {
       fixture.down(Channel::command, "no answer in time");
       fixture.connect();
+      fixture.live(0.5);
       CHECK(fixture.memory[{ModbusKind::coil, 2}] == 1);
     } else {
       fixture.answer_call();
@@ -216,6 +220,7 @@ TEST_CASE("modbus: a halt whose answer is lost with the connection is written ag
   CHECK(fixture.one<Outcome>().outcome == TaskOutcome::interrupted);
   fixture.up(Channel::command);
   CHECK(fixture.serve() == "coil 0 0");
+  fixture.live(0.5);
   CHECK(fixture.answer(fixture.deliver(MessageType::command, order("run", R"({"speed": 0.5})", 2), "conveyor")) ==
         "running");
 }

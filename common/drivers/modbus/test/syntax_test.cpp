@@ -200,8 +200,9 @@ TEST_CASE("modbus: a fault that waits for what a coil or a register never is") {
   REQUIRE(far.size() == 1);
   CHECK(far[0].hint == "give 0 to 65.535");
   CHECK(faults_of("running", "2").size() == 1);
+  CHECK(faults_of("speed", "0.0005").size() == 1);  // between two numbers of the register
   for (const auto& [value, wanted] : std::vector<std::pair<std::string, std::string>>{
-           {"running", "true"}, {"running", "0"}, {"speed", "65.535"}, {"speed", "0.0005"}, {"speed", "true"}}) {
+           {"running", "true"}, {"running", "0"}, {"speed", "65.535"}, {"speed", "0.005"}, {"speed", "true"}}) {
     CAPTURE(wanted);
     const ConfigFaults none = faults_of(value, wanted);
     CHECK_MESSAGE(none.empty(), to_text(none));

@@ -113,6 +113,9 @@ TEST_CASE("what commands.json has no words for goes to the field channel; with n
   CHECK(fixture.nack_of(id).code == "no_field_channel");
   CHECK(fixture.nack_of(id).what.find("'dance'") != std::string::npos);
   CHECK(fixture.nack_of(id).what.find("commands.json") != std::string::npos);
+  CHECK(fixture.nack_of(id).hint.starts_with("add 'dance' to \"commands\" of commands.json, or use one of"));
+  const auto request = fixture.send(MessageType::request, "weather", "");
+  CHECK(fixture.nack_of(request).hint.starts_with("add 'weather' to \"requests\" of commands.json"));
   fixture.up(Channel::field);
   fixture.command("dance", "1");
   CHECK(fixture.take_fields() == "command\ndance\noperator\n1\n1\n");

@@ -219,7 +219,9 @@ TEST_CASE("a drone that is not heard any more after it was cancelled: nobody kno
   const auto before = fixture.counted("to_robot.stop");
   fixture.live(0.3, kHovering);
   CHECK(fixture.counted("to_robot.stop") == before + 1);
-  CHECK(fixture.core.idle());
+  fixture.told<AdapterState>();
+  fixture.deliver(MessageType::request, AdapterStateRequest{}, "drone");
+  CHECK_FALSE(fixture.one<AdapterState>().busy);
 }
 
 TEST_CASE("a skill that times out or is cancelled stands in the air, without a fence") {

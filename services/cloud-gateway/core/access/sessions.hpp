@@ -57,6 +57,9 @@ class Sessions {
   /// Takes a row from the store; adds no change.
   void restore(Session session);
 
+  /// As restore(): it is not there.
+  void forget(const Bytes& key) { sessions_.erase(key); }
+
   NewSession open(const User& user, UtcTime now);
   /// The session with this id if it is open; records its use.
   const Session* find(std::string_view id, const Users& users, UtcTime now);

@@ -1,6 +1,7 @@
 #include "services/cloud-gateway/core/access/users.hpp"
 
 #include <algorithm>
+#include <set>
 
 namespace trb::gateway {
 namespace {
@@ -20,6 +21,8 @@ Status check_new_password(std::string_view user, std::string_view password) {
   if (password.size() > kMaxPassword) return fail(Errc::bad_value, "password: over 256 bytes", "take a shorter one");
   if (!user.empty() && password.find(user) != std::string_view::npos && password.size() - user.size() < kMinPassword)
     return fail(Errc::bad_value, "password: little more than the user's name", "take a few words");
+  if (std::set<char>(password.begin(), password.end()).size() < kMinLetters)
+    return fail(Errc::bad_value, "password: fewer than five different letters", "take a few words");
   return Done{};
 }
 
@@ -28,7 +31,7 @@ void Users::restore(User user) {
   users_.insert_or_assign(std::move(name), std::move(user));
 }
 
-Status Users::add(const std::string& name, UserRole role, std::string password_hash, UtcTime now) {
+Status Users::add(const std::string& name, UserRole role, std::string password_hash, UtcTime now, bool must_change) {
   if (!is_valid_user_name(name)) {
     return fail(Errc::bad_value, "name: no name of a user", kUserNameHint);
   }
@@ -38,7 +41,7 @@ Status Users::add(const std::string& name, UserRole role, std::string password_h
     return fail(Errc::queue_full, "there are " + std::to_string(kMaxUsers) + " users", "remove one who has left");
   }
   User& user = users_[name];
-  user = {name, role, std::move(password_hash), false, now, {}, false};
+  user = {name, role, std::move(password_hash), false, now, {}, must_change};
   return changed(user);
 }
 

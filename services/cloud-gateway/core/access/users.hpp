@@ -40,6 +40,8 @@ constexpr std::size_t kMaxPassword = 256;
 /// Without a second factor a short one can be guessed.
 constexpr std::size_t kMinPassword = 12;
 
+constexpr std::size_t kMinLetters = 5;  ///< different ones: "aaaaaaaaaaaa" is long, and the first guess
+
 /// Errors: bad_value.
 Status check_new_password(std::string_view user, std::string_view password);
 
@@ -52,7 +54,8 @@ class Users {
   /// Takes a row from the store; adds no change.
   void restore(User user);
 
-  Status add(const std::string& name, UserRole role, std::string password_hash, UtcTime now);
+  /// `must_change`: the user has to take another password before anything else.
+  Status add(const std::string& name, UserRole role, std::string password_hash, UtcTime now, bool must_change = false);
   Status set_role(const std::string& name, UserRole role);
   /// `must_change`: the user has to take another one before anything else.
   Status set_password(const std::string& name, std::string password_hash, bool must_change = false);

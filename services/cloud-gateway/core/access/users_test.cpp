@@ -21,6 +21,8 @@ TEST_CASE("passwords: from 12 to 256 bytes, and more than the name") {
   CHECK_FALSE(check_new_password("ann", std::string(257, 'x')));
   CHECK_FALSE(check_new_password("annabella", "annabella1234"));
   CHECK(check_new_password("a", "correct horse battery"));
+  CHECK_FALSE(check_new_password("ann", "            "));
+  CHECK_FALSE(check_new_password("ann", "abcdabcdabcdabcd"));
 }
 
 TEST_CASE("given a user, then the same name is refused, and a wrong one is told what a name is") {

@@ -1,8 +1,10 @@
 #include "services/cloud-gateway/core/alarms/alarm_desk.hpp"
 
 #include <algorithm>
+#include <set>
 
 #include "services/cloud-gateway/core/alarms/chatter.hpp"
+#include "services/cloud-gateway/core/alarms/comings.hpp"
 
 namespace trb::gateway {
 namespace {
@@ -35,6 +37,24 @@ std::string first_of(const Alert& alert, const std::vector<Alert>& alerts) {
     if (out == nullptr || came_before(other, *out)) out = &other;
   }
   return out == nullptr || !is_open(alert) ? std::string() : out->id;
+}
+
+/// The alerts of each source, earliest first.
+std::map<std::string, std::vector<const Alert*>> by_source(const std::vector<Alert>& alerts) {
+  std::map<std::string, std::vector<const Alert*>> out;
+  for (const Alert& alert : alerts) out[source_of(alert)].push_back(&alert);
+  for (auto& [source, of] : out) {
+    std::ranges::sort(of, [](const Alert* a, const Alert* b) { return came_before(*a, *b); });
+  }
+  return out;
+}
+
+std::uint32_t times_of(const std::map<std::string, UtcTime>& came, UtcTime now) {
+  std::set<std::int64_t> times;
+  for (const auto& [alert, at] : came) times.insert(at.ns);
+  std::vector<UtcTime> out;
+  for (const std::int64_t ns : times) out.push_back({ns});
+  return chatter(std::move(out), now);
 }
 
 }  // namespace
@@ -70,14 +90,18 @@ bool AlarmDesk::has(const Acknowledgement& one) const {
 }
 
 void AlarmDesk::see(const std::vector<Alert>& alerts, UtcTime now) {
-  std::map<std::string, std::vector<UtcTime>> came;
-  for (const Alert& alert : alerts) came[source_of(alert)].push_back({alert.time});
-  std::map<std::string, std::uint32_t> times;
-  for (auto& [source, when] : came) times[source] = chatter(std::move(when), now);
   const std::map<std::string, Known> before = std::exchange(known_, {});
-  for (const Alert& alert : alerts) {
-    const std::string source = source_of(alert);
-    known_[alert.id] = {alert.severity, source, times[source], first_of(alert, alerts)};
+  std::map<std::string, UtcTime> known_comings;
+  for (const auto& [alert, known] : before) known_comings[alert] = known.came;
+  for (const auto& [source, of] : by_source(alerts)) {
+    const std::map<std::string, UtcTime> came = comings_of(of, known_comings);
+    const std::uint32_t times = times_of(came, now);
+    const auto last_open = std::find_if(of.rbegin(), of.rend(), [](const Alert* one) { return is_open(*one); });
+    for (const Alert* alert : of) {
+      const bool is_repeat = !is_open(*alert) || alert == *last_open;
+      known_[alert->id] = {alert->severity, source, is_repeat ? times : 0, first_of(*alert, alerts),
+                           came.at(alert->id)};
+    }
   }
   take_over(alerts, before, now);
 }

@@ -69,6 +69,7 @@ class AlarmDesk {
     std::string source;
     std::uint32_t times = 0;  ///< 0: it does not chatter
     std::string first;
+    UtcTime came;  ///< when its coming began
   };
   [[nodiscard]] Result<const Known*> find(const std::string& alert) const;
   void put(Acknowledgement one);

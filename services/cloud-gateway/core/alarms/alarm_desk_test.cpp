@@ -160,6 +160,43 @@ TEST_CASE("an alarm that chatters is said so, and is acknowledged once") {
   CHECK(desk.of("a9").acknowledged_by.empty());
 }
 
+TEST_CASE("one fault of a robot that three runs need: three decisions, none of them repeats another") {
+  AlarmDesk desk;
+  const auto of_run = [](const std::string& id, std::int64_t s, const std::string& run) {
+    return alert(id, s, "turtlebot", Severity::critical, run);
+  };
+  const std::vector<Alert> faults{of_run("a1", 10, "run1"), of_run("a2", 10, "run2"), of_run("a3", 10, "run3")};
+  desk.see(faults, at(10));
+  for (const Alert& one : faults) {
+    CHECK_FALSE(desk.of(one.id).chatters);
+    CHECK(desk.of(one.id).times == 1);
+  }
+  CHECK(desk.acknowledge("a1", "olga", at(11)).ok());
+  std::vector<Alert> more = faults;
+  more.push_back(of_run("a4", 20, "run4"));
+  desk.see(more, at(20));
+  CHECK_FALSE(desk.of("a4").chatters);
+  CHECK(desk.of("a4").acknowledged_by.empty());
+  for (Alert& one : more) one = over(one);
+  desk.see(more, at(30));
+  CHECK_FALSE(desk.of("a4").chatters);
+}
+
+TEST_CASE("a fault that comes again and again in several runs: no open decision of a run is taken for a repeat") {
+  AlarmDesk desk;
+  std::vector<Alert> alerts;
+  for (int i = 0; i < 3; ++i) {
+    for (Alert& one : alerts) one = over(one);
+    for (const std::string run : {"run1", "run2"}) {
+      alerts.push_back(alert(run + "-" + std::to_string(i), 10 * i, "ridgeback", Severity::critical, run));
+    }
+    desk.see(alerts, at(10 * i));
+  }
+  CHECK_FALSE(desk.of("run1-2").chatters);
+  CHECK(desk.of("run2-2").chatters);
+  CHECK(desk.of("run2-2").times == 3);
+}
+
 TEST_CASE("the first cause: of a robot, or of a run that loses several at once") {
   AlarmDesk desk;
   desk.see({alert("base", 10), alert("arm", 20), alert("late", 500), alert("ant", 15, "ant")}, at(500));

@@ -1,4 +1,6 @@
-// Rows of the alerts that this node's resilience reports.
+// Rows of the alerts that this node's resilience reports. A robot's WARNING or URGENT fault comes without an id,
+// because nobody decides on it: it gets one here, and is no alarm to the desk, so that it makes no later CRITICAL one
+// chatter.
 #pragma once
 
 #include <set>
@@ -24,9 +26,12 @@ class AlertRows {
   void on_silence(Now now);
 
  private:
+  [[nodiscard]] Alarm alarm_of(const Alert& alert) const;
+
   RowBook& book_;
   AlarmDesk& desk_;
   std::set<std::string> alerts_;
+  std::set<std::string> lesser_;  ///< those of `alerts_` that came without an id
 };
 
 }  // namespace trb::gateway

@@ -67,7 +67,7 @@ bool FleetView::on_own_node(const Inbound& message, Now now, Outbox& out) {
           },
           [&](const PeerExpired& body) { return take([&] { nodes_.take(body, now), questions_.want_routes(now); }); },
           [&](const NodeSensors& body) { return take([&] { nodes_.take(node_, body.sensors, now, out); }); },
-          [&](const RunTable& body) { return take([&] { received(runs_heard_), runs_.take(body, now, out); }); },
+          [&](const RunTable& body) { return take([&] { received(runs_heard_), on_runs(body, now, out); }); },
           [&](const RunChanged& body) { return take([&] { on_run(body, now, out); }); },
           [&](const RunView& body) { return take([&] { questions_.drop_run(body.run), runs_.take(body, now, out); }); },
           [&](const AlertTable& body) { return take([&] { received(alerts_heard_), alerts_.take(body, now, out); }); },
@@ -81,6 +81,22 @@ void FleetView::on_page(const RouteTable& page, Now now, Outbox& out) {
   if (!taken.whole) return;
   routes_heard_.heard = now.mono;
   nodes_.take(std::move(*taken.whole), now, out);
+}
+
+/// A run's state and what it waits for also change without a new version of the run, and only the table says so.
+void FleetView::on_runs(const RunTable& table, Now now, Outbox& out) {
+  std::map<std::string, std::uint64_t> before;
+  for (const std::string& run : watched_runs_) before[run] = version_of(run);
+  runs_.take(table, now, out);
+  for (const auto& [run, version] : before) {
+    if (version_of(run) != version) questions_.want_run(run, now);
+  }
+}
+
+/// 0: the run has no row.
+std::uint64_t FleetView::version_of(const std::string& run) const {
+  const Row* row = book_.find({RowKind::run, {}, run});
+  return row == nullptr ? 0 : row->version;
 }
 
 void FleetView::on_run(const RunChanged& changed, Now now, Outbox& out) {

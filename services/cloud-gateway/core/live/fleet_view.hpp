@@ -65,7 +65,9 @@ class FleetView {
   void on_answer(const std::string& robot, const Opaque& answer, Now now, Outbox& out);
   bool on_own_node(const Inbound& message, Now now, Outbox& out);
   void on_page(const RouteTable& page, Now now, Outbox& out);
+  void on_runs(const RunTable& table, Now now, Outbox& out);
   void on_run(const RunChanged& changed, Now now, Outbox& out);
+  [[nodiscard]] std::uint64_t version_of(const std::string& run) const;
   void look_for_lost(Now now);
   void watch_silence(Now now);
 

@@ -70,6 +70,82 @@ TEST_CASE("a run that somebody looks at is asked for, and again at each change")
   CHECK(sent<RunQuery>(hall.out).size() == 2);
 }
 
+TEST_CASE("a run that somebody looks at is asked for when the table alone says what changed: no version tells it") {
+  Hall hall;
+  const auto asked = [&] { return sent<RunQuery>(hall.out).size(); };
+  const auto say_view = [&](RunState state, const std::string& waits_for) {
+    RunView view;
+    view.run = kRun;
+    view.state = state;
+    view.waits_for = waits_for;
+    hall.say("cloud", view);
+  };
+  hall.say("cloud", RunTable{{run(RunState::aborting, 3)}});
+  hall.view.watch_runs({kRun}, hall.now);
+  hall.wait({});
+  say_view(RunState::aborting, "");
+  CHECK(asked() == 1);
+  hall.say("cloud", RunTable{{run(RunState::aborting, 3)}});
+  hall.wait({});
+  CHECK(asked() == 1);
+
+  RunSummary waits = run(RunState::aborting, 3);
+  waits.waits_for = "the confirmation of 'ur3'";
+  hall.say("cloud", RunTable{{waits}});
+  hall.wait({});
+  CHECK(asked() == 2);
+  say_view(RunState::aborting, waits.waits_for);
+  hall.say("cloud", RunTable{{waits}});
+  hall.wait({});
+  CHECK(asked() == 2);
+
+  hall.say("cloud", RunTable{{run(RunState::aborted, 3)}});
+  hall.wait({});
+  CHECK(asked() == 3);
+  say_view(RunState::aborted, "");
+  const Row* detail = hall.row(RowKind::run_detail, "", kRun);
+  CHECK(std::get<RunView>(detail->content).state == RunState::aborted);
+}
+
+TEST_CASE(
+    "a robot's lesser fault is listed without an id: it gets one, nobody is called, and no alarm chatters by it") {
+  Hall hall;
+  Alert lesser = alert("", "drone");
+  lesser.capability = "fly";
+  lesser.cause = "robot_fault";
+  lesser.severity = Severity::urgent;
+  lesser.state = AlertState::closed;
+  lesser.time = hall.now.utc.ns;
+  Alert warning = lesser;
+  warning.severity = Severity::warning;
+  Alert worse = lesser;
+  worse.id = "a1";
+  worse.severity = Severity::critical;
+  worse.state = AlertState::open;
+  hall.say("cloud", AlertTable{{worse, lesser, warning}});
+  hall.view.show_alarms(hall.now);
+  CHECK(hall.counted("dropped.no_id") == 0);
+  std::map<std::string, std::uint32_t> priorities;
+  hall.book.each(RowKind::alert, [&](const Row& row) {
+    const auto& shown = std::get<AlertRow>(row.content);
+    CHECK(shown.alert.id == row.key.name);
+    CHECK_FALSE(shown.alarm.chatters);
+    CHECK(shown.alarm.source == "drone/fly/robot_fault");
+    priorities[row.key.name] = shown.alarm.priority;
+  });
+  REQUIRE(priorities.size() == 3);
+  CHECK(priorities.at("a1") == 2);
+  for (const auto& [id, priority] : priorities) CHECK((id == "a1" || (id.size() == 16 && priority >= 3)));
+
+  const auto head = hall.book.head();
+  hall.say("cloud", AlertTable{{worse, lesser, warning}});
+  CHECK(hall.book.head() == head);
+  hall.say("cloud", AlertTable{{worse}});
+  std::size_t left = 0;
+  hall.book.each(RowKind::alert, [&](const Row&) { ++left; });
+  CHECK(left == 1);
+}
+
 TEST_CASE("an alert that is in no table any more is gone; silence makes all of them not heard") {
   Hall hall;
   hall.say("cloud", AlertTable{{alert("a1", "pioneer1"), alert("a2", "pioneer2")}});

@@ -183,6 +183,21 @@ TEST_CASE("faults: one of each, their end takes them away, an end that comes fir
   CHECK(hall.robot("pioneer1").faults.empty());
 }
 
+TEST_CASE(
+    "a lesser fault, whose end nobody tells, is shown for 15 minutes; one that keeps the robot out of use stays") {
+  Hall hall;
+  hall.table({route("pioneer1")});
+  hall.say("pioneer1", RobotFault{"mobile", Severity::urgent, "battery low: 15 %", false});
+  hall.say("pioneer1", RobotFault{"mobile", Severity::critical, "motor", false});
+  hall.wait(std::chrono::minutes(15));
+  hall.table({route("pioneer1")});
+  CHECK(hall.robot("pioneer1").faults.size() == 2);
+  hall.wait(seconds(1));
+  hall.table({route("pioneer1")});
+  REQUIRE(hall.robot("pioneer1").faults.size() == 1);
+  CHECK(hall.robot("pioneer1").faults[0].severity == Severity::critical);
+}
+
 TEST_CASE("nobody else speaks for the own router, scheduler and resilience") {
   Hall hall;
   hall.table({route("pioneer1")});

@@ -65,6 +65,7 @@ void NodeRows::take_route(Route route, Now now, Outbox& out) {
   set_live(route.id, live, now);
   if (!book_.put({RowKind::node, route.id, {}}, row_of(route), live, now)) out.count("refused.node_budget");
   take_profile(route.id, std::move(route.profile), now, out);
+  forget_lesser_faults(route.id, now, out);
 }
 
 /// The table may be older than the robot's last message: only a changed profile counts.
@@ -82,6 +83,15 @@ void NodeRows::take_profile(const std::string& node, NodeProfile profile, Now no
   if (!profile.robot.empty() || book_.find(robot) != nullptr) take_report(node, profile, now, out);
   take(node, profile.plugged, now, out);
   if (!book_.put(key, std::move(profile), live, now)) out.count("refused.node_budget");
+}
+
+void NodeRows::forget_lesser_faults(const std::string& node, Now now, Outbox& out) {
+  const RowKey key{RowKind::robot, node, {}};
+  const Row* row = book_.find(key);
+  if (row == nullptr) return;
+  RobotRow robot = std::get<RobotRow>(row->content);
+  if (!forget_lesser(robot, now.utc)) return;
+  if (!book_.put(key, std::move(robot), nodes_[node].live, now)) out.count("refused.node_budget");
 }
 
 void NodeRows::take(const std::string& node, const std::vector<SensorInfo>& sensors, Now now, Outbox& out) {

@@ -47,6 +47,7 @@ class NodeRows {
   Known* know(const std::string& node, Now now, Outbox& out);
   void take_route(Route route, Now now, Outbox& out);
   void take_profile(const std::string& node, NodeProfile profile, Now now, Outbox& out);
+  void forget_lesser_faults(const std::string& node, Now now, Outbox& out);
   void remove_missing(const RouteTable& table, Now now);
   void set_live(const std::string& node, Live live, Now now);
   [[nodiscard]] RobotRow robot_of(const std::string& node) const;

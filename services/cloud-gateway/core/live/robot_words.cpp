@@ -52,6 +52,13 @@ void apply(RobotRow& row, const RobotFault& fault, UtcTime now) {
   }
 }
 
+bool forget_lesser(RobotRow& row, UtcTime now) {
+  const auto is_old = [&](const RobotRowFault& one) {
+    return one.severity < Severity::critical && one.since < now - kLesserShown;
+  };
+  return std::erase_if(row.faults, is_old) > 0;
+}
+
 void apply(RobotRow& row, const NodeProfile& profile, UtcTime) {
   row.connection = profile.robot;
   row.detail = profile.detail;

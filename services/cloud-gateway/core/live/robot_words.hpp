@@ -14,4 +14,9 @@ void apply(RobotRow& row, const RobotConnection& connection, UtcTime now);
 void apply(RobotRow& row, const RobotFault& fault, UtcTime now);
 void apply(RobotRow& row, const NodeProfile& profile, UtcTime now);
 
+/// The end of a WARNING or URGENT fault is told by nobody: it is shown for this long, as in the list of alerts.
+inline constexpr Duration kLesserShown = std::chrono::minutes(15);
+/// Removes lesser faults that are older. False: there was none.
+bool forget_lesser(RobotRow& row, UtcTime now);
+
 }  // namespace trb::gateway

@@ -19,8 +19,9 @@ bool is_over(RunState state) {
   return state == RunState::finished || state == RunState::aborted || state == RunState::expired;
 }
 
+/// As the scheduler counts: a FAILED task is still to be decided on.
 bool is_final(TaskState state) {
-  return state == TaskState::finished || state == TaskState::failed || state == TaskState::skipped;
+  return state == TaskState::finished || state == TaskState::skipped;
 }
 
 }  // namespace

@@ -72,10 +72,10 @@ void SimulationDesk::on_gone(Result<Bytes> answer, Now now) {
 void SimulationDesk::tick(Now now) {
   Simulation* one = running();
   if (one == nullptr || !deadline_ || now.mono < *deadline_) return;
-  const auto most = std::chrono::duration_cast<std::chrono::seconds>(kLongestSimulation).count();
+  const auto most = std::chrono::duration_cast<std::chrono::minutes>(kLongestSimulation).count();
   stop(*one,
-       fail(Errc::timeout, "it was not over after " + std::to_string(most) + " s",
-            "use fewer robots or tasks; trb simulate takes as long as it needs"),
+       fail(Errc::timeout, "it was not over after " + std::to_string(most) + " min: the cloud's computer is too busy",
+            "try again later, or on another computer: trb simulate takes as long as it needs"),
        now);
 }
 

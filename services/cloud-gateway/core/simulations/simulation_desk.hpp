@@ -18,7 +18,8 @@ namespace trb::gateway {
 
 constexpr std::size_t kMaxWaitingSimulations = 4;
 constexpr std::size_t kMaxEndedSimulations = 20;
-constexpr Duration kLongestSimulation = std::chrono::seconds(60);
+/// A minute of a processor is its program's own bound (`io/simulator_program`): on a busy computer that takes longer.
+constexpr Duration kLongestSimulation = std::chrono::minutes(10);
 constexpr std::size_t kMaxSimulationAnswer = 2U << 20U;
 
 enum class SimulationState : std::uint8_t { queued, running, done, failed, cancelled };
@@ -57,7 +58,7 @@ struct SimulationOrder {
 /// running | its program tells how far it is             | running
 /// running | its program has ended, with an answer       | done
 /// running | its program has ended, without one          | failed, with what it said
-/// running | 60 s are over, or its answer is over 2 MiB  | failed; its program is ended
+/// running | 10 min are over, or its answer is over 2 MiB | failed; its program is ended
 /// running | removed                                     | cancelled; its program is ended
 /// done, failed, cancelled | removed, or 20 newer ones have ended | forgotten
 /// The next one begins once the program of the one before is gone.

@@ -158,7 +158,7 @@ TEST_CASE("without an answer it has failed, with what its program said") {
   CHECK(fixture.of(id).answer.empty());
 }
 
-TEST_CASE("after a minute its program is ended") {
+TEST_CASE("after ten minutes its program is ended") {
   Fixture fixture;
   const std::string id = fixture.add("{}");
   CHECK(fixture.desk.next_deadline() == fixture.now.mono + kLongestSimulation);

@@ -45,15 +45,11 @@ bool needs_nobody(const RequestDecision& decision) {
   return decision.route != nullptr && decision.route->least == Least::anyone && decision.route->effect == Effect::reads;
 }
 
-HttpReply later_reply(std::string_view code, const std::string& detail, const std::string& hint) {
-  HttpReply out = problem_reply(503, code, detail, hint);
+HttpReply no_database_reply() {
+  HttpReply out = problem_reply(503, "no_database", "the gateway's database does not answer",
+                                "it is called again by itself; an admin sees the reason in the gateway's log");
   out.headers.emplace_back("Retry-After", "1");
   return out;
-}
-
-HttpReply no_database_reply() {
-  return later_reply("no_database", "the gateway's database does not answer",
-                     "it is called again by itself; an admin sees the reason in the gateway's log");
 }
 
 HttpReply refuse(const RequestDecision& decision) {
@@ -64,13 +60,19 @@ HttpReply refuse(const RequestDecision& decision) {
   return out;
 }
 
-HttpReply not_written_reply(const Error& error) {
-  if (error.code == Errc::conflict) return later_reply("changed_meanwhile", error.what, error.hint);
-  if (error.code == Errc::peer_unreachable) {
-    return later_reply("no_database", "the gateway's database does not answer: this is not on record",
-                       "look whether it was done, then send it again");
-  }
-  return problem_reply(503, "not_written", "the gateway's database could not be written", "see its log; try again");
+/// Who signs in may stop robots, and who leaves is gone: neither waits for its record.
+bool is_session(const Route& route) {
+  return route.effect == Effect::changes && route.path == "/api/v1/session";
+}
+
+/// While nothing can be put on record: what must be on it first. It leaves no record either.
+std::optional<HttpReply> refuse_unrecorded(const Gateway& gateway, const RequestDecision& decision) {
+  const auto& why = gateway.access.unwritten();
+  if (!why || decision.verdict != RequestVerdict::allowed || decision.route->effect != Effect::changes ||
+      is_stop(*decision.route))
+    return std::nullopt;
+  if (is_session(*decision.route) && gateway.access.may_owe_lesser()) return std::nullopt;
+  return unwritten_reply(gateway, *why);
 }
 
 }  // namespace
@@ -87,7 +89,9 @@ bool is_still_allowed(Gateway& gateway, const CallPtr& call) {
   }
   const RequestDecision decision = gateway.access.check.check(call->request.head(), gateway.steady());
   if (decision.verdict != RequestVerdict::allowed) call->reply(refuse(decision));
-  return decision.verdict == RequestVerdict::allowed;
+  // The disk may be full only since a password is being hashed.
+  if (auto refused = refuse_unrecorded(gateway, decision)) call->reply(std::move(*refused));
+  return !call->is_answered();
 }
 
 Api::Api(Gateway& gateway) : gateway_(gateway) {
@@ -128,6 +132,7 @@ std::optional<RequestDecision> Api::decide(const HttpRequest& request) {
 std::optional<HttpReply> Api::before_body(const HttpRequest& request) {
   const auto decision = decide(request);
   if (!decision) return counted(no_database_reply());
+  if (auto refused = refuse_unrecorded(gateway_, *decision)) return counted(std::move(*refused));
   if (decision->verdict == RequestVerdict::allowed) return std::nullopt;
   return on_record(*decision, decision->who.name, request.source, refuse(*decision));
 }
@@ -135,6 +140,7 @@ std::optional<HttpReply> Api::before_body(const HttpRequest& request) {
 void Api::on_request(HttpRequest request, Reply reply) {
   auto decision = decide(request);
   if (!decision) return reply(counted(no_database_reply()));
+  if (auto refused = refuse_unrecorded(gateway_, *decision)) return reply(counted(std::move(*refused)));
   const auto call = std::make_shared<Call>(std::move(request), std::move(*decision),
                                            [this, reply = std::move(reply), open = open_calls_](
                                                const Call& of, HttpReply with) { end(of, std::move(with), reply); });
@@ -152,24 +158,37 @@ void Api::on_request(HttpRequest request, Reply reply) {
 void Api::end(const Call& call, HttpReply reply, const Reply& send) {
   keep_answer(gateway_, call, reply);
   const std::string& who = call.actor.empty() ? call.who().name : call.actor;
-  HttpReply out = on_record(call.decision, who, call.request.source, std::move(reply), call.about, call.outcome);
+  HttpReply out =
+      on_record(call.decision, who, call.request.source, std::move(reply), call.about, call.outcome, call.has_begun);
   if (call.decision.route != nullptr) zip(*call.decision.route, call.request.accepts_gzip, out);
   send(std::move(out));
 }
 
 HttpReply Api::on_record(const RequestDecision& decision, const std::string& who, const std::string& source,
-                         HttpReply reply, const std::string& about, const std::string& outcome) {
+                         HttpReply reply, const std::string& about, const std::string& outcome, bool has_begun) {
   auto record = audit_of(decision, who, source, reply.status, about, outcome, gateway_.now().utc);
   if (record && is_anybodys(decision, reply.status) && !gateway_.access.refusals.is_recorded(*record, gateway_.now()))
     record.reset();
   if (record) gateway_.access.note(*record);
-  if (Status written = gateway_.commit(); !written) {
-    // A stop that was done, but is not on record: the record follows as soon as it can, and the answer says so.
-    const bool is_done = record && reply.status < 400 && is_stop(*decision.route);
-    if (is_done) reply.headers.emplace_back("Audit-Record", put_off(gateway_, std::move(*record)) ? "owed" : "lost");
-    if (!is_done) reply = not_written_reply(written.error());
-  }
+  if (Status written = gateway_.commit(); !written)
+    reply = unrecorded(decision, std::move(record), std::move(reply), written.error(), has_begun);
   return counted(std::move(reply));
+}
+
+/// Its record follows as soon as it can, if it was done all the same: the answer says so. So does the one of a refusal
+/// on a full disk, if it leaves room for those.
+HttpReply Api::unrecorded(const RequestDecision& decision, std::optional<AuditRecord> record, HttpReply reply,
+                          const Error& why, bool has_begun) {
+  const bool is_full = gateway_.access.unwritten().has_value();
+  if (is_full && record && reply.status >= 400) {
+    static_cast<void>(gateway_.access.owe_lesser(std::move(*record)));
+    return reply;
+  }
+  const bool is_done =
+      record && reply.status < 400 && (is_stop(*decision.route) || (is_full && is_session(*decision.route)));
+  if (!is_done) return unwritten_reply(gateway_, why, has_begun);
+  reply.headers.emplace_back("Audit-Record", put_off(gateway_, std::move(*record)) ? "owed" : "lost");
+  return reply;
 }
 
 HttpReply Api::counted(HttpReply reply) {

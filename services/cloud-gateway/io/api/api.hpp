@@ -72,7 +72,10 @@ class Api final : public HttpHandler {
   void end(const Call& call, HttpReply reply, const Reply& send);
   /// Notes what was done or refused, commits, and counts; the reply may be sent then.
   HttpReply on_record(const RequestDecision& decision, const std::string& who, const std::string& source,
-                      HttpReply reply, const std::string& about = {}, const std::string& outcome = "done");
+                      HttpReply reply, const std::string& about = {}, const std::string& outcome = "done",
+                      bool has_begun = false);
+  HttpReply unrecorded(const RequestDecision& decision, std::optional<AuditRecord> record, HttpReply reply,
+                       const Error& why, bool has_begun);
 
   std::optional<RequestDecision> decide(const HttpRequest& request);
   HttpReply counted(HttpReply reply);

@@ -42,6 +42,8 @@ class Call {
   std::optional<RequestKey> once;  ///< its answer is kept for repeats with this key
   bool is_not_done = false;        ///< refused for now, and nothing was done: a repeat is tried anew
 
+  bool has_begun = false;  ///< that it begins is on record, and the fleet may have been told
+
   bool is_replay = false;  ///< answered as the first request with its key was
 
   [[nodiscard]] const Principal& who() const { return decision.who; }

@@ -149,15 +149,30 @@ void reply_found(const Gateway& gateway, Call& call, const HistoryQuery& query, 
                            "look at the list of them"));
 }
 
+/// What is wrong with the file, and nothing with the request.
+bool is_of_file(const Error& error) {
+  return error.code == Errc::malformed || error.code == Errc::io_error || error.code == Errc::version_mismatch;
+}
+
+void reply_unread(Call& call, const Error& error) {
+  if (!is_of_file(error)) return call.fail(error);
+  call.reply(problem_reply(503, "no_history", "the history cannot be read",
+                           "trb service list at the cloud node says why; it goes on by itself"));
+}
+
 void reply_history(Gateway& gateway, const CallPtr& call, const HistoryQuery& of, const PageSize& size, Shown shown) {
   const auto query = history_query(*call, of, size);
   if (!query) return call->fail(query.error());
   const auto found = [&gateway, call, query = *query, shown = std::move(shown)](const Result<HistoryPage>& page) {
     std::function<void()> then;
     if (!page) {
-      then = [call, error = page.error()] { call->fail(error); };
+      then = [&gateway, call, error = page.error()] {
+        if (is_of_file(error)) gateway.on_history_read(error);
+        reply_unread(*call, error);
+      };
     } else {
       then = [&gateway, call, query, is_empty = page->entries.empty(), reply = shown(*call, query, *page)] {
+        gateway.on_history_read(Done{});
         reply_found(gateway, *call, query, is_empty, reply);
       };
     }

@@ -3,13 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "proto/value.hpp"
+#include "proto/value_words.hpp"
+
 namespace trb::gateway {
 namespace {
 
 Error wrong_member(std::string_view name, const Value& found, std::string_view wanted) {
-  return fail(Errc::bad_value,
-              std::string(name) + (found.is_object() ? ": is an " : ": is a ") + std::string(found.kind()),
-              "write a " + std::string(wanted));
+  return fail(Errc::bad_value, std::string(name) + ": is " + in_words(found), "write a " + std::string(wanted));
 }
 
 }  // namespace
@@ -73,6 +74,17 @@ Result<std::vector<double>> Members::numbers(std::string_view name, std::size_t 
     out.push_back(one.number());
   }
   return out;
+}
+
+Result<std::string> reason_in(const Call& call, std::size_t most) {
+  if (call.request.body.empty()) return std::string();
+  const auto body = Members::of(call, {"reason"});
+  if (!body) return body.error();
+  return body->text_or("reason", most, "");
+}
+
+std::string with_name(const Call& call, const std::string& reason, std::size_t most) {
+  return cut_utf8("by " + call.who().name + (reason.empty() ? "" : ": " + reason), most);
 }
 
 }  // namespace trb::gateway

@@ -48,4 +48,9 @@ class Members {
   Value json_;
 };
 
+/// The optional body {"reason": TEXT}; empty: none was given. Errors: those of Members::of() and text().
+Result<std::string> reason_in(const Call& call, std::size_t most);
+/// A reason with the name of who gives it, as others read it: "by olga: lunch". At most so many bytes.
+std::string with_name(const Call& call, const std::string& reason, std::size_t most);
+
 }  // namespace trb::gateway

@@ -124,7 +124,8 @@ void do_once(Gateway& gateway, const CallPtr& call, std::string effect, const st
   if (is_stop(*call->decision.route)) return stop_once(gateway, *call, intent, act);
   if (acts == Acts::here && !intent) return act();
   if (acts == Acts::in_fleet) note_begin(gateway, *call);
-  if (Status written = store_intent(gateway, *call, intent); !written) return call->fail(written.error());
+  if (Status written = store_intent(gateway, *call, intent); !written)
+    return fail_unwritten(gateway, *call, written.error());
   act();
 }
 
@@ -134,7 +135,8 @@ void order_once(Gateway& gateway, const CallPtr& call, std::string_view of, cons
           again);
 }
 
-void note_begin(Gateway& gateway, const Call& call) {
+void note_begin(Gateway& gateway, Call& call) {
+  call.has_begun = true;
   gateway.access.note(begin_of(gateway, call));
 }
 

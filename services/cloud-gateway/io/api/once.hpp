@@ -29,7 +29,7 @@ void order_once(Gateway& gateway, const CallPtr& call, std::string_view of, cons
                 const Again& again = nullptr);
 
 /// Goes to disk with the next commit; the request's end makes a record of its own.
-void note_begin(Gateway& gateway, const Call& call);
+void note_begin(Gateway& gateway, Call& call);
 
 /// The answer of a call that was done once goes to disk with the audit record. The key of one that was not done is free
 /// again.

@@ -14,6 +14,7 @@
 #include "services/cloud-gateway/io/api/api.hpp"
 #include "services/cloud-gateway/io/api/conditional.hpp"
 #include "services/cloud-gateway/io/api/once.hpp"
+#include "services/cloud-gateway/io/fresh.hpp"
 #include "services/cloud-gateway/io/json_text.hpp"
 
 namespace trb::gateway {
@@ -185,7 +186,7 @@ void change_settings(Gateway& gateway, const CallPtr& call, const PartRoute& rou
   if (!text) return;
   // On disk before anything is changed.
   note_begin(gateway, *call);
-  if (Status noted = gateway.commit(); !noted) return call->fail(noted.error());
+  if (Status noted = gateway.commit(); !noted) return fail_unwritten(gateway, *call, noted.error());
   if (Status written = write_settings(path, *text); !written) return call->fail(written.error());
   put_in_force(gateway, call, route.shown, changing);
 }

@@ -19,7 +19,7 @@ std::string json_texts(const std::vector<std::string>& texts) {
 std::string json_robot(const op::RobotPreflight& one) {
   JsonObject out;
   out.text("robot", one.robot).raw("tasks", json_texts(one.tasks)).flag("ready", one.why.empty());
-  out.flag("answers", one.answers).raw("why", json_texts(one.why));
+  out.flag("asked", one.asked).flag("answers", one.answers).raw("why", json_texts(one.why));
   if (!one.answers) return out.done();
   out.raw("answer_ms", dump_json(Value{one.answer_ms})).text("value", one.value);
   return out.raw("answer", json_value(one.answer)).done();

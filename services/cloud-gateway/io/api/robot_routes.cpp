@@ -41,14 +41,6 @@ std::vector<std::string> all_robots(const Gateway& gateway) {
   return out;
 }
 
-/// The optional body {"reason": TEXT}. A stop without a body is a stop.
-Result<std::string> reason_in(const Call& call, std::string otherwise) {
-  if (call.request.body.empty()) return otherwise;
-  const auto body = Members::of(call, {"reason"});
-  if (!body) return body.error();
-  return body->text_or("reason", kMaxUseReason, std::move(otherwise));
-}
-
 std::string json_orders(const std::vector<op::RobotOrder>& orders) {
   JsonList out;
   for (const op::RobotOrder& one : orders) {
@@ -69,21 +61,22 @@ void give_order(Gateway& gateway, const CallPtr& call, const std::vector<std::st
 
 template <class Order>
 void order_one(Gateway& gateway, const CallPtr& call) {
-  const auto reason = reason_in(*call, "by " + call->who().name);
+  const auto reason = reason_in(*call, kMaxUseReason);
   if (!reason) return call->fail(reason.error());
   const bool is_known = std::is_same_v<Order, Stop> ? may_be_robot(gateway, call->parameter("robot"))
                                                     : is_robot(gateway, call->parameter("robot"));
   if (!is_known) {
     return call->reply(problem_reply(404, "missing", "there is no such robot", "GET /api/v1/robots"));
   }
-  give_order(gateway, call, {call->parameter("robot")}, Order{*reason});
+  give_order(gateway, call, {call->parameter("robot")}, Order{with_name(*call, *reason, kMaxUseReason)});
 }
 
-/// A stop for all does not wait for a list of the fleet: those that are known are told at once.
+/// A stop without a body is a stop. A stop for all does not wait for a list of the fleet: those that are known are told
+/// at once.
 void stop_all(Gateway& gateway, const CallPtr& call) {
-  const auto reason = reason_in(*call, "by " + call->who().name);
+  const auto reason = reason_in(*call, kMaxUseReason);
   if (!reason) return call->fail(reason.error());
-  give_order(gateway, call, all_robots(gateway), Stop{*reason});
+  give_order(gateway, call, all_robots(gateway), Stop{with_name(*call, *reason, kMaxUseReason)});
 }
 
 void command_robot(Gateway& gateway, const CallPtr& call, const Body& body) {

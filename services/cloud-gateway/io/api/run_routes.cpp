@@ -73,13 +73,6 @@ void list_archive(Gateway& gateway, const CallPtr& call) {
   });
 }
 
-Result<std::string> reason_of(const Call& call) {
-  if (call.request.body.empty()) return "by " + call.who().name;
-  const auto body = Members::of(call, {"reason"});
-  if (!body) return body.error();
-  return body->text_or("reason", kMaxRunReason, "by " + call.who().name);
-}
-
 void pause(Gateway& gateway, const CallPtr& call, const std::string& reason) {
   op::pause_run(gateway.session, call->parameter("run"), reason,
                 [call](const Result<RunView>& view) { reply_view(call, view); });
@@ -151,10 +144,12 @@ void start_run(Gateway& gateway, const CallPtr& call) {
 
 Handler order_of_run(Gateway& gateway, void (*act)(Gateway&, const CallPtr&, const std::string& reason)) {
   return [&gateway, act](const CallPtr& call) {
-    const auto reason = reason_of(*call);
+    const auto reason = reason_in(*call, kMaxRunReason);
     if (!reason) return call->fail(reason.error());
+    call->about = *reason;
+    const std::string said = with_name(*call, *reason, kMaxRunReason);
     order_once(
-        gateway, call, "run", [&gateway, act, call, reason = *reason] { act(gateway, call, reason); },
+        gateway, call, "run", [&gateway, act, call, said] { act(gateway, call, said); },
         [&gateway, call] { show_run(gateway, call); });
   };
 }

@@ -130,11 +130,10 @@ void check(Gateway& gateway, const CallPtr& call) {
   if (!body) return call->fail(body.error());
   ConfigFaults faults;
   Scenario scenario = scenario_of(*body, faults);
-  if (!faults_that_stop(faults).empty()) return call->reply(json_reply(json_check({faults, {}})));
-  op::check_with_fleet(gateway.session, std::move(scenario), kScenarioFile,
-                       [call](const Result<op::ScenarioCheck>& checked) {
-                         if (!checked) return call->fail(checked.error());
-                         call->reply(json_reply(json_check(*checked)));
+  op::check_with_fleet(gateway.session, std::move(scenario), kScenarioFile, faults,
+                       [call, faults](const Result<op::ScenarioCheck>& checked) {
+                         if (!checked && faults.empty()) return call->fail(checked.error());
+                         call->reply(json_reply(json_check(checked ? *checked : op::ScenarioCheck{faults, {}})));
                        });
 }
 

@@ -91,6 +91,8 @@ void change_password(Gateway& gateway, const CallPtr& call) {
   const User* user = gateway.access.users.find(call->who().name);
   if (user == nullptr) return call->reply(problem_reply(404, "missing", "there is no such user", "sign in again"));
   if (Status good = check_new_password(user->name, *password); !good) return call->fail(as_member_new(good.error()));
+  // Else the one that somebody else made, and may have seen, would count for good.
+  if (*old == *password) return call->fail(fail(Errc::bad_value, "new: is the old password", "take another one"));
   const MonotonicTime now = gateway.now().mono;
   const Duration wait = gateway.access.guard.wait(user->name, call->request.source, now);
   if (wait > Duration::zero()) return call->reply(wait_reply(wait));

@@ -12,6 +12,10 @@ void ready(const Gateway& gateway, const CallPtr& call) {
   if (gateway.database_gone) {
     return call->reply(problem_reply(503, "no_database", "the gateway's database does not answer", "see its log"));
   }
+  if (gateway.access.unwritten()) {
+    return call->reply(problem_reply(503, "disk_full", "nothing can be put on record; stops and sign-ins go on",
+                                     "see trb service list"));
+  }
   if (!gateway.fleet.knows_fleet()) {
     return call->reply(problem_reply(503, "no_fleet", "this node's router has not told its nodes yet", "ask again"));
   }

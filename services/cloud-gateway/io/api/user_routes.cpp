@@ -38,7 +38,7 @@ void hash_new_password(Gateway& gateway, const CallPtr& call, const std::string&
 }
 
 void add_user(Gateway& gateway, const CallPtr& call) {
-  const auto body = Members::of(*call, {"name", "role", "password"});
+  const auto body = Members::of(*call, {"name", "role", "password", "must_change"});
   if (!body) return call->fail(body.error());
   const auto name = body->text("name", kMaxUserName);
   if (!name) return call->fail(name.error());
@@ -47,12 +47,15 @@ void add_user(Gateway& gateway, const CallPtr& call) {
   call->about = *name + " " + std::string(name_of(*role));
   const auto password = body->text("password", kMaxPassword);
   if (!password) return call->fail(password.error());
-  hash_new_password(gateway, call, *name, *password,
-                    [&gateway, name = *name, role = *role](const std::string& hash) -> Result<std::string> {
-                      const Status added = gateway.access.users.add(name, role, hash, gateway.now().utc);
-                      if (!added) return added.error();
-                      return json_user(*gateway.access.users.find(name));
-                    });
+  const auto must = body->flag_or("must_change", false);
+  if (!must) return call->fail(must.error());
+  hash_new_password(
+      gateway, call, *name, *password,
+      [&gateway, name = *name, role = *role, must = *must](const std::string& hash) -> Result<std::string> {
+        const Status added = gateway.access.users.add(name, role, hash, gateway.now().utc, must);
+        if (!added) return added.error();
+        return json_user(*gateway.access.users.find(name));
+      });
 }
 
 /// For the audit log: "viewer disabled".
@@ -85,15 +88,18 @@ void change_user(Gateway& gateway, const CallPtr& call) {
 }
 
 void set_user_password(Gateway& gateway, const CallPtr& call) {
-  const auto body = Members::of(*call, {"password"});
+  const auto body = Members::of(*call, {"password", "must_change"});
   if (!body) return call->fail(body.error());
   const auto password = body->text("password", kMaxPassword);
   if (!password) return call->fail(password.error());
+  const auto must = body->flag_or("must_change", false);
+  if (!must) return call->fail(must.error());
   const std::string& name = call->parameter("user");
-  hash_new_password(gateway, call, name, *password, [&gateway, name](const std::string& hash) -> Result<std::string> {
-    const Status set = gateway.access.users.set_password(name, hash);
-    return set ? Result<std::string>("") : set.error();
-  });
+  hash_new_password(gateway, call, name, *password,
+                    [&gateway, name, must = *must](const std::string& hash) -> Result<std::string> {
+                      const Status set = gateway.access.users.set_password(name, hash, must);
+                      return set ? Result<std::string>("") : set.error();
+                    });
 }
 
 void remove_user(Gateway& gateway, const CallPtr& call) {

@@ -180,6 +180,12 @@ bool is_private_key(BytesView key) {
   return read_key(key) != nullptr;
 }
 
+bool is_weak_key(BytesView key) {
+  constexpr int kBits = 112;
+  const Key read = read_key(key);
+  return read != nullptr && EVP_PKEY_get_security_bits(read.get()) < kBits;
+}
+
 Result<std::string> fingerprint_of(BytesView certificate) {
   const Certificate read = read_certificate(certificate);
   std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};

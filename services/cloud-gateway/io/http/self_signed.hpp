@@ -34,6 +34,8 @@ Result<CertificateFacts> facts_of(BytesView certificate);
 bool is_key_of(BytesView certificate, BytesView key);
 /// Is it one in PEM, without a passphrase?
 bool is_private_key(BytesView key);
+/// Under 112 bits of security, as RSA with 1024: OpenSSL serves with none. False too for what is no key.
+bool is_weak_key(BytesView key);
 
 /// SHA-256 of the first certificate (DER), "AB:CD:...". Errors: malformed.
 Result<std::string> fingerprint_of(BytesView certificate);

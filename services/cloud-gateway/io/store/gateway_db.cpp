@@ -7,9 +7,9 @@ namespace trb::gateway {
 namespace {
 
 constexpr const char* kDamagedCure =
-    "move it away together with its -wal and -shm files, and bring a copy back; without one, users are made anew and "
-    "the "
-    "audit log begins anew";
+    "move it away together with its -wal and -shm files, and bring a copy back (state/gateway.db of what trb node "
+    "restore "
+    "makes of a backup in a new folder); without one, users are made anew and the audit log begins anew";
 constexpr const char* kNewerCure =
     "start the build that wrote it; without it users, tokens and the audit log are lost, so keep a copy";
 

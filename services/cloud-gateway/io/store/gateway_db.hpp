@@ -49,7 +49,9 @@ struct StoredState {
   std::optional<AuditRow> last_audit;
   std::uint64_t signed_to = 0;    ///< the highest number of a signed head
   std::optional<UtcTime> steady;  ///< the last stored steady time; empty: none was stored yet
-  std::string chain_node;         ///< of a shared store: the node whose audit chain it is; with every load
+  /// It was brought back from a backup of that time, and that is not on record yet; with every load of a file.
+  std::optional<UtcTime> restored;
+  std::string chain_node;  ///< of a shared store: the node whose audit chain it is; with every load
 };
 
 /// What is written together, in one transaction: all of it or nothing. Requests are dropped before new ones are put, so
@@ -66,6 +68,7 @@ struct StoreBatch {
   std::vector<AuditRow> audit;
   std::vector<SignedHead> heads;
   std::optional<UtcTime> steady;
+  bool notes_restored = false;  ///< that it was brought back from a backup is among these records
   [[nodiscard]] bool empty() const;
   /// Which kinds it changes.
   [[nodiscard]] StoreKinds kinds() const;

@@ -105,9 +105,9 @@ TEST_CASE("a file of a newer build is refused with a cure, and left as it is") {
   do_sql(folder, "PRAGMA user_version=99");
   const Error error = no_store(folder);
   CHECK(error.code == Errc::version_mismatch);
-  CHECK(error.what.find("schema version 99, this build knows 3") != std::string::npos);
+  CHECK(error.what.find("schema version 99, this build knows 4") != std::string::npos);
   CHECK(error.hint.find("start the build that wrote it") != std::string::npos);
-  do_sql(folder, "PRAGMA user_version=3");
+  do_sql(folder, "PRAGMA user_version=4");
   CHECK(GatewayDb::open(folder.file()));
 }
 

@@ -51,6 +51,13 @@ CREATE TABLE shelves(
   STRICT, WITHOUT ROWID;
 ALTER TABLE users ADD COLUMN must_change INTEGER NOT NULL DEFAULT 0;
 )",
+    R"(
+DROP TRIGGER audit_follows;
+CREATE TRIGGER audit_follows BEFORE INSERT ON audit
+  WHEN new.number IS NOT max((SELECT coalesce(max(number), 0) + 1 FROM audit),
+                             iif(new.action = 'restored', new.time / 1000000, 0))
+  BEGIN SELECT raise(ABORT, 'the audit record does not follow the last one'); END;
+)",
 };
 
 // The same tables for PostgreSQL. A table that a gateway keeps in memory has a row in `versions`, which each change of
@@ -129,6 +136,8 @@ CREATE TRIGGER acknowledged_version AFTER INSERT OR UPDATE OR DELETE OR TRUNCATE
 CREATE TRIGGER shelves_version AFTER INSERT OR UPDATE OR DELETE OR TRUNCATE ON shelves
   EXECUTE FUNCTION raise_version('shelves');
 )",
+    // A shared store is in no node's backup.
+    "SELECT 1;",
 };
 static_assert(kPostgresSteps.size() == kGatewaySteps.size(), "a step for SQLite is one for PostgreSQL too");
 

@@ -43,7 +43,38 @@ class HistoryFile final : public HistoryTables {
   }
 };
 
+class LateHistory final : public HistoryStore {
+ public:
+  LateHistory(std::string path, const HistoryLimits& limits) : path_(std::move(path)), limits_(limits) {}
+
+  Status add(const std::vector<HistoryEntry>& entries, UtcTime now) override {
+    if (Status there = open(); !there) return there;
+    return store_->add(entries, now);
+  }
+  Result<HistoryPage> find(const HistoryQuery& query) override {
+    if (Status there = open(); !there) return there.error();
+    return store_->find(query);
+  }
+
+ private:
+  Status open() {
+    if (store_) return Done{};
+    auto opened = open_history_file(path_, limits_);
+    if (!opened) return opened.error();
+    store_ = std::move(*opened);
+    return Done{};
+  }
+
+  std::string path_;
+  HistoryLimits limits_;
+  std::unique_ptr<HistoryStore> store_;
+};
+
 }  // namespace
+
+std::unique_ptr<HistoryStore> history_file(std::string path, const HistoryLimits& limits) {
+  return std::make_unique<LateHistory>(std::move(path), limits);
+}
 
 Result<std::unique_ptr<HistoryStore>> open_history_file(const std::string& path, const HistoryLimits& limits) {
   auto sql = open_sqlite(path, kHistorySteps, {kDamaged, kNewer});

@@ -249,3 +249,19 @@ TEST_CASE("two gateways see the same fleet: one of them writes it, and the other
     CHECK(seconds_of(found(*one, {.node = "ur3"})) == Seconds{2, 1, 0});
   });
 }
+
+TEST_CASE("a history that cannot be opened says why at each call, and goes on once it can") {
+  const StoreFolder folder;
+  const auto store = history_file(history_path(folder), {});
+  REQUIRE(write_file(history_path(folder), std::string(4096, 'x')));
+  const Status lost = store->add(values(0, 1), kNow);
+  REQUIRE_FALSE(lost.ok());
+  CHECK(lost.error().code == Errc::malformed);
+  CHECK(lost.error().hint.find("move it away") != std::string::npos);
+  CHECK(store->find({}).error().code == Errc::malformed);
+  std::filesystem::remove(history_path(folder));
+  REQUIRE(store->add(values(0, 1), kNow));
+  HistoryQuery query;
+  query.node = "ur3";
+  CHECK(found(*store, query).entries.size() == 1);
+}

@@ -36,4 +36,8 @@ class HistoryStore {
 /// NODE_DIR/state/history.db: SQLite. Error besides: version_mismatch (a newer build wrote it).
 Result<std::unique_ptr<HistoryStore>> open_history_file(const std::string& path, const HistoryLimits& limits);
 
+/// The same; while it cannot be opened each call tries it, and returns why not. A history keeps nothing else from its
+/// work: neither a damaged one, nor one without room.
+std::unique_ptr<HistoryStore> history_file(std::string path, const HistoryLimits& limits);
+
 }  // namespace trb::gateway

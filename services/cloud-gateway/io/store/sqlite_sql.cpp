@@ -37,14 +37,24 @@ class SqliteSql final : public Sql {
   std::unique_ptr<SqliteFile> file_;
 };
 
+Result<std::unique_ptr<SqliteFile>> open_by(const std::string& path, std::span<const char* const> steps,
+                                            const SqliteHints& hints, SqliteFile::Index index) {
+  auto file = SqliteFile::open(path, hints.damaged, index);
+  if (!file) return file;
+  if (Status kept = (*file)->keep_side_files(); !kept) return kept.error();
+  if (Status current = migrate(**file, steps, hints.newer); !current) return current.error();
+  return file;
+}
+
 }  // namespace
 
+/// On a full disk the other programs may have taken the room of its index.
 Result<std::unique_ptr<Sql>> open_sqlite(const std::string& path, std::span<const char* const> steps,
                                          const SqliteHints& hints) {
   if (Status made = make_private(path); !made) return made.error();
-  auto file = SqliteFile::open(path, hints.damaged);
+  auto file = open_by(path, steps, hints, SqliteFile::Index::beside);
+  if (!file && file.error().code == Errc::io_error) file = open_by(path, steps, hints, SqliteFile::Index::within);
   if (!file) return file.error();
-  if (Status current = migrate(**file, steps, hints.newer); !current) return current.error();
   return std::unique_ptr<Sql>(std::make_unique<SqliteSql>(std::move(*file)));
 }
 

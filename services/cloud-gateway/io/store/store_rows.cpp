@@ -9,6 +9,7 @@ namespace trb::gateway {
 namespace {
 
 constexpr const char* kSteady = "steady";
+constexpr const char* kRestored = "restored";  ///< `trb node restore` writes it
 
 Status put_row(Sql& sql, const User& user) {
   return sql.run(
@@ -230,14 +231,14 @@ Status read_shelves(Sql& sql, std::vector<Shelf>& out) {
   });
 }
 
-Status read_steady(Sql& sql, std::optional<UtcTime>& out) {
+Status read_time(Sql& sql, const char* name, std::optional<UtcTime>& out) {
   return sql.rows(
       "SELECT value FROM meta WHERE name = ?",
       [&](const SqlRow& row) -> Status {
         out = UtcTime{row.integer(0)};
         return Done{};
       },
-      kSteady);
+      name);
 }
 
 }  // namespace
@@ -251,7 +252,8 @@ Status write_state(Sql& sql, const StoreBatch& batch) {
       [&] { return write_changes(sql, batch.scenarios, "DELETE FROM scenarios WHERE id = ?", text_key); },
       [&] { return write_changes(sql, batch.acknowledged, "DELETE FROM acknowledged WHERE alert = ?", text_key); },
       [&] { return write_changes(sql, batch.shelves, "DELETE FROM shelves WHERE source = ?", text_key); },
-      [&] { return write_steady(sql, batch.steady); });
+      [&] { return write_steady(sql, batch.steady); },
+      [&] { return batch.notes_restored ? sql.run("DELETE FROM meta WHERE name = ?", kRestored) : Status(Done{}); });
 }
 
 Status read_state(Sql& sql, const StoreKinds& kinds, StoredState& out) {
@@ -265,7 +267,8 @@ Status read_state(Sql& sql, const StoreKinds& kinds, StoredState& out) {
                   [&] { return read(StoreKind::scenarios, read_scenarios, out.scenarios); },
                   [&] { return read(StoreKind::acknowledged, read_acknowledged, out.acknowledged); },
                   [&] { return read(StoreKind::shelves, read_shelves, out.shelves); },
-                  [&] { return read_steady(sql, out.steady); });
+                  [&] { return read_time(sql, kSteady, out.steady); },
+                  [&] { return read_time(sql, kRestored, out.restored); });
 }
 
 }  // namespace trb::gateway

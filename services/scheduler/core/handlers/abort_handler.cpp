@@ -1,6 +1,7 @@
 #include "services/scheduler/core/handlers/abort_handler.hpp"
 
 #include "common/base/errc.hpp"
+#include "services/scheduler/core/late_binding.hpp"
 #include "services/scheduler/core/refusal.hpp"
 #include "services/scheduler/core/run/drafts.hpp"
 #include "services/scheduler/core/view.hpp"
@@ -9,6 +10,16 @@ namespace trb::scheduler {
 namespace {
 
 constexpr auto kAbort = PendingSignatures::RunRecord::abort;
+
+/// What a task's failure orders; a task that got no robot in time has failed, too.
+std::optional<AbortOrder> order_by_failure(const Run& run, Step step) {
+  if (const auto task = run.facts().ending_task()) return abort_order(run, *task, step.now.utc);
+  for (const TaskIndex task : unbound_too_long(run, step.clock())) {
+    if (run.tasks()[task].on_failure == OnFailure::abort)
+      return abort_order(run, task, unbound_late_text(run, task), step.now.utc);
+  }
+  return std::nullopt;
+}
 
 /// A person gets a refusal; a member that still passes an order on gets a confirmation.
 Status check_not_over(const Run& run, RunState state) {
@@ -57,7 +68,7 @@ void AbortHandler::handle(const PeerExpired& body, const Inbound& from, Step ste
 
 void AbortHandler::handle(const PeerJoined& body, const Inbound& from, Step step) {
   if (from.source != node_) return refuse(from, not_own(from), step);
-  if (revoked_.erase(body.id) == 0) return;
+  if (revoked_.erase(body.id) + listed_.erase(body.id) == 0) return;
   // Its journal may still hold open what it was not told of.
   for (Run* run : runs_.touch_all()) {
     const bool owed = run->orders().is_aborted() && run->members().contains(body.id);
@@ -65,9 +76,26 @@ void AbortHandler::handle(const PeerJoined& body, const Inbound& from, Step step
   }
 }
 
+void AbortHandler::handle(const RevokedNodes& body, const Inbound& from, Step step) {
+  if (from.source != node_) return refuse(from, not_own(from), step);
+  listed_.clear();
+  for (const RevokedNode& one : body.nodes) listed_[one.id] = one.serial;
+  runs_.touch_all();
+}
+
+/// A node that was revoked once may be a member by a newer certificate: then the run has that one.
+bool AbortHandler::is_revoked(const Run& run, const std::string& member) const {
+  if (revoked_.contains(member)) return true;
+  const auto listed = listed_.find(member);
+  return listed != listed_.end() && run.members().find(member)->serial <= listed->second;
+}
+
 void AbortHandler::give_up_revoked(Run& run, Step step) {
-  if (!run.orders().is_aborted()) return;
-  for (const std::string& node : revoked_) journal_.give_up(run, node, step);
+  if (!run.orders().is_aborted() && !run.is_recovering()) return;
+  for (const std::string& member : run.members().ids()) {
+    if (!is_revoked(run, member)) continue;
+    run.orders().is_aborted() ? journal_.give_up(run, member, step) : journal_.keep_told(run, member, step);
+  }
 }
 
 void AbortHandler::confirm(Run& run, Step step) const {
@@ -83,10 +111,10 @@ void AbortHandler::confirm(Run& run, Step step) const {
 
 void AbortHandler::order_on_failure(Run& run, Step step) const {
   PendingSignatures& signatures = run.work().signatures();
-  if (!run.is_open(step.steady)) return signatures.drop(kAbort);
-  if (const auto task = run.facts().ending_task(); task && !signatures.wants(kAbort)) {
-    signatures.want(kAbort, {kSignedRunAbort, encode(abort_order(run, *task, step.now.utc)), step.now});
-  }
+  if (!run.is_open(step.steady) || run.is_recovering()) return signatures.drop(kAbort);
+  const auto order = order_by_failure(run, step);
+  if (!order) return signatures.drop(kAbort);  // a robot was chosen meanwhile, or a person holds the run
+  if (!signatures.wants(kAbort)) signatures.want(kAbort, {kSignedRunAbort, encode(*order), step.now});
   signatures.tick(kAbort, node_, step.now, step.out);
 }
 

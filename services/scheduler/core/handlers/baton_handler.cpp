@@ -70,6 +70,7 @@ void BatonHandler::handle(const Baton& body, const Inbound& from, Step step) {
   if (auto kept = journal_.keep_orders(*run, body.orders, step); !kept) return refuse(from, kept.error(), step);
   for (HeldResult& held : content->results) journal_.keep_result(*run, std::move(held), step);
   for (HeldChoice& held : content->choices) journal_.keep_choice(*run, std::move(held), step);
+  if (from.source == run->definition().start().submitter && is_first_pass(from.body)) journal_.note_first(*run, step);
   step.out.information(from.source, BatonJournaled{body.run, body.epoch, body.tasks, true});
   if (!run->orders().is_aborted()) run->receive(content->final_tasks, content->skipped_tasks, from.source);
   if (began_long_ago(*run, body.tasks, step.now)) repeat_progress(*run, from, step);

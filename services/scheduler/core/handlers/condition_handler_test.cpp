@@ -43,7 +43,8 @@ struct Choosing {
   KnownRun known{left_or_right("ur3", "drone"), "ridgeback"};
   ConditionHandler handler{known.self, known.runs, known.journal};
   DefinitionHandler definitions{known.self, known.runs, known.lookup, known.journal, [](const Inbound&, Step) {}};
-  RouteHandler routes{known.self, handler, definitions};
+  AwaitedRobots robots{known.self, known.runs};
+  RouteHandler routes{known.self, handler, definitions, robots};
 };
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "services/scheduler/core/handlers/decision_handler.hpp"
 
 #include "services/scheduler/core/refusal.hpp"
+#include "services/scheduler/core/waits.hpp"
 
 namespace trb::scheduler {
 namespace {
@@ -17,6 +18,11 @@ Status check_known(const Run& run, std::uint32_t epoch, const SignedRecord& reco
 Status DecisionHandler::keep(Run& run, const SignedRecord& record, bool here, Step step) {
   if (here && !run.is_open(step.steady)) {
     return fail(Errc::conflict, "run " + run.id() + " is over: nothing is decided on it");
+  }
+  if (here && run.is_recovering()) {
+    // Nothing is wrong with it: it may be given again, unchanged or not, once the members have answered.
+    return fail(Errc::timeout, "run " + run.id() + ": what was decided on it is not known here yet",
+                "it waits for " + recovery_text(run));
   }
   const auto checked = run.decision_checks().decision(record);
   if (!checked) return checked.error();

@@ -161,11 +161,10 @@ void DefinitionHandler::take(const Definition& body, const RunStart& claimed, co
     step.out.log(LogLevel::warning, "definition_refused", "from '" + from.source + "': " + checked.error().text());
     return lookup_.refuse_deferred(claimed.run, from.source, checked.error(), step);
   }
-  Run& added = journal_.add(std::move(*run), false, step);
+  const bool is_first = body.decisions.empty() && lookup_.is_first_passed(claimed);
+  Run& added = journal_.learn(std::move(*run), is_first, step);
   keep_decisions(added, body, from, step);
-  if (auto kept = journal_.keep_orders(added, body.orders, step); !kept) {
-    step.out.log(LogLevel::warning, "orders_refused", "from '" + from.source + "': " + kept.error().text());
-  }
+  keep_orders(added, body, from, step);
   lookup_.hand_out(added.id(), dispatch_, step);
 }
 
@@ -182,16 +181,26 @@ bool DefinitionHandler::makes_member(const Run& run, const Definition& body) con
 
 /// The answer of a node that was asked for decisions.
 void DefinitionHandler::handle_more(Run& run, const Definition& body, const Inbound& from, Step step) {
-  const bool expected = run.work().awaited().settle_decisions(from.source);
+  const bool recovers = run.is_recovering() && from.reply_to != 0 && run.members().contains(from.source);
+  const bool expected = run.work().awaited().settle_decisions(from.source) || recovers;
   if (!expected || body.start.payload != run.definition().record().payload) return refuse(from, unexpected(), step);
-  keep_decisions(run, body, from, step);
+  const bool decisions = keep_decisions(run, body, from, step);
+  // Who has sent them to this node owes them no more, though its journal was lost since.
+  const bool orders = keep_orders(run, body, from, step);
+  if (recovers && decisions && orders) run.recovery().note_decisions(from.source);
   lookup_.hand_out(run.id(), dispatch_, step);
 }
 
-void DefinitionHandler::keep_decisions(Run& run, const Definition& body, const Inbound& from, Step step) {
-  if (auto kept = journal_.keep_decisions(run, body.decisions, step); !kept) {
-    step.out.log(LogLevel::warning, "decisions_refused", "from '" + from.source + "': " + kept.error().text());
-  }
+bool DefinitionHandler::keep_decisions(Run& run, const Definition& body, const Inbound& from, Step step) {
+  const Status kept = journal_.keep_decisions(run, body.decisions, step);
+  if (!kept) step.out.log(LogLevel::warning, "decisions_refused", "from '" + from.source + "': " + kept.error().text());
+  return kept.ok();
+}
+
+bool DefinitionHandler::keep_orders(Run& run, const Definition& body, const Inbound& from, Step step) {
+  const Status kept = journal_.keep_orders(run, body.orders, step);
+  if (!kept) step.out.log(LogLevel::warning, "orders_refused", "from '" + from.source + "': " + kept.error().text());
+  return kept.ok();
 }
 
 }  // namespace trb::scheduler

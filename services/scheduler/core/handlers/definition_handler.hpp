@@ -33,7 +33,9 @@ class DefinitionHandler {
   void take(const Definition& body, const RunStart& claimed, const Inbound& from, Step step);
   static void request_whole(const std::string& run, const Inbound& from, Step step);
   void handle_more(Run& run, const Definition& body, const Inbound& from, Step step);
-  void keep_decisions(Run& run, const Definition& body, const Inbound& from, Step step);
+  /// Each: false if one of them is not believed.
+  bool keep_decisions(Run& run, const Definition& body, const Inbound& from, Step step);
+  bool keep_orders(Run& run, const Definition& body, const Inbound& from, Step step);
 
   std::string node_;
   RunStore& runs_;

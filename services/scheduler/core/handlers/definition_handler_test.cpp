@@ -136,6 +136,26 @@ TEST_CASE("a run of which this node is no member is not taken, unless a decision
   CHECK(taking.known.runs.find(kNewRun)->members().contains("ur3"));
 }
 
+TEST_CASE("a judge asks all members of a run that it learns of, unless its submitter passes it for the first time") {
+  const auto learns_by = [](const std::string& giver, std::vector<TaskIndex> tasks) {
+    KnownRun known(chain({"ur3"}), "cloud");
+    DefinitionHandler handler{known.self, known.runs, known.lookup, known.journal, [](const Inbound&, Step) {}};
+    const SignedRecord start = known.signers.make_start(chain({"ur3"}), "ur3", known.now.utc, seconds(3600), kNewRun);
+    Baton baton;
+    baton.run = kNewRun;
+    baton.epoch = 1;
+    baton.tasks = std::move(tasks);
+    Outbox out;
+    const Inbound first = known.from(giver, MessageType::command, baton);
+    REQUIRE(known.lookup.find_or_defer(kNewRun, {}, first, known.step(out)) == nullptr);
+    known.send(handler, giver, Definition{start}, MessageType::information, 5);
+    return known.runs.find(kNewRun)->is_recovering();
+  };
+  CHECK_FALSE(learns_by("ur3", {}));
+  CHECK(learns_by("ur3", {0}));
+  CHECK(learns_by("drone", {}));
+}
+
 TEST_CASE("one submitter's runs take a quarter of the room that the others leave") {
   const KnownRun model(chain({"ur3"}));
   const std::size_t size = model.run().definition().record().payload.bytes.size();

@@ -24,17 +24,28 @@ void EndHandler::handle(const RunOver& body, const Inbound& from, Step step) {
 }
 
 void EndHandler::handle(const NeedEnd& body, const Inbound& from, Step step) {
-  const Run* run = lookup_.find(body.run, from, step);
+  // This node's journal may be lost: then nobody but the members knows the run, and what they have done.
+  Run* run = lookup_.find_or_defer(body.run, {}, from, step);
   if (run == nullptr) return;
+  if (run->epochs().judges_here() && !run->is_recovering()) request_missing(*run, from.source);
   if (run->orders().has_ended()) return step.out.reply(from, RunOver{run->orders().end_record()});
   lookup_.tell_aborted(*run, from, step);
   const std::string state(name_of(state_of(*run, executor_, step.clock())));
   step.out.reply(from, Ack{"not_over", "run " + run->id() + " is " + state});
 }
 
+/// Who asks has done what it can of its tasks, and been told that this node has the results.
+void EndHandler::request_missing(Run& run, const std::string& member) const {
+  AwaitedRecords& awaited = run.work().awaited();
+  for (TaskIndex task = 0; task < run.tasks().size(); ++task) {
+    const bool is_missing = run.epochs().robot_of(task) == member && run.facts().current(task) == nullptr;
+    if (is_missing && !awaited.has_answered(member, task)) awaited.need_result(task, member, node_);
+  }
+}
+
 void EndHandler::sign_end(Run& run, Step step) const {
   PendingSignatures& signatures = run.work().signatures();
-  if (!run.is_open(step.steady) || !is_done(run)) return signatures.drop(kEnd);
+  if (!run.is_open(step.steady) || run.is_recovering() || !is_done(run)) return signatures.drop(kEnd);
   if (!signatures.wants(kEnd)) {
     const RunEnd end{run.id(), run.definition().start().digest, node_, RunState::finished, step.now.utc.ns};
     signatures.want(kEnd, {kSignedRunEnd, encode(end), step.now});

@@ -13,8 +13,7 @@ class EndHandler {
   using Taken = Takes<RunOver, NeedEnd>;
 
   /// All must outlive it.
-  EndHandler(std::string node, const RunStore& runs, const Executor& executor, const RunLookup& lookup,
-             RunJournal& journal)
+  EndHandler(std::string node, const RunStore& runs, const Executor& executor, RunLookup& lookup, RunJournal& journal)
       : node_(std::move(node)), runs_(runs), executor_(executor), lookup_(lookup), journal_(journal) {}
 
   void handle(const RunOver& body, const Inbound& from, Step step);
@@ -28,10 +27,12 @@ class EndHandler {
   bool keep_signed(Run& run, const SignedRecord& record, Step step);
 
  private:
+  void request_missing(Run& run, const std::string& member) const;
+
   std::string node_;
   const RunStore& runs_;
   const Executor& executor_;
-  const RunLookup& lookup_;
+  RunLookup& lookup_;
   RunJournal& journal_;
 };
 

@@ -1,6 +1,7 @@
 // Orders to abort, to hold and to let go on: a person's, and a node's own.
 #include <doctest/doctest.h>
 
+#include "common/scenario/run_start.hpp"
 #include "services/scheduler/core/handlers/abort_handler.hpp"
 #include "services/scheduler/core/handlers/pause_handler.hpp"
 #include "services/scheduler/test/known_run.hpp"
@@ -92,6 +93,23 @@ TEST_CASE("an aborted run waits for no node whose certificate is revoked, also a
   CHECK(restarted.run().deliveries().pending().owed_to("cloud").empty());
 }
 
+TEST_CASE("an aborted run waits for no node that was revoked before this service began, unless it is a member again") {
+  Ordering ordering;
+  const std::uint64_t serial = ordering.known.run().members().find("cloud")->serial;
+  ordering.known.send(ordering.aborts, "drone", RunAbort{ordering.known.abort("drone")});
+  const auto& owed = ordering.known.run().deliveries().pending();
+  const auto tell = [&](const std::string& by, const auto& body) {
+    ordering.known.send(ordering.aborts, by, body, MessageType::information);
+    Outbox out;
+    ordering.aborts.give_up_revoked(ordering.known.run(), ordering.known.step(out));
+    return owed.owes(DeliveryKind::abort, "cloud");
+  };
+  CHECK(tell("drone", RevokedNodes{{{"cloud", serial}}}));  // a lie
+  CHECK(tell("ur3", RevokedNodes{{{"cloud", serial - 1}}}));
+  CHECK_FALSE(tell("ur3", RevokedNodes{{{"cloud", serial}}}));
+  CHECK(tell("ur3", PeerJoined{"cloud", 7}));
+}
+
 TEST_CASE("a node that is a member again gets what it is owed") {
   Ordering ordering;
   const auto tell = [&](const auto& body) {
@@ -144,6 +162,57 @@ TEST_CASE("a task whose failure ends the run makes its robot order the abort, on
   CHECK_FALSE(ordering.aborts.keep_signed(ordering.known.run(), ordering.known.abort(), ordering.known.step(out)));
   CHECK(ordering.aborts.keep_signed(ordering.known.run(), order, ordering.known.step(out)));
   CHECK(ordering.orders().is_aborted());
+}
+
+TEST_CASE("an abort of a task that got no robot in time is taken back if it may begin before the order is signed") {
+  KnownRun known(chain({"ur3"}), "cloud");
+  const Signers& signers = known.signers;
+  Scenario scenario = chain({"drone", ""});
+  scenario.tasks[0].after.clear();
+  scenario.tasks[1].after.clear();
+  scenario.tasks[1].requires_ = {"mobile"};
+  scenario.tasks[1].start_within_s = 12;
+  scenario.tasks[1].on_failure = OnFailure::abort;
+  const std::string id(32, 'b');
+  const UtcTime made = known.now.utc;
+  auto opened = known.runs.open(signers.sign("cloud", kSignedRunStart,
+                                             encode(build_run_start(scenario, signers.members(), "cloud", made,
+                                                                    made + seconds(3600), id, {"drone", "cloud"}))));
+  REQUIRE(opened.ok());
+  Run& run = known.runs.add(std::move(*opened));
+  TaskResult released;
+  released.key = {id, "task-1", 1, 1};
+  released.digest = run.definition().start().digest;
+  released.robot = "cloud";
+  released.outcome = TaskOutcome::released;
+  REQUIRE(run.apply(JournalResult{signers.sign("cloud", kSignedResult, encode(released))}).ok());
+  run.work().timers().set_unbound({1}, known.now.mono);
+  known.pass(13);
+  AbortHandler aborts{known.self, known.runs, known.executor, known.lookup, known.journal};
+  const auto ask = [&] {
+    Outbox out;
+    aborts.order_on_failure(run, known.step(out));
+    return out;
+  };
+  const SignedRecord order = signed_by(signers, "cloud", ask());
+  SUBCASE("a robot was chosen") {
+    Decision chosen;
+    chosen.run = id;
+    chosen.digest = released.digest;
+    chosen.epoch = 2;
+    chosen.by = "cloud";
+    chosen.tasks = {{"task-1", Ruling::move, "ur3", 2, Evidence::result}};
+    REQUIRE(run.apply(JournalDecision{signers.sign("cloud", kSignedDecision, encode(chosen)), true}).ok());
+  }
+  SUBCASE("a person holds the run") {
+    const PauseOrder hold{id, 1, true, "cloud", "", 1, {}};
+    REQUIRE(run.apply(JournalPause{signers.sign("cloud", kSignedRunPause, encode(hold)), true}).ok());
+  }
+  known.pass(10);
+  CHECK(sent<SignRequest>(ask()).empty());
+  Outbox out;
+  CHECK_FALSE(aborts.keep_signed(run, order, known.step(out)));
+  CHECK_FALSE(run.orders().is_aborted());
 }
 
 TEST_CASE("a node whose router signs nothing gives up its order to abort once the run is over: no time is missed") {

@@ -63,7 +63,7 @@ Error QueryHandler::gone(const std::string& run, const Error& why) const {
 void QueryHandler::handle(const RunQuery& body, const Inbound& from, Step step) {
   const auto id = find(body.run);
   if (!id) return refuse(from, id.error(), step);
-  if (const Run* run = runs_.find(*id)) return step.out.reply(from, view_of(*run, executor_, step.clock()));
+  if (const Run* run = runs_.find(*id)) return step.out.reply(from, view_of(*run, runs_, executor_, step.clock()));
   auto record = archive_.record(*id);
   if (!record) return refuse(from, gone(*id, record.error()), step);
   step.out.reply(from, std::move(record->view));
@@ -92,7 +92,7 @@ RunTable QueryHandler::open_runs(Step step) const {
   std::size_t aborted = 0;
   for (const Run* run : newest_first(runs_.runs())) {
     if (run->orders().is_aborted() && ++aborted > kMaxAborted) continue;
-    table.runs.push_back(summary_of(*run, executor_, step.clock()));
+    table.runs.push_back(summary_of(*run, runs_, executor_, step.clock()));
   }
   table.open = static_cast<std::uint32_t>(runs_.taken());
   table.open_max = static_cast<std::uint32_t>(RunStore::kMaxRuns);
@@ -123,7 +123,7 @@ void QueryHandler::notify_watchers(Step step) {
   if (watchers_.empty()) return;
   watchers_.forget(step.now.mono);
   for (const Run* run : runs_.runs()) {
-    const auto summary = [&] { return summary_of(*run, executor_, step.clock()); };
+    const auto summary = [&] { return summary_of(*run, runs_, executor_, step.clock()); };
     watchers_.notify(run->id(), run->version(), summary, step.out);
   }
 }

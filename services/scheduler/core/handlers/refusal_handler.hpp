@@ -15,12 +15,18 @@ class RefusalHandler {
 
   /// All must outlive it.
   RefusalHandler(std::string node, const RunStore& runs, Executor& executor, ConditionHandler& conditions,
-                 BatonHandler& batons)
-      : node_(std::move(node)), runs_(runs), executor_(executor), conditions_(conditions), batons_(batons) {}
+                 BatonHandler& batons, RunJournal& journal)
+      : node_(std::move(node)),
+        runs_(runs),
+        executor_(executor),
+        conditions_(conditions),
+        batons_(batons),
+        journal_(journal) {}
 
   void handle(const Nack& body, const Inbound& from, Step step);
 
  private:
+  void note_recovery(const Nack& nack, const Inbound& from, Step step) const;
   void give_up_delivery(const Nack& nack, const Inbound& from, Step step) const;
 
   std::string node_;
@@ -28,6 +34,7 @@ class RefusalHandler {
   Executor& executor_;
   ConditionHandler& conditions_;
   BatonHandler& batons_;
+  RunJournal& journal_;
 };
 
 }  // namespace trb::scheduler

@@ -34,6 +34,18 @@ void settle_requests(Run& run, const Results& answer, const std::vector<AttemptK
   if (answer.results.empty()) awaited.settle_without_result(from.source, now);
 }
 
+std::vector<TaskIndex> tasks_of_choices(const Run& run, const Results& answer) {
+  std::vector<TaskIndex> out;
+  for (const SignedRecord& record : answer.choices) {
+    const auto claimed = decode<Choice>(record.payload.bytes);
+    if (!claimed) continue;
+    for (const ChosenTask& chosen : claimed->tasks) {
+      if (const auto task = run.index_of(chosen.task)) out.push_back(*task);
+    }
+  }
+  return out;
+}
+
 /// Has everything that is owed of the task been journaled there? What another attempt's result has replaced, or joined,
 /// since it was sent is still owed.
 bool is_proven(const Run& run, TaskIndex task, const std::vector<AttemptKey>& keys) {
@@ -98,9 +110,24 @@ void ResultHandler::handle(const Results& body, const Inbound& from, Step step) 
   if (std::ranges::any_of(body.results, later)) lookup_.request_decisions(*run, from.source, step);
   if (from.reply_to != 0) {
     settle_requests(*run, body, journaled.keys, from, step.now.mono);
+    if (run->is_recovering()) note_told(*run, body, from, step);
   } else if (!journaled.keys.empty()) {
     step.out.information(from.source, std::move(journaled));
   }
+}
+
+/// What is not believed counts as told, too; what an unknown decision may make right is asked for again. An answer
+/// without results has as many choices as fit: there is no result of their tasks, but there may be more choices.
+void ResultHandler::note_told(Run& run, const Results& body, const Inbound& from, Step step) {
+  std::vector<TaskIndex> tasks;
+  for (const SignedRecord& record : body.results) {
+    const auto claimed = decode<TaskResult>(record.payload.bytes);
+    const auto task = claimed ? run.index_of(claimed->key.task) : std::nullopt;
+    if (task && !is_of_later_epoch(run, record)) tasks.push_back(*task);
+  }
+  if (body.results.empty()) tasks = tasks_of_choices(run, body);
+  if (tasks.empty() && !(body.results.empty() && body.choices.empty())) return;
+  if (run.recovery().note_results(from.source, tasks, run.tasks().size())) journal_.keep_told(run, from.source, step);
 }
 
 void ResultHandler::handle(const ResultsJournaled& body, const Inbound& from, Step step) {
@@ -134,6 +161,7 @@ void ResultHandler::handle(const TaskProgress& body, const Inbound& from, Step s
   const bool late = is_late(*run, *task, body);
   if (is_under_way(body.state) && !late) {
     run->reports().note_progress(*task, body.state, body.detail);
+    run->work().timers().drop_retry(*task);  // it is tried again
   } else if (chooses && !late && run->facts().choice_on(*task) == nullptr) {
     run->reports().note_wait(*task, body.detail);
   } else {

@@ -25,6 +25,9 @@ class ResultHandler {
   Status keep_choices(Run& run, const Results& body, Step step);
   Status keep_results(Run& run, const Results& body, std::vector<AttemptKey>& kept, Step step);
 
+  /// Of a run that is being recovered: a member's answer.
+  void note_told(Run& run, const Results& body, const Inbound& from, Step step);
+
   const RunStore& runs_;
   RunLookup& lookup_;
   RunJournal& journal_;

@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include "services/scheduler/core/delivery_sender.hpp"
+#include "services/scheduler/test/condition_story.hpp"
 #include "services/scheduler/test/known_run.hpp"
 
 using namespace trb;
@@ -93,6 +94,57 @@ TEST_CASE("a member that asks for results gets those that are held") {
       collecting.known.send(collecting.handler, "ur3", NeedResults{kKnownRun, {0, 1}}, MessageType::request);
   REQUIRE(sent<Results>(out).size() == 1);
   CHECK(sent<Results>(out)[0].results.size() == 1);
+}
+
+TEST_CASE("a member that asks gets the choice on a task, too, of which there is no result yet") {
+  KnownRun known(Scenario{"choice", "", {when(task("fly", "drone", {}), Comparison::at_most, 20)}}, "drone");
+  ResultHandler handler{known.runs, known.lookup, known.journal};
+  REQUIRE(known.run().apply(JournalChoice{known.choice("drone", "fly", 19)}).ok());
+  const auto answers = sent<Results>(known.send(handler, "cloud", NeedResults{kKnownRun, {0}}, MessageType::request));
+  REQUIRE(answers.size() == 1);
+  CHECK(answers[0].results.empty());
+  CHECK(answers[0].choices.size() == 1);
+}
+
+TEST_CASE("a member that asks gets results first: an answer without any says that there is no other") {
+  Scenario scenario{"choices", "", {}};
+  for (std::size_t i = 0; i < kMaxTasks; ++i)
+    scenario.tasks.push_back(when(task(("task-" + std::to_string(i)).c_str(), "drone", {}), Comparison::at_most, 20));
+  KnownRun known(scenario, "drone");
+  ResultHandler handler{known.runs, known.lookup, known.journal};
+  for (std::size_t i = 0; i < kMaxTasks; ++i) {
+    auto choice = *decode<Choice>(known.choice("drone", "task-" + std::to_string(i), 19).payload.bytes);
+    choice.reading.text = std::string(1024, 'x');
+    REQUIRE(known.run().apply(JournalChoice{known.signers.sign("drone", kSignedChoice, encode(choice))}).ok());
+  }
+  known.finish("task-" + std::to_string(kMaxTasks - 1));
+  std::vector<TaskIndex> all;
+  for (std::size_t i = 0; i < kMaxTasks; ++i) all.push_back(static_cast<TaskIndex>(i));
+  const auto answers = sent<Results>(known.send(handler, "cloud", NeedResults{kKnownRun, all}, MessageType::request));
+  REQUIRE(answers.size() == 1);
+  REQUIRE(answers[0].choices.size() < kMaxTasks);
+  CHECK(answers[0].results.size() == 1);
+}
+
+TEST_CASE("a member whose answer has no room for all choices has not told all") {
+  KnownRun known(Scenario{"choice",
+                          "",
+                          {when(task("fly", "drone", {}), Comparison::at_most, 20),
+                           when(task("land", "drone", {}), Comparison::at_most, 20)}},
+                 "cloud");
+  ResultHandler handler{known.runs, known.lookup, known.journal};
+  REQUIRE(known.run().apply(JournalDelivered{kKnownRun, "cloud", std::string(kRecovers), {}, 1}).ok());
+  known.run().recovery().note_decisions("drone");
+  const auto answer = [&](std::vector<SignedRecord> choices) {
+    known.send(handler, "drone", Results{kKnownRun, {}, std::move(choices)}, MessageType::information, 5);
+    const std::vector<std::string> silent = known.run().silent_members();
+    return std::ranges::find(silent, "drone") == silent.end();
+  };
+  CHECK_FALSE(answer({known.choice("drone", "fly", 19)}));
+  const auto questions = known.run().recovery().take_due({"drone"}, 2, known.now.mono);
+  REQUIRE(questions.size() == 1);
+  CHECK(questions[0].tasks == std::vector<TaskIndex>{1});
+  CHECK(answer({known.choice("drone", "land", 19)}));
 }
 
 TEST_CASE("what another node has journaled is owed no more, unless it was another attempt") {

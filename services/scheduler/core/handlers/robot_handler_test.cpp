@@ -30,6 +30,7 @@ struct Working {
   Outbox at_end_of_step() {
     Outbox out;
     schedule.update_due(known.run(), known.step(out));
+    schedule.fail_late(known.run(), known.step(out));
     schedule.permit_attempt(known.step(out));
     known.executor.tick(known.now, out);
     schedule.start_next(known.step(out));
@@ -69,7 +70,7 @@ struct Working {
   RobotSchedule schedule;
   ConditionHandler conditions{known.self, known.runs, known.journal};
   BatonHandler batons{known.self, known.runs, known.executor, known.lookup, known.journal};
-  RefusalHandler refusals{known.self, known.runs, known.executor, conditions, batons};
+  RefusalHandler refusals{known.self, known.runs, known.executor, conditions, batons, known.journal};
 };
 
 }  // namespace

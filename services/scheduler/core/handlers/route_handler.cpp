@@ -13,6 +13,7 @@ void RouteHandler::handle(const RouteTable& body, const Inbound& from, Step step
   if (!taken.whole) return;
   conditions_.on_routes(*taken.whole, step);
   definitions_.on_routes(*taken.whole, step);
+  robots_.on_routes(*taken.whole);
 }
 
 }  // namespace trb::scheduler

@@ -1,8 +1,10 @@
-// The own router's table of nodes: who has a sensor that a condition needs, and the certificates of a run's members.
+// The own router's table of nodes: who has a sensor that a condition needs, the certificates of a run's members, and
+// what keeps the robots that tasks wait for.
 #pragma once
 
 #include "common/actor/route_pages.hpp"
 #include "common/actor/takes.hpp"
+#include "services/scheduler/core/awaited_robots.hpp"
 #include "services/scheduler/core/handlers/condition_handler.hpp"
 #include "services/scheduler/core/handlers/definition_handler.hpp"
 
@@ -13,9 +15,10 @@ class RouteHandler {
   /// Answers to requests of this node.
   using Answers = Takes<RouteTable>;
 
-  /// Both must outlive it.
-  RouteHandler(std::string node, ConditionHandler& conditions, DefinitionHandler& definitions)
-      : node_(std::move(node)), conditions_(conditions), definitions_(definitions) {}
+  /// All must outlive it.
+  RouteHandler(std::string node, ConditionHandler& conditions, DefinitionHandler& definitions,
+               const AwaitedRobots& robots)
+      : node_(std::move(node)), conditions_(conditions), definitions_(definitions), robots_(robots) {}
 
   void handle(const RouteTable& body, const Inbound& from, Step step);
 
@@ -23,6 +26,7 @@ class RouteHandler {
   std::string node_;
   ConditionHandler& conditions_;
   DefinitionHandler& definitions_;
+  const AwaitedRobots& robots_;
   RoutePages pages_;
 };
 

@@ -84,6 +84,10 @@ AbortOrder abort_order(const Run& run, TaskIndex failed, UtcTime now) {
   return {run.id(), run.epochs().self(), cut_utf8(why, 255), now.ns};
 }
 
+AbortOrder abort_order(const Run& run, TaskIndex unbegun, const std::string& why, UtcTime now) {
+  return {run.id(), run.epochs().self(), cut_utf8("task '" + run.tasks()[unbegun].id + "': " + why, 255), now.ns};
+}
+
 PauseOrder hold_order(const Run& run, UtcTime now) {
   const std::vector<std::string> doubles = run.orders().doubles();  // never none: only they make the judge hold it
   const std::string why = "task '" + doubles.front() + "' has two different results (double_execution)";

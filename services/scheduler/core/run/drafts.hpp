@@ -18,6 +18,8 @@ Choice choice_by(const Run& run, const std::vector<TaskIndex>& tasks, const std:
                  const SensorReading& reading, UtcTime now);
 /// The order that a task's failure makes this node give.
 AbortOrder abort_order(const Run& run, TaskIndex failed, UtcTime now);
+/// The same of a task that was never begun.
+AbortOrder abort_order(const Run& run, TaskIndex unbegun, const std::string& why, UtcTime now);
 /// The order that tasks done twice make the judge give.
 PauseOrder hold_order(const Run& run, UtcTime now);
 

@@ -1,6 +1,7 @@
 #include "services/scheduler/core/run/facts.hpp"
 
 #include <algorithm>
+#include <limits>
 
 #include "common/scenario/condition.hpp"
 
@@ -68,6 +69,16 @@ Duration Facts::retry_pause(TaskIndex task) const {
   for (std::uint32_t i = epochs_.first_attempt(task) + 1; i < next_attempt(task); ++i)
     pause_s = std::min(pause_s * 2, kLongest_s);
   return seconds(std::clamp(pause_s, 0.0, 3600.0));
+}
+
+std::optional<UtcTime> Facts::tried_again_at(TaskIndex task) const {
+  const HeldResult* last = results_.of(task);
+  if (last == nullptr || last->result.robot != epochs_.robot_of(task) || !tries_again(task, last->result))
+    return std::nullopt;
+  // Its robot says when it ended: any number.
+  const Duration pause = retry_pause(task);
+  constexpr std::int64_t kMost = std::numeric_limits<std::int64_t>::max();
+  return UtcTime{std::clamp<std::int64_t>(last->result.ended, 0, kMost - pause.count())} + pause;
 }
 
 std::uint32_t Facts::next_attempt(TaskIndex task) const {

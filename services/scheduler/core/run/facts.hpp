@@ -50,6 +50,8 @@ class Facts {
   [[nodiscard]] std::uint32_t next_attempt(TaskIndex task) const;
   /// How long the robot waits before it tries a task again.
   [[nodiscard]] Duration retry_pause(TaskIndex task) const;
+  /// When its robot tries it again, after a failure that is not the last one; nothing: it does not.
+  [[nodiscard]] std::optional<UtcTime> tried_again_at(TaskIndex task) const;
   /// There is a start record of the next attempt.
   [[nodiscard]] bool has_begun(TaskIndex task) const;
   /// A start record without a result: nobody has reported yet how it ended.

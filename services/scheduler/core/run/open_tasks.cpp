@@ -56,7 +56,7 @@ std::vector<TaskIndex> OpenTasks::releasable() const {
 
 bool OpenTasks::is_due(TaskIndex task) const {
   if (run_.facts.results().has_final(task) || run_.facts.current(task) != nullptr) return false;
-  if (run_.reports.is_under_way(task)) return false;
+  if (run_.reports.is_under_way(task) || run_.work.timers().waits(task)) return false;
   const bool own = run_.epochs.is_own(task);
   if (!own && !run_.epochs.judges_here() && !run_.deliveries.pending().owes_baton(task)) return false;
   if (own && (run_.facts.has_begun(task) || run_.work.withheld().is_failing(task))) return false;

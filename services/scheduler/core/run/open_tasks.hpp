@@ -39,7 +39,8 @@ class OpenTasks {
   [[nodiscard]] bool own_has_failed() const { return ready().own_has_failed; }
   /// This node's tasks that it was asked to give back and has not begun.
   [[nodiscard]] std::vector<TaskIndex> releasable() const;
-  /// Nothing stands before them on this node, and they are not known to have begun. Of tasks of other nodes only the
+  /// Nothing stands before them on this node, they are not known to have begun, and no pause before another try keeps
+  /// them back. Of tasks of other nodes only the
   /// judge knows, and who owes their batons.
   [[nodiscard]] std::vector<TaskIndex> due() const;
   /// Tasks of the judge's view that are behind nothing but their condition, which another node evaluates.

@@ -17,8 +17,20 @@ bool Reports::add(const std::vector<bool>& final_tasks, const std::vector<bool>&
 
 void Reports::note_progress(TaskIndex task, TaskState state, const std::string& wait) {
   note_wait(task, wait);
+  obstacles_.erase(task);
   const auto [known, is_new] = progress_.try_emplace(task, state);
   if (std::exchange(known->second, state) != state || is_new) note_change(task);
+}
+
+void Reports::note_obstacle(TaskIndex task, const std::string& robot, const std::string& what) {
+  if (obstacle_of(task, robot) == what) return;
+  obstacles_[task] = {robot, what};
+  note_change(task);
+}
+
+std::string Reports::obstacle_of(TaskIndex task, const std::string& robot) const {
+  const auto found = obstacles_.find(task);
+  return found == obstacles_.end() || found->second.robot != robot ? std::string() : found->second.what;
 }
 
 void Reports::note_wait(TaskIndex task, const std::string& what) {
@@ -37,6 +49,7 @@ void Reports::note_change(TaskIndex task) {
 /// What its condition waits for stays: it is about the time before an attempt.
 void Reports::forget_progress(TaskIndex task) {
   told_.erase(task);
+  obstacles_.erase(task);
   if (progress_.erase(task) != 0) waits_.erase(task);
 }
 
@@ -44,6 +57,14 @@ std::optional<TaskState> Reports::progress_of(TaskIndex task) const {
   const auto found = progress_.find(task);
   if (found == progress_.end()) return std::nullopt;
   return found->second;
+}
+
+std::vector<TaskIndex> Reports::running() const {
+  std::vector<TaskIndex> out;
+  for (const auto& [task, state] : progress_) {
+    if (state == TaskState::running) out.push_back(task);
+  }
+  return out;
 }
 
 std::string Reports::first_wait() const {

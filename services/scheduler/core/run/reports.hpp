@@ -27,7 +27,14 @@ class Reports {
   void note_progress(TaskIndex task, TaskState state, const std::string& wait = {});
   [[nodiscard]] std::optional<TaskState> progress_of(TaskIndex task) const;
   [[nodiscard]] bool is_under_way(TaskIndex task) const { return progress_.contains(task); }
+  /// What runs by now, as their robots report.
+  [[nodiscard]] std::vector<TaskIndex> running() const;
   void forget_progress(TaskIndex task);
+
+  /// What keeps that robot from the task that is due at it, as its node tells of itself; empty: nothing.
+  void note_obstacle(TaskIndex task, const std::string& robot, const std::string& what);
+  /// Empty also if it is not known of that robot.
+  [[nodiscard]] std::string obstacle_of(TaskIndex task, const std::string& robot) const;
 
   /// What its condition waits for; empty: for nothing any more.
   void note_wait(TaskIndex task, const std::string& what);
@@ -46,6 +53,11 @@ class Reports {
   std::vector<bool> skipped_;
   std::map<TaskIndex, TaskState> progress_;
   std::map<TaskIndex, std::string> waits_;
+  struct Obstacle {
+    std::string robot;
+    std::string what;
+  };
+  std::map<TaskIndex, Obstacle> obstacles_;
   std::map<TaskIndex, unsigned> told_;  ///< changes of its attempt
   std::uint64_t changes_ = 0;
 };

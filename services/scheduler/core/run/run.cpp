@@ -75,7 +75,10 @@ bool Run::add(HeldResult held) {
   if (is_double) orders_.note_double(tasks()[task].id);
   if (is_final) work_.awaited().drop_result(task);
   if (by_its_robot || is_final) reports_.forget_progress(task);
-  if (facts_.current(task) != nullptr) work_.withheld().drop_failing(task);
+  if (facts_.current(task) != nullptr) {
+    work_.withheld().drop_failing(task);
+    work_.timers().drop_retry(task);
+  }
   if (own || is_double) deliveries_.owe_result(task);
   deliveries_.owe_late_result(task);
   if (!was_final && is_final && !orders_.is_aborted()) deliveries_.owe_batons_after(task);
@@ -105,8 +108,33 @@ Status Run::apply(const JournalDelivered& fact) {
   for (const DeliveryKind kind : kDeliveryKinds) {
     if (fact.what == name_of(kind)) deliveries_.settle(kind, fact.to, fact.tasks);
   }
+  if (fact.what == kRecovers) recovery_.open();
+  if (fact.what == kFirstPass) recovery_.note_first_pass();
+  if (fact.what == kHasTold) note_told(fact.to);
   if (fact.what == name_of(DeliveryKind::baton)) deliveries_.note_passed(fact.tasks, fact.to, fact.epoch);
   return Done{};
+}
+
+bool Run::has_signed() const {
+  const std::string& self = epochs_.self();
+  const auto is_own = [&](TaskIndex task) {
+    const HeldChoice* choice = facts_.choice_on(task);
+    const HeldResult* result = results().of(task);
+    return (choice != nullptr && choice->choice.by == self) || (result != nullptr && result->result.robot == self);
+  };
+  for (std::size_t task = 0; task < tasks().size(); ++task) {
+    if (is_own(static_cast<TaskIndex>(task))) return true;
+  }
+  return epochs_.current() > 1 || (orders_.pause() != nullptr && orders_.pause()->by == self);
+}
+
+/// By this node's own name: nobody needs to be asked.
+void Run::note_told(const std::string& member) {
+  recovery_.note_told(member);
+  if (!recovery_.is_open() || (member != epochs_.self() && !silent_members().empty())) return;
+  recovery_.close();
+  ++version_;
+  deliveries_.pending().restart();  // what was held back is due
 }
 
 Status Run::apply(const JournalDecision& fact) {
@@ -114,7 +142,8 @@ Status Run::apply(const JournalDecision& fact) {
   if (!decision) return decision.error();
   adopt(fact.decision, *decision);
   ++version_;
-  if (fact.decided_here) deliveries_.owe_to_members(DeliveryKind::decision);
+  // What the decider has back from one member others may not have: it was owed to them by a journal that was lost.
+  if (fact.decided_here || epochs_.decides_here()) deliveries_.owe_to_members(DeliveryKind::decision);
   return Done{};
 }
 
@@ -143,6 +172,7 @@ Status Run::apply(const JournalAbort& fact) {
   work_.signatures().drop(PendingSignatures::RunRecord::abort);
   deliveries_.pending().drop(DeliveryKind::baton);
   work_.awaited().drop_results();
+  work_.timers().drop_retries();
   deliveries_.owe_to_members(DeliveryKind::abort);
   return Done{};
 }
@@ -175,6 +205,7 @@ Status Run::apply(const JournalEnd& fact) {
   ++version_;
   work_.signatures().drop(PendingSignatures::RunRecord::end);
   work_.awaited().drop_results();
+  work_.timers().drop_retries();
   for (const DeliveryKind kind : kDeliveryKinds) {
     if (kind != DeliveryKind::results) deliveries_.pending().drop(kind);
   }
@@ -189,6 +220,14 @@ Result<HeldResult> Run::received_result(const SignedRecord& record) const {
   if (!results().grows_by(task, *held)) return held;
   return fail(Errc::too_large, "run " + id() + ": '" + held->result.robot + "' has results of over 4 MiB in it",
               "let its skills answer with less data");
+}
+
+void Run::await_retry(TaskIndex task, MonotonicTime now, UtcTime steady) {
+  const auto at = facts_.tried_again_at(task);
+  if (!at || !orders_.is_open()) return;
+  const Duration pause = facts_.retry_pause(task);
+  const Duration left = epochs_.is_own(task) ? pause : std::min(Duration{at->ns - steady.ns}, pause);
+  if (left > Duration{0} || epochs_.is_own(task)) work_.timers().retry_at(task, now + left);
 }
 
 void Run::receive(const std::vector<bool>& final_tasks, const std::vector<bool>& skipped_tasks,
@@ -222,7 +261,7 @@ std::vector<bool> Run::known_skipped() const {
 }
 
 bool Run::may_start(UtcTime steady) const {
-  return is_open(steady) && !orders_.is_held() && !orders_.has_new_double();
+  return is_open(steady) && !orders_.is_held() && !orders_.has_new_double() && !recovery_.is_open();
 }
 
 bool Run::is_idle() const {

@@ -19,6 +19,7 @@
 #include "services/scheduler/core/run/orders.hpp"
 #include "services/scheduler/core/run/pending_work.hpp"
 #include "services/scheduler/core/run/record_checks.hpp"
+#include "services/scheduler/core/run/recovery.hpp"
 #include "services/scheduler/core/run/reports.hpp"
 #include "services/scheduler/core/run/run_definition.hpp"
 
@@ -51,6 +52,8 @@ class Run {
   [[nodiscard]] Deliveries& deliveries() { return deliveries_; }
   [[nodiscard]] const PendingWork& work() const { return work_; }
   [[nodiscard]] PendingWork& work() { return work_; }
+  [[nodiscard]] const Recovery& recovery() const { return recovery_; }
+  [[nodiscard]] Recovery& recovery() { return recovery_; }
   [[nodiscard]] const NextVisit& next_visit() const { return next_visit_; }
   [[nodiscard]] NextVisit& next_visit() { return next_visit_; }
 
@@ -79,6 +82,10 @@ class Run {
   /// has no room left for results of this run).
   [[nodiscard]] Result<HeldResult> received_result(const SignedRecord& record) const;
 
+  /// Takes the pause up before a task's robot tries it again, if it does: what is left of it by the steady time, or all
+  /// of it if this node is its robot's. Another's clock makes it no longer.
+  void await_retry(TaskIndex task, MonotonicTime now, UtcTime steady);
+
   /// What a baton of `giver` states of each task; the results that this node needs are requested from it.
   void receive(const std::vector<bool>& final_tasks, const std::vector<bool>& skipped_tasks, const std::string& giver);
   /// Final by a held result; elsewhere than at the run's judge and decider also by what a baton states.
@@ -88,13 +95,21 @@ class Run {
 
   /// Neither aborted, nor FINISHED, nor, by the steady time, past its own.
   [[nodiscard]] bool is_open(UtcTime steady) const { return orders_.is_open() && !definition_.expired(steady); }
-  /// Tasks may be begun: it is open, and nothing holds it.
+  /// This node, its judge, asks the members what they hold of it: it decides, passes and signs nothing yet.
+  [[nodiscard]] bool is_recovering() const { return orders_.is_open() && recovery_.is_open(); }
+  /// Something of it shows that this node has signed for it before: a decision, a choice, a result or an order.
+  [[nodiscard]] bool has_signed() const;
+  /// The members that have not told all yet.
+  [[nodiscard]] std::vector<std::string> silent_members() const {
+    return recovery_.silent(members_.ids(), epochs_.self());
+  }
+  /// Tasks may be begun: it is open, nothing holds it, and it is not being recovered.
   [[nodiscard]] bool may_start(UtcTime steady) const;
   /// This node has nothing left to do: its tasks are final, or one has failed and none could begin; and nothing is owed
   /// or waited for.
   [[nodiscard]] bool is_idle() const;
   /// Rises with every fact, and with what others report anew.
-  [[nodiscard]] std::uint64_t version() const { return version_ + reports_.changes(); }
+  [[nodiscard]] std::uint64_t version() const { return version_ + reports_.changes() + recovery_.changes(); }
   /// Rises also with what is owed: its tasks' timers follow from all that.
   [[nodiscard]] std::uint64_t timers_version() const { return version() + deliveries_.pending().changes(); }
 
@@ -104,6 +119,7 @@ class Run {
   [[nodiscard]] bool is_stuck() const;
   /// Final by a held result or by what a baton states.
   [[nodiscard]] std::vector<bool> reported_final() const;
+  void note_told(const std::string& member);
   void adopt(const SignedRecord& record, const Decision& decision);
 
   NextVisit next_visit_;
@@ -116,6 +132,7 @@ class Run {
   Reports reports_;
   Deliveries deliveries_;
   PendingWork work_;
+  Recovery recovery_;
   OpenTasks open_tasks_;
   RecordChecks checks_;
   DecisionChecks decision_checks_;

@@ -15,7 +15,8 @@ void keep(TaskTimers::Times& times, std::vector<TaskIndex> tasks, MonotonicTime 
 }  // namespace
 
 void TaskTimers::drop_past_retries(MonotonicTime now) {
-  std::erase_if(retry_at_, [&](const auto& one) { return one.second <= now; });
+  // What waited for that is due from now on.
+  if (std::erase_if(retry_at_, [&](const auto& one) { return one.second <= now; }) != 0) version_.reset();
 }
 
 bool TaskTimers::take_version(std::uint64_t version) {
@@ -24,6 +25,10 @@ bool TaskTimers::take_version(std::uint64_t version) {
 
 void TaskTimers::set_due(std::vector<TaskIndex> tasks, MonotonicTime now) {
   keep(due_since_, std::move(tasks), now);
+}
+
+void TaskTimers::set_unbound(std::vector<TaskIndex> tasks, MonotonicTime now) {
+  keep(unbound_since_, std::move(tasks), now);
 }
 
 bool TaskTimers::is_late(TaskIndex task, double within_s, MonotonicTime now) const {

@@ -32,6 +32,16 @@ TEST_CASE("a task that stays due keeps the time since which it is") {
   CHECK_FALSE(timers.is_due(2));
 }
 
+TEST_CASE("a task that wants a robot keeps the time since which it does, until the run is held") {
+  TaskTimers timers;
+  timers.set_unbound({1, 2}, at(0).mono);
+  timers.set_unbound({2}, at(5).mono);
+  CHECK(timers.unbound_since() == TaskTimers::Times{{2, at(0).mono}});
+  timers.drop_all_due();
+  timers.set_unbound({2}, at(9).mono);
+  CHECK(timers.unbound_since() == TaskTimers::Times{{2, at(9).mono}});
+}
+
 TEST_CASE("what is due is worked out once for each version of the facts") {
   TaskTimers timers;
   CHECK(timers.take_version(0));  // of a run that nothing has happened to

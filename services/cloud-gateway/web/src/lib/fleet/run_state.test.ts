@@ -1,6 +1,6 @@
 import { describe, expect, it } from 'vitest';
 import type { RunDetail, TaskView } from '../api/types';
-import { runOrders, shortId, taskOrders } from './run_state';
+import { runOrders, shortId, taskOrders, taskWord } from './run_state';
 
 const run = (state: RunDetail['state'], paused_by = '') => ({ state, paused_by }) as RunDetail;
 const task = (state: TaskView['state']) => ({ state }) as TaskView;
@@ -26,6 +26,19 @@ describe('what may be ordered', () => {
     expect(taskOrders(run('RUNNING'), task('FAILED'))).toContain('retry');
     expect(taskOrders(run('RUNNING'), task('WAITING'))).toEqual(['move', 'skip']);
     expect(taskOrders(run('RUNNING'), task('FINISHED'))).toEqual([]);
+  });
+
+  it('names what was interrupted so: nobody repeats it but a person', () => {
+    expect(taskWord('RETRIABLE', 'interrupted')).toBe('interrupted');
+    expect(taskWord('RETRIABLE', 'retriable')).toBe('RETRIABLE');
+    expect(taskWord('FINISHED', 'finished')).toBe('FINISHED');
+  });
+
+  it('waits for nothing once its run is over', () => {
+    expect(taskWord('WAITING', 'none', 'ABORTED')).toBe('notBegun');
+    expect(taskWord('INITIALIZING', 'none', 'EXPIRED')).toBe('notBegun');
+    expect(taskWord('WAITING', 'none', 'PAUSED')).toBe('WAITING');
+    expect(taskWord('FAILED', 'failed', 'ABORTED')).toBe('FAILED');
   });
 
   it('shortens an id', () => expect(shortId('60cd4110aa55')).toBe('60cd4110'));

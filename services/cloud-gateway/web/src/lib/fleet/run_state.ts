@@ -33,6 +33,12 @@ export const runLooks: Record<RunState, Look> = {
   EXPIRED: { path: CROSS, tone: 'warning', isFilled: false },
 };
 
+/** Its word in the section `taskState`. What is RETRIABLE is begun again by nobody but a person; of a run that is over nothing waits. */
+export function taskWord(state: TaskState, outcome: TaskView['outcome'] = 'none', run?: RunState): string {
+  if (run !== undefined && !isUnderWay(run) && (state === 'WAITING' || state === 'INITIALIZING')) return 'notBegun';
+  return state === 'RETRIABLE' && outcome === 'interrupted' ? 'interrupted' : state;
+}
+
 export function isUnderWay(state: RunState): boolean {
   return state === 'RUNNING' || state === 'PAUSED' || state === 'ABORTING';
 }

@@ -8,6 +8,36 @@ beforeAll(async () => {
   speech = await import('./i18n.svelte');
 });
 
+it.each([
+  [['en-GB', 'en'], '28/11/2027'],
+  [['en-US'], '11/28/2027'],
+  [['de-DE', 'en-US', 'en'], '11/28/2027'],
+  [['de-DE'], '28/11/2027'], // whose day comes first, too
+])('writes a date as a browser of %j does, in the chosen language', (languages, date) => {
+  vi.stubGlobal('navigator', { languages });
+  speech.speech.choose('en');
+  expect(speech.formatDate(new Date(2027, 10, 28).getTime())).toBe(date);
+  expect(speech.formatTime(new Date(2027, 10, 28, 9, 5).toISOString())).toBe(`${date} 09:05:00`);
+  speech.speech.choose('fr');
+  expect(speech.formatDate(new Date(2027, 10, 28).getTime())).toBe('28/11/2027');
+});
+
+it('says one of a thing as one', async () => {
+  await import('./late_words');
+  speech.speech.choose('en');
+  expect([1, 0, 2].map((robots) => speech.t('plan.fleet', { robots, tasks: 1 }))).toEqual(['1 robot, 1 task', '0 robots, 1 task', '2 robots, 1 task']);
+  speech.speech.choose('fr');
+  expect([1, 0, 2].map((robots) => speech.t('plan.fleet', { robots, tasks: 3 }))).toEqual(['1 robot, 3 tâches', '0 robot, 3 tâches', '2 robots, 3 tâches']);
+});
+
+it('lets no line of French begin with a sign, nor end with an opening quote', async () => {
+  const { languages } = speech;
+  await import('./late_words');
+  const texts = Object.values(languages.fr.words).flatMap((words) => Object.values(words) as string[]);
+  expect(texts.filter((text) => / [:;!?»%]|« /.test(text))).toEqual([]);
+  expect(speech.frenchSpaces('Ouvertes : {count}, « {name} » ; 3 %')).toBe('Ouvertes\u00a0: {count}, «\u00a0{name}\u00a0»\u00a0; 3\u00a0%');
+});
+
 describe.each(['en', 'fr'] as const)('%s', (language) => {
   beforeAll(() => speech.speech.choose(language));
 
@@ -15,6 +45,15 @@ describe.each(['en', 'fr'] as const)('%s', (language) => {
     const at = new Date(2026, 0, 31, 0, 30, 5);
     expect(speech.formatHour(at)).toBe('00:30:05');
     expect(speech.formatTime(at.getTime() * 1e6)).toMatch(/2026 00:30:05$/);
+  });
+
+  it('writes a time within a text as each other time of the view', () => {
+    const at = new Date();
+    at.setHours(10, 47, 19, 809);
+    const text = `'mobile' is broken since ${at.toISOString()}: both wheels`;
+    expect(speech.localTimes(text)).toBe("'mobile' is broken since 10:47:19: both wheels");
+    expect(speech.localTimes('from 2026-01-31T12:00:00Z to 2026-01-31T12:30:00.5Z')).toMatch(/^from .*2026 \d\d:00:00 to .*2026 \d\d:30:00$/);
+    expect(speech.localTimes('box 2026-01-31, 2026-99-99T99:99:99Z')).toBe('box 2026-01-31, 2026-99-99T99:99:99Z');
   });
 
   it('writes what is less than one with its first figures', () => {

@@ -3,9 +3,22 @@ import { en, type Key, type Words } from './en';
 import { fr } from './fr';
 
 export type Language = 'en' | 'fr';
+
+/** French has spaces where no line may be broken: before a sign of two parts, within quotes. */
+export function frenchSpaces(text: string): string {
+  return text.replace(/ (?=[:;!?»%])/g, '\u00a0').replace(/« /g, '«\u00a0');
+}
+
+/** The words of a language, as they are shown. */
+export function asShown<Of extends object>(language: Language, words: Of): Of {
+  if (language !== 'fr') return words;
+  const spaced = (of: Record<string, string>) => Object.fromEntries(Object.entries(of).map(([key, text]) => [key, frenchSpaces(text)]));
+  return Object.fromEntries(Object.entries(words).map(([section, of]) => [section, spaced(of as Record<string, string>)])) as Of;
+}
+
 export const languages: Record<Language, { name: string; words: Words }> = {
   en: { name: 'English', words: en },
-  fr: { name: 'Français', words: fr },
+  fr: { name: 'Français', words: asShown('fr', fr) },
 };
 
 const KEPT = 'trb.language';
@@ -28,10 +41,16 @@ class Speech {
 
 export const speech = new Speech();
 
+/** `{tasks|task|tasks}` is the word for so many tasks: of one, of others. In French none has the word of one. */
+function counted(text: string, values: Record<string, string | number>): string {
+  const ones = speech.language === 'fr' ? ['0', '1'] : ['1'];
+  return text.replace(/\{(\w+)\|([^|}]*)\|([^}]*)\}/g, (_, name: string, one: string, others: string) => (ones.includes(String(values[name])) ? one : others));
+}
+
 export function t(key: Key, values: Record<string, string | number> = {}): string {
   const [section, word] = key.split('.') as [keyof Words, string];
   const text = (languages[speech.language].words[section] as Record<string, string>)[word] ?? key;
-  return text.replace(/\{(\w+)\}/g, (whole, name: string) => String(values[name] ?? whole));
+  return counted(text, values).replace(/\{(\w+)\}/g, (whole, name: string) => String(values[name] ?? whole));
 }
 
 /** A key that a view makes from data; the word itself if there is none. */
@@ -68,8 +87,15 @@ export function formatAge(seconds: number): string {
   return `${Math.round(seconds / 3600)} h`;
 }
 
+/** Dates have the order of the browser's country, in the chosen language: 11/28 is no date in England. Without one the day comes first. */
+function dateLocale(): string {
+  const language = speech.language;
+  const own = globalThis.navigator?.languages?.find((one) => one === language || one.startsWith(`${language}-`));
+  return own ?? (language === 'en' ? 'en-GB' : language);
+}
+
 export function formatDate(ms: number): string {
-  return new Date(ms).toLocaleDateString(speech.language);
+  return new Date(ms).toLocaleDateString(dateLocale());
 }
 
 /** The hour of the day, 24 h: 00:30:00 half an hour after midnight. */
@@ -83,5 +109,10 @@ export function formatTime(time: number | string): string {
   if (Number.isNaN(date.getTime())) return '';
   const hour = formatHour(date);
   const isToday = date.toDateString() === new Date().toDateString();
-  return isToday ? hour : `${date.toLocaleDateString(speech.language)} ${hour}`;
+  return isToday ? hour : `${formatDate(date.getTime())} ${hour}`;
+}
+
+/** A text of a robot or a service, with the times in it as all others of the view: they write them in UTC. */
+export function localTimes(text: string): string {
+  return text.replace(/\b\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d(\.\d+)?Z/g, (time) => formatTime(time) || time);
 }

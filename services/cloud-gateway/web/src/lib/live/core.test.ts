@@ -76,6 +76,17 @@ describe('rows', () => {
     expect([...core.rows('fleet').values()].map((row) => row.content)).toEqual([{ fenced: true }]);
   });
 
+  it('makes changed rows another Map, as Svelte tells a derived value to nobody while it is the same object', () => {
+    const core = openPage();
+    core.heard(frame(5, snapshot(robot('ur3', 4))), 10);
+    const before = core.rows('fleet');
+    core.heard(frame(5), 20);
+    expect(core.rows('fleet')).toBe(before);
+    core.heard(frame(6, delta(robot('ur3', 6, true))), 30);
+    expect(core.rows('fleet')).not.toBe(before);
+    expect([...before.values()].map((row) => row.number)).toEqual([4]);
+  });
+
   it('keeps the old rows until a new snapshot is whole, and drops what it lacks', () => {
     const core = openPage();
     core.heard(frame(5, snapshot(robot('ur3', 4), robot('drone', 5))), 10);
@@ -213,6 +224,18 @@ describe('a lost connection', () => {
     restarted.notices = [{ topic: 'fleet', kind: 'restarted' }];
     core.heard(JSON.stringify(restarted), 2000);
     expect(ids(core)).toEqual(['drone']);
+  });
+
+  it('is lost until the new one has told something: what is shown is of the one before', () => {
+    const core = openPage();
+    core.heard(frame(5, snapshot(robot('ur3', 4))), 10);
+    core.closed(1006, 500);
+    core.tick(800);
+    core.opened(900);
+    expect(core.isLost).toBe(true);
+    core.heard(frame(6), 1000);
+    expect(core.isLost).toBe(false);
+    expect(ids(core)).toEqual(['ur3']);
   });
 });
 

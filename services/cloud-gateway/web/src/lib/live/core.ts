@@ -58,7 +58,10 @@ export function keyOf(row: { kind: string; node: string; name: string }): string
   return `${row.kind}/${row.node}/${row.name}`;
 }
 
-/** Rows of one topic. A snapshot replaces the rows only once it is whole: nobody sees half a fleet. */
+/**
+ * Rows of one topic. A snapshot replaces the rows only once it is whole: nobody sees half a fleet. Changed rows are another
+ * Map: who keeps one in a $derived is told of the change only by that.
+ */
 class TopicTable {
   rows: Rows = new Map();
   isKnown = false;
@@ -67,6 +70,7 @@ class TopicTable {
 
   take(block: Block): void {
     if (block.snapshot && block.begins) this.coming = new Map();
+    if (this.coming === null && block.rows.length > 0) this.rows = new Map(this.rows);
     const rows = this.coming ?? this.rows;
     for (const row of block.rows) put(rows, row);
     if (block.more || this.coming === null) return;
@@ -113,11 +117,12 @@ export class LiveCore {
   private instance = '';
   private resumeFrom = 0;
   private wait = FIRST_WAIT_MS;
+  /** When the phase began. */
   private since = 0;
 
   /** True: what is shown may be old, and nothing newer comes at the moment. */
   get isLost(): boolean {
-    return this.phase !== 'open' || this.heardAt === null;
+    return this.phase !== 'open' || this.heardAt === null || this.heardAt < this.since;
   }
 
   start(now: number): Act {

@@ -27,6 +27,7 @@ export interface Mark extends Point {
 }
 
 const RADIUS = 11;
+const CROSS = 5; // of a place: half of its length
 const NOSE = 10;
 const LINE = 17;
 const MOST_LABELS = 80;
@@ -71,10 +72,10 @@ function paintPlace(pen: CanvasRenderingContext2D, camera: Camera, place: Place,
   pen.strokeStyle = colours.muted;
   pen.lineWidth = 1.5;
   pen.beginPath();
-  pen.moveTo(x - 5, y);
-  pen.lineTo(x + 5, y);
-  pen.moveTo(x, y - 5);
-  pen.lineTo(x, y + 5);
+  pen.moveTo(x - CROSS, y);
+  pen.lineTo(x + CROSS, y);
+  pen.moveTo(x, y - CROSS);
+  pen.lineTo(x, y + CROSS);
   pen.stroke();
 }
 
@@ -139,8 +140,16 @@ interface Rect {
   height: number;
 }
 
-/** Where nothing else is: right of its thing, left, above, below; nothing: the label is left out. */
-function roomFor(pen: CanvasRenderingContext2D, at: Point, lines: string[], away: number, taken: Rect[]): Rect | undefined {
+/** What labels have to do with: the picture's size, what lies there, and over what they lie only if need be. */
+interface Room {
+  width: number;
+  height: number;
+  taken: Rect[];
+  avoided: Rect[];
+}
+
+/** Where nothing else is: right of its thing, left, above, below; if need be over what is avoided, or cut by the picture's end; nothing: the label is left out. */
+export function roomFor(pen: CanvasRenderingContext2D, at: Point, lines: string[], away: number, room: Room): Rect | undefined {
   const width = Math.max(...lines.map((line) => pen.measureText(line).width));
   const height = lines.length * LINE;
   const places = [
@@ -149,14 +158,17 @@ function roomFor(pen: CanvasRenderingContext2D, at: Point, lines: string[], away
     { x: at.x - width / 2, y: at.y - away - height },
     { x: at.x - width / 2, y: at.y + away },
   ];
-  return places.map((place) => ({ ...place, width, height })).find((rect) => !taken.some((other) => overlap(rect, other)));
+  const free = places.map((place) => ({ ...place, width, height })).filter((rect) => !room.taken.some((other) => overlap(rect, other)));
+  const whole = free.filter(({ x, y }) => x >= 0 && y >= 0 && x + width <= room.width && y + height <= room.height);
+  return whole.find((rect) => !room.avoided.some((other) => overlap(rect, other))) ?? whole[0] ?? free[0];
 }
 
 /** The selected robot's first, places last. What finds no room is left out: the table has all robots. */
 function paintLabels(pen: CanvasRenderingContext2D, camera: Camera, marks: Mark[], places: Place[], colours: Colours): void {
-  const taken: Rect[] = marks.map((mark) => around(toPicture(camera, mark)));
+  const taken: Rect[] = marks.map((mark) => around(toPicture(camera, mark), RADIUS));
+  const avoided = places.map((place) => around(toPicture(camera, place), CROSS));
   const label = (at: Point, lines: string[], away: number, colour: string) => {
-    const rect = roomFor(pen, at, lines, away, taken);
+    const rect = roomFor(pen, at, lines, away, { width: camera.width, height: camera.height, taken, avoided });
     if (rect === undefined) return;
     taken.push(rect);
     paintLabel(pen, rect, lines, colour, colours.ground);
@@ -168,8 +180,8 @@ function paintLabels(pen: CanvasRenderingContext2D, camera: Camera, marks: Mark[
   if (!isCrowded) for (const place of places) label(toPicture(camera, place), [place.name], 8, colours.muted);
 }
 
-function around(at: Point): Rect {
-  return { x: at.x - RADIUS, y: at.y - RADIUS, width: 2 * RADIUS, height: 2 * RADIUS };
+function around(at: Point, radius: number): Rect {
+  return { x: at.x - radius, y: at.y - radius, width: 2 * radius, height: 2 * radius };
 }
 
 function overlap(a: Rect, b: Rect): boolean {

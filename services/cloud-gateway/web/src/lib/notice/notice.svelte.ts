@@ -1,8 +1,9 @@
-/** A tone and a notification of the browser for each new alarm, in every view. Both are off until somebody wants them. */
+/** A tone and a notification of the browser for each alarm that is new or gets worse, in every view. Both are off until somebody wants them. */
 import type { Alert, AlertRow } from '../api/types';
+import { alertText } from '../fleet/alert_text';
 import { t, tOr } from '../i18n/i18n.svelte';
 import { hrefOf } from '../router.svelte';
-import { NewAlarms, tonesOf } from './new_alarms';
+import { loudest, NewAlarms, tonesOf } from './new_alarms';
 
 const KEPT_SOUND = 'trb.alarmSound';
 const KEPT_NOTICE = 'trb.alarmNotice';
@@ -40,10 +41,10 @@ class Notice {
   }
 
   see(open: AlertRow[], isKnown: boolean): void {
-    const [first, ...others] = this.news.see(open, isKnown);
-    if (first === undefined) return;
-    if (this.isSound) this.play(tonesOf(first.severity));
-    if (this.isNotice) for (const alert of [first, ...others].slice(0, 3)) this.show(alert);
+    const told = this.news.see(open, isKnown);
+    const severity = loudest(told);
+    if (severity !== null && this.isSound) this.play(tonesOf(severity));
+    if (this.isNotice) for (const alert of told.slice(0, 3)) this.show(alert);
   }
 
   private async wake(): Promise<void> {
@@ -73,8 +74,10 @@ class Notice {
 
   private show(alert: Alert): void {
     try {
-      const what = alert.text || tOr('alertCause', alert.cause);
-      const note = new Notification(`${tOr('severity', alert.severity)}: ${alert.robot}`, { body: what, tag: alert.id });
+      const what = alertText(alert);
+      // Of an alarm that got worse it takes the place of the one before, and calls again.
+      const how = { body: what, tag: alert.id, renotify: true };
+      const note = new Notification(`${tOr('severity', alert.severity)}: ${alert.robot}`, how);
       note.onclick = () => {
         window.focus();
         location.hash = hrefOf('alerts', alert.id);

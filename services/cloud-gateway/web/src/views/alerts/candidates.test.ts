@@ -1,6 +1,6 @@
 import { expect, it } from 'vitest';
 import type { Alert } from '../../lib/api/types';
-import { candidatesOf, choiceOf, whoOf, type Proposal } from './candidates';
+import { candidatesOf, choiceOf, chosenOf, ranked, whoOf, type Proposal } from './candidates';
 
 function proposal(robot: string, contributions: number[], tasks: [string, string][] = [['go', robot]]): Proposal {
   return {
@@ -19,6 +19,27 @@ it('draws all bars to one scale, and remembers the places by the weights in forc
   expect(shown.map((one) => [one.name, one.placeInForce])).toEqual([['full', 2], ['near', 1]]);
   expect(shown.flatMap((one) => one.bars.map((bar) => bar.length))).toEqual([0.5, 0.25, 0.25, 1]);
   expect(candidatesOf([shared], [])[0]).toMatchObject({ name: 'near + full', placeInForce: null });
+});
+
+it('keeps the places of a decided alert by score, and says who was chosen', () => {
+  const decided = { verdict: 'accept', proposals: [full, near] } as unknown as Alert; // full was chosen, and put first
+  expect(ranked(decided.proposals)).toEqual([near, full]);
+  expect(chosenOf(decided)).toBe(full);
+  const equal = { ...near, robot: 'abb1' };
+  expect(ranked([near, equal])).toEqual([equal, near]);
+  const other = { ...proposal('near', []), note: 'override: it is nearer' };
+  const overridden = { verdict: 'override', proposals: [other, near, full] } as unknown as Alert;
+  expect(ranked(overridden.proposals)).toEqual([near, full, other]);
+  expect(chosenOf(overridden)).toBe(other);
+  expect(chosenOf({ verdict: 'retry', proposals: [near] } as unknown as Alert)).toBeNull();
+});
+
+it('shows no value that nobody has measured', () => {
+  const known = (of: Proposal) => candidatesOf([of], [])[0]!.bars.map((bar) => bar.isKnown);
+  expect(known(near)).toEqual([true, true]);
+  expect(known({ ...near, note: "distance is 30 s old; battery is not known, taken as the others' mean" })).toEqual([false, true]);
+  const both: Proposal = { ...shared, parts: [...near.parts, ...full.parts], note: 'near: position is 9 s old; battery is not known; full: distance is not known' };
+  expect(known(both)).toEqual([false, true, true, false]);
 });
 
 it('accepts who is proposed, overrides with who is not, and takes shared tasks only as the best', () => {

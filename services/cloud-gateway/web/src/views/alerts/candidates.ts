@@ -12,6 +12,8 @@ export interface Bar {
   unit: string;
   weight: number;
   contribution: number;
+  /** It was measured; else the value is 0 or the others' mean, for the sum's sake. */
+  isKnown: boolean;
   /** 0 to 1: of the longest bar of all candidates, so that their lengths compare. */
   length: number;
 }
@@ -38,9 +40,24 @@ export function candidatesOf(shown: Proposal[], inForce: Proposal[]): Candidate[
     const place = places.indexOf(key);
     return {
       key, proposal, name: nameOf(proposal), placeInForce: place < 0 ? null : place + 1,
-      bars: proposal.parts.map((part, i) => ({ ...part, key: `${part.robot} ${part.criterion} ${i}`, length: Math.max(0, part.contribution) / longest })),
+      bars: proposal.parts.map((part, i) => ({
+        ...part, isKnown: isKnown(proposal, part), key: `${part.robot} ${part.criterion} ${i}`, length: Math.max(0, part.contribution) / longest,
+      })),
     };
   });
+}
+
+/**
+ * The proposals by their scores, equal ones by name, as they were ranked. A decision puts the chosen one first: the ranking had not said so. Who was chosen without
+ * being proposed has no score, and is last.
+ */
+export function ranked(proposals: Proposal[]): Proposal[] {
+  return [...proposals].sort((a, b) => b.score - a.score || (nameOf(a) < nameOf(b) ? -1 : 1));
+}
+
+/** Of a decided alert: which of its proposals the decision took; nothing: none. */
+export function chosenOf(alert: Alert): Proposal | null {
+  return alert.verdict === 'accept' || alert.verdict === 'override' ? (alert.proposals[0] ?? null) : null;
 }
 
 /**
@@ -62,6 +79,18 @@ export function choiceOf(alert: Alert, proposal: Proposal): Decision | null {
  */
 export function whoOf(alert: Alert): string {
   return [...alert.proposals.map(keyOf).sort(), '/', ...alert.unfit.map((one) => `${one.robot} ${one.why}`).sort()].join('\n');
+}
+
+/** An alert has a number for each value; only its note says that nobody has measured it. Of several robots it names whose. */
+function isKnown(proposal: Proposal, part: Schemas['CriterionPart']): boolean {
+  const word = `${part.criterion} is not known`;
+  let robot = proposal.robot;
+  return !proposal.note.split('; ').some((one) => {
+    const named = proposal.tasks.find((task) => one.startsWith(`${task.robot}: `));
+    if (named !== undefined) robot = named.robot;
+    const said = named === undefined ? one : one.slice(named.robot.length + 2);
+    return robot === part.robot && (said === word || said.startsWith(`${word},`));
+  });
 }
 
 function nameOf(proposal: Proposal): string {

@@ -1,7 +1,7 @@
 import { expect, it } from 'vitest';
 import type { Alert, AlertRow } from '../../lib/api/types';
 import { openAlarms } from '../../lib/fleet/alarms';
-import { bodyOf, deciderIn, inOrder, isRanked, isUndecided, standsAgain, takersIn, verdictsOf, winnerOf } from './decision';
+import { bodyOf, deciderIn, hasCandidates, inOrder, isRanked, isUndecided, lostOf, standsAgain, takersIn, verdictsOf, waitOf, whyWord, winnerOf } from './decision';
 
 const alert = (of: Partial<Alert>): Alert => ({
   id: 'a', severity: 'CRITICAL', time: 1, state: 'OPEN', run: 'r', name: 'paper', robot: 'ridgeback', capability: 'mobile', cause: 'robot_fault',
@@ -33,6 +33,34 @@ it('repeats a verdict with the word that the robot stands', () => {
   expect([accepted.robot, accepted.shown, takersIn(shared)]).toEqual(['', shared, 'near + full']);
   expect(bodyOf(accepted)).toEqual({ verdict: 'accept', stands: true, shown: shared });
   expect(standsAgain(alert({}))).toBeNull();
+});
+
+it('says what is lost, and nothing where nothing is', () => {
+  expect(lostOf(alert({ cause: 'robot_fault', capability: 'mobile' }))).toEqual({ capability: 'mobile', whole: false });
+  for (const cause of ['robot_fault', 'robot_connection', 'peer_expired', 'robot_retired']) expect(lostOf(alert({ cause, capability: '' })).whole).toBe(true);
+  for (const cause of ['task_overdue', 'double_execution', 'run_ends']) expect(lostOf(alert({ cause, capability: '' })).whole).toBe(false);
+});
+
+it('says why a person has to look at the robot, which may be online', () => {
+  const of = (waits_for: string) => alert({ needs_word: true, waits_for });
+  const asked = "a verdict: trb alert decide 0123abcd (no robot can take over: --retry, --skip or --abort); nobody knows what became of task 't4': --stands if you have seen that ridgeback stands";
+  expect(whyWord(of(asked))).toBe("nobody knows what became of task 't4'");
+  expect(whyWord(of('a verdict: trb alert decide 0123abcd; ridgeback is silent: --stands if you have seen that ridgeback stands'))).toBe('ridgeback is silent');
+  expect(whyWord(of('a verdict on node cloud2'))).toBe('');
+  expect(whyWord(of(''))).toBe('');
+});
+
+it('says what an alert waits for, but for commands of trb', () => {
+  expect(waitOf(alert({ waits_for: 'a verdict on node cloud2' }))).toBe('a verdict on node cloud2');
+  expect(waitOf(alert({ waits_for: "a robot that can do task 't6', or a verdict: trb alert decide 0123abcd --skip or --abort" }))).toBe('');
+  expect(waitOf(alert({ waits_for: 'a lift to go', state: 'CLOSED' }))).toBe('');
+  expect(waitOf({ ...decided, waits_for: "task 't4' runs at ridgeback: its end" })).toBe("task 't4' runs at ridgeback: its end");
+});
+
+it('looks for nobody to take over what was done twice, or what no run needs', () => {
+  expect(hasCandidates(alert({ run: 'r1', cause: 'robot_fault' }))).toBe(true);
+  expect(hasCandidates(alert({ run: 'r1', cause: 'double_execution' }))).toBe(false);
+  expect(hasCandidates(alert({ run: '', cause: 'robot_fault' }))).toBe(false);
 });
 
 it('names who was first', () => {

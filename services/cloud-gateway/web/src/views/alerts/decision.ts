@@ -1,4 +1,5 @@
 /** What a person may decide on an alert, and what became of it. */
+import { pageHints } from '../../lib/api/problem';
 import type { Alert, AlertRow, Schemas } from '../../lib/api/types';
 import { isOpen } from '../../lib/fleet/alarms';
 
@@ -20,6 +21,30 @@ export function verdictsOf(alert: Alert): Verdict[] {
   if (NOT_RULED.includes(alert.cause)) return ['abort'];
   if (alert.cause === 'robot_wanted') return ['accept', 'override', 'skip', 'abort']; // nothing has failed
   return ['accept', 'override', 'retry', 'skip', 'abort'];
+}
+
+const WHOLE_ROBOT = ['peer_expired', 'robot_connection', 'robot_fault', 'robot_retired'];
+
+/** What the robot cannot do any more: a capability, all of it (`whole`), or nothing: some alerts are of no loss. */
+export function lostOf(alert: Alert): { capability: string; whole: boolean } {
+  return { capability: alert.capability, whole: alert.capability === '' && WHOLE_ROBOT.includes(alert.cause) };
+}
+
+/** Why a person has to look whether the robot stands, which may be online; empty: it is not said. */
+export function whyWord(alert: Alert): string {
+  return /; ([^;]*): --stands if you have seen that /.exec(alert.waits_for)?.[1] ?? '';
+}
+
+/** What an open alert waits for; empty: nothing but a decision, which has commands of `trb` there, and buttons here. */
+export function waitOf(alert: Alert): string {
+  if (!isOpen(alert)) return '';
+  if (!isUndecided(alert)) return alert.waits_for;
+  return pageHints([alert.waits_for])[0] ?? '';
+}
+
+/** Others can take its tasks over; else nobody is looked for, and that there is none would say too much. */
+export function hasCandidates(alert: Alert): boolean {
+  return alert.run !== '' && !NOT_RULED.includes(alert.cause);
 }
 
 /** Its candidates can be ranked. */

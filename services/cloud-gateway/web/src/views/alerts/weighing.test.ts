@@ -1,5 +1,5 @@
 import { expect, it } from 'vitest';
-import { judged, judgmentsOf, moved, nearestFlips, STEPS, stepText, weightsOf, withJudgment, type Weight } from './weighing';
+import { judged, judgmentsOf, moved, namePlaces, nearestFlips, STEPS, stepText, weightsOf, withJudgment, type Weight } from './weighing';
 
 const of = (battery: number, distance: number, availability: number): Weight[] => [
   { criterion: 'battery', weight: battery }, { criterion: 'distance', weight: distance }, { criterion: 'availability', weight: availability },
@@ -33,6 +33,17 @@ it('names the nearest flip point on each side', () => {
   const flip = (weight: number, winner: string) => ({ criterion: 'distance', weight, winner });
   const found = nearestFlips([flip(0.1, 'abb1'), flip(0.25, 'pioneer1'), flip(0.7, 'turtlebot'), flip(0.9, 'drone')], of(0.3, 0.5, 0.2));
   expect(found.map((one) => [one.winner, one.isOver])).toEqual([['pioneer1', false], ['turtlebot', true]]);
+});
+
+it('puts the names of two flip points where neither lies over the other, nor beside the slider', () => {
+  const flips = (...weights: [number, boolean][]) => weights.map(([weight, isOver]) => ({ criterion: 'distance', weight, winner: 'r', isOver }));
+  expect(namePlaces(flips([0.5, false], [0.6, true]))).toEqual(['left', 'right']);
+  expect(namePlaces(flips([0.4, true]))).toEqual(['right']);
+  expect(namePlaces(flips([0.1, false]))).toEqual(['right']);
+  expect(namePlaces(flips([0.9, true]))).toEqual(['left']);
+  expect(namePlaces(flips([0.1, false], [0.2, true]))).toEqual(['none', 'right']);
+  expect(namePlaces(flips([0.8, false], [0.9, true]))).toEqual(['left', 'none']);
+  expect(namePlaces(flips([0.1, false], [0.9, true]))).toEqual(['right', 'left']);
 });
 
 it('reads the weights in force from the best proposal, once if several robots share it', () => {

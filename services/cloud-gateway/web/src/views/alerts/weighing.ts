@@ -77,6 +77,23 @@ export function nearestFlips(flips: Flip[], weights: Weight[]): FlipText[] {
   });
 }
 
+/** What a robot's name takes of a slider, as a share of its length. */
+const NAME = 0.25;
+
+/**
+ * On which side of its tick stands the name of each of the flip points of one criterion; none: there is no room. The names of two points away from each
+ * other, but for one that would lie beside the slider.
+ */
+export function namePlaces(flips: FlipText[]): ('left' | 'right' | 'none')[] {
+  const sides = flips.map(({ weight, isOver }) => (isOver ? (weight > 1 - NAME ? 'left' : 'right') : weight < NAME ? 'right' : 'left'));
+  const [one, other] = flips;
+  if (one === undefined || other === undefined) return sides;
+  const near = Math.abs(other.weight - one.weight);
+  const room = (sides[0] === 'right' ? NAME : 0) + (sides[1] === 'left' ? NAME : 0);
+  if (near >= room) return sides;
+  return flips.map(({ isOver }, i) => (isOver === (sides[i] === 'left') ? 'none' : sides[i]!));
+}
+
 function pairsOf(names: string[]): [string, string][] {
   return names.flatMap((a, i) => names.slice(i + 1).map((b): [string, string] => [a, b]));
 }

@@ -72,10 +72,28 @@ describe('the result of a simulation', () => {
   it('says what each task of a scenario waited for, in the timeline\'s time', () => {
     const waits = [{ task: 't0', waited_for: '', robot_busy: false, critical: true }, { task: 't1', waited_for: 't0', robot_busy: true, critical: false }];
     const rows = waitRows(answer({ world, waits }));
-    expect(rows[0]).toEqual({ task: 't0', robot: 'r0', begin: 0, end: 3, hasFailed: false, holder: null, busy: null, isCritical: true });
-    expect(rows[1]).toEqual({ task: 't1', robot: 'r0', begin: 5, end: 8, hasFailed: false, holder: 't0', busy: 'r0', isCritical: false });
+    const told = { hasFailed: false, isTold: true, failed: null, more: 0 };
+    expect(rows[0]).toEqual({ ...told, task: 't0', robot: 'r0', begin: 0, end: 3, holder: null, busy: null, isCritical: true });
+    expect(rows[2]).toEqual({ ...told, task: 't1', robot: 'r0', begin: 5, end: 8, holder: 't0', busy: 'r0', isCritical: false });
     expect(waitRows(answer())).toEqual([]);
-    expect(waitRows(answer({ waits: [{ task: 'gone', waited_for: '', robot_busy: false, critical: true }] }))).toEqual([]);
+    expect(waitRows(answer({ tasks: [], waits: [{ task: 'gone', waited_for: '', robot_busy: false, critical: true }] }))).toEqual([]);
+  });
+
+  it('shows attempts that failed or have no end, too: what they waited for is not told', () => {
+    const tasks = [
+      { id: 't0', robot: 'r1', begin_s: 1, failed_s: 4 }, { id: 't0', robot: 'r2', begin_s: 5, failed_s: 6 }, { id: 't0', robot: 'r0', begin_s: 8, end_s: 11 },
+      { id: 't1', robot: 'r0', begin_s: 12 },
+    ];
+    const waits = [{ task: 't0', waited_for: 't0', robot_busy: false, critical: true, tried_again: true, more_s: 2 }];
+    const rows = waitRows(answer({ world, tasks, waits }));
+    expect(rows.map((row) => [row.task, row.robot, row.end, row.hasFailed, row.isTold, row.failed])).toEqual([
+      ['t0', 'r1', 3, true, false, null], ['t0', 'r2', 5, true, false, null], ['t0', 'r0', 10, false, true, 'r2'], ['t1', 'r0', null, false, false, null]]);
+  });
+
+  it('says how long a task waited for what is no task\'s end; a hand-over is none', () => {
+    const wait = (task: string, more_s: number) => ({ task, waited_for: '', robot_busy: false, critical: true, tried_again: false, more_s });
+    const tasks = [{ id: 't0', robot: 'r0', begin_s: 1, end_s: 4 }, { id: 't1', robot: 'r0', begin_s: 46, end_s: 50 }];
+    expect(waitRows(answer({ world, tasks, waits: [wait('t0', 0.012), wait('t1', 42)] })).map((row) => row.more)).toEqual([0, 42]);
   });
 
   it('counts the attempts that the waits are of: of a task never done its last one that failed, of one done twice both', () => {
@@ -86,7 +104,8 @@ describe('the result of a simulation', () => {
     const wait = (task: string, waited_for: string, robot_busy: boolean, critical: boolean) => ({ task, waited_for, robot_busy, critical });
     const twice = answer({ world, tasks, waits: [wait('t0', '', false, true), wait('t0', 't0', false, false), wait('t1', 't0', true, true)] });
     expect(waitRows(twice).map((row) => [row.task, row.robot, row.begin, row.end, row.hasFailed, row.busy, row.isCritical])).toEqual([
-      ['t0', 'r0', 0, 3, false, null, true], ['t0', 'r2', 3.5, 5, false, null, false], ['t1', 'r0', 5, 7, true, 'r0', true]]);
+      ['t0', 'r0', 0, 3, false, null, true], ['t1', 'r1', 3, 4, true, null, false], ['t0', 'r2', 3.5, 5, false, null, false],
+      ['t1', 'r0', 5, 7, true, 'r0', true], ['t2', 'r2', 6, null, false, null, false]]);
     expect(barsOf(twice).map((bar) => bar.isCritical)).toEqual([true, false, false, true, false]);
   });
 

@@ -108,29 +108,53 @@ function waitsByAttempt(answer: Answer): Map<Attempt, Wait> {
   return out;
 }
 
-/** What held a task up. */
+/** An attempt at a task, and what held it up. */
 export interface WaitRow {
   task: string;
   robot: string;
   begin: number;
-  end: number;
-  /** It was never done: its last attempt ended so. */
+  /** Nothing: it was still under way. */
+  end: number | null;
   hasFailed: boolean;
-  /** Nothing: it waited for none. */
+  /** Another attempt at the task counts: what this one waited for is not told. */
+  isTold: boolean;
+  /** The task whose end it waited for last; nothing: it waited for none. */
   holder: string | null;
   /** The robot, if it had to do the holder first; nothing: the holder comes before the task. */
   busy: string | null;
+  /** The robot that failed at this same task, if it waited for that. */
+  failed: string | null;
+  /** So long after that it waited for what is no task's end, s; 0: for no longer than a hand-over takes. */
+  more: number;
   isCritical: boolean;
 }
 
-/** In s since the run's submission, as the timeline; nothing of a simulation without a scenario. */
+/** A hand-over is shorter. */
+const SHOWN_S = 0.5;
+
+/** In s since the run's submission, as the timeline, by their begin; nothing of a simulation without a scenario. */
 export function waitRows(answer: Answer): WaitRow[] {
+  if (answer.waits === undefined) return [];
   const from = answer.world?.submitted_s ?? 0;
-  const attempts = [...waitsByAttempt(answer)].sort(([a], [b]) => a.begin_s - b.begin_s);
-  return attempts.map(([task, wait]) => ({
-    task: task.id, robot: task.robot, begin: Math.max(0, task.begin_s - from), end: Math.max(0, (task.end_s ?? task.failed_s!) - from),
-    hasFailed: task.end_s === undefined, holder: wait.waited_for || null, busy: wait.robot_busy ? task.robot : null, isCritical: wait.critical,
-  }));
+  const waits = waitsByAttempt(answer);
+  const attempts = answer.tasks.filter((task) => waits.has(task) || task.end_s === undefined).sort((a, b) => a.begin_s - b.begin_s);
+  return attempts.map((task) => {
+    const wait = waits.get(task);
+    const end = task.end_s ?? task.failed_s;
+    const more = wait?.more_s ?? 0;
+    return {
+      task: task.id, robot: task.robot, begin: Math.max(0, task.begin_s - from), end: end === undefined ? null : Math.max(0, end - from),
+      hasFailed: task.end_s === undefined && task.failed_s !== undefined, isTold: wait !== undefined, holder: wait?.waited_for || null,
+      busy: wait?.robot_busy ? task.robot : null, failed: wait?.tried_again ? robotBefore(answer, task) : null, more: more < SHOWN_S ? 0 : more,
+      isCritical: wait?.critical ?? false,
+    };
+  });
+}
+
+/** Who failed last at the same task before this attempt. */
+function robotBefore(answer: Answer, attempt: Attempt): string | null {
+  const failed = answer.tasks.filter((task) => task.id === attempt.id && task !== attempt && (task.failed_s ?? Infinity) <= attempt.begin_s);
+  return failed.sort((a, b) => a.failed_s! - b.failed_s!).at(-1)?.robot ?? null;
 }
 
 export interface CompareRow {

@@ -1,6 +1,7 @@
 /** A simulation in words. */
 import type { Key } from '../../lib/i18n/en';
 import { formatNumber, t, tOr } from '../../lib/i18n/i18n.svelte';
+import type { LateFault } from './plan_end';
 import { faultCount, type Simulation } from './plan_job';
 
 /** "5 robots, 9 tasks, TalkRoBots, Wi-Fi, 1 fault"; of a scenario its name first. */
@@ -12,6 +13,13 @@ export function titleOf({ job, robots, tasks, scenario }: Simulation): string {
     job.protocol === 'talkrobots' ? tOr('plan', `link_${typeof job.link === 'object' ? 'own' : (job.link ?? 'lan')}`) : '', faults > 0 ? t('plan.withFaults', { count: faults }) : '',
     job.seed === undefined ? '' : t('plan.ofSeed', { seed: job.seed }),
   ].filter((part) => part !== '').join(', ');
+}
+
+/** "a link is cut: r0 – r1". */
+export function faultText({ fault, place }: LateFault): string {
+  if (fault === null) return t('plan.faultNumber', { number: place + 1 });
+  const whom = fault.nodes?.join(', ') ?? [fault.node ?? '', fault.other ?? ''].filter((id) => id !== '').join(' – ');
+  return t('plan.faultAt', { what: tOr('plan', `goes_${fault.kind}`), whom });
 }
 
 /** What is wrong with a field. */

@@ -16,14 +16,14 @@ export async function order(robot: string, what: Order, body?: Record<string, st
     const answer = await api.post<Answer | undefined>(`/api/v1/robots/{robot}/${what}`, ask);
     tell(robot, what, answer?.robots?.[0]);
   } catch (problem) {
-    if (what === 'stop' && api.isOver(problem)) toasts.fault(t('stop.overOf', { robot }));
-    else toasts.problem(problem);
+    if (what === 'stop' && api.isOver(problem)) toasts.fault(t('stop.overOf', { robot }), [], { isKept: true });
+    else toasts.problem(problem, { of: robot, isKept: what === 'stop' });
   }
 }
 
 /** Only what the robot's node has confirmed is told as done. */
 function tell(robot: string, what: Order, told: RobotOrder | undefined): void {
   const done = `${robot}: ${tOr('robot', `done_${what}`)}`;
-  if (told === undefined || told.state === 'confirmed') toasts.done(done);
-  else toasts.fault(t('robot.notConfirmed', { robot, state: told.state === 'sent' ? t('stop.sent') : t('stop.unreachable') }), [told.text]);
+  if (told === undefined || told.state === 'confirmed') toasts.done(told?.text ? `${done} (${told.text})` : done);
+  else toasts.fault(t('robot.notConfirmed', { robot, state: told.state === 'sent' ? t('stop.sent') : t('stop.unreachable') }), [told.text], { isKept: what === 'stop' });
 }

@@ -18,6 +18,6 @@ async function send(route: string, path: Record<string, string>, body: unknown, 
     await api.post(route, { path, body, idempotencyKey: newKey() });
     toasts.done(t('runs.taken', { what }));
   } catch (problem) {
-    toasts.problem(problem, pageHints);
+    toasts.problem(problem, { of: what, hintsOf: pageHints });
   }
 }

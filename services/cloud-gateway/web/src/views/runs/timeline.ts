@@ -5,6 +5,7 @@ export interface Bar {
   task: string;
   robot: string;
   state: TaskView['state'];
+  outcome?: TaskView['outcome'];
   /** When its last predecessor was done; nothing: not all are. */
   ready: number | null;
   start: number | null;
@@ -19,7 +20,7 @@ const NS = 1e9;
 export function barsOf(run: RunDetail): Bar[] {
   const since = (time: number) => (time === 0 ? null : Math.max(0, (time - run.created) / NS));
   return run.tasks.map((task) => ({
-    task: task.id, robot: task.robot, state: task.state, ready: readyOf(run, task, since),
+    task: task.id, robot: task.robot, state: task.state, outcome: task.outcome, ready: readyOf(run, task, since),
     start: since(task.started), end: since(task.ended),
   }));
 }

@@ -2,7 +2,7 @@ export const audit = {
   audit: {
     title: 'Audit',
     head: 'The chain',
-    covered: '{number} records; the node’s signed head covers {signed} of them.',
+    covered: '{number} {number|record|records}; the node’s signed head covers {signed} of them.',
     export: 'Export the log',
     exportHow: 'Anybody with the fleet’s public key checks it: trb audit verify',
     records: 'Records',

@@ -5,7 +5,7 @@ export const hall = {
     charge: 'Charge',
     task: 'Task',
     counts: 'Robots by state',
-    map: 'Map of the hall with {count} robots. The table has the same.',
+    map: 'Map of the hall with {count} {count|robot|robots}. The table has the same.',
     keys: 'Arrows: move. + and −: zoom. 0: all. N, P: next, previous robot. F: follow it.',
     zoomIn: 'Zoom in',
     zoomOut: 'Zoom out',

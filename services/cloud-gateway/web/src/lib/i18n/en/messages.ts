@@ -8,7 +8,7 @@ export const messages = {
     pause: 'Pause',
     goOn: 'Go on ({count} new)',
     none: 'No message has passed yet that fits.',
-    leftOut: '{count} messages came too fast to be shown.',
+    leftOut: '{count} {count|message|messages} came too fast to be shown.',
     budget: 'By phase',
     equation: 'Messages that have passed this node since its start, by the phases of the paper’s Equation 12. Upkeep is what the paper does not count.',
     count: 'Messages',

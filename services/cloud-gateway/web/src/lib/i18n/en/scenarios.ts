@@ -77,6 +77,7 @@ export const scenarios = {
     notReady: 'A run could not begin now',
     answered: 'answered in {ms} ms',
     noAnswer: 'no answer',
+    notAsked: 'not asked',
     noSpare: '{task}: nobody could take it over: {why}',
     overtaken: 'Somebody else has saved it',
     overtakenHow: 'Since you opened this scenario, another version was saved. Take that one and lose your changes, or save yours over it.',

@@ -34,10 +34,12 @@ export const states = {
   },
   taskState: {
     WAITING: 'waits',
+    notBegun: 'not begun',
     INITIALIZING: 'begins',
     RUNNING: 'running',
     PAUSED: 'paused',
-    RETRIABLE: 'to be repeated',
+    RETRIABLE: 'not done',
+    interrupted: 'interrupted',
     FINISHED: 'finished',
     FAILED: 'failed',
     SKIPPED: 'left out',

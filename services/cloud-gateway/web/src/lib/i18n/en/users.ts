@@ -11,7 +11,7 @@ export const users = {
     since: 'Since',
     orders: 'Orders',
     password: 'Password',
-    passwordHint: '12 characters at least',
+    passwordHint: '12 characters at least. Who gets it has to take another one at the first sign-in.',
     newPassword: 'New password',
     disabled: 'locked',
     changeRole: 'Change the role',
@@ -24,5 +24,6 @@ export const users = {
     create: 'Add a user',
     done: 'Done',
     signsOut: 'It signs this person out everywhere.',
+    tokensStay: 'Access tokens that {name} made stay valid: take them back under Access.',
   },
 };

@@ -4,7 +4,7 @@ export const audit: Pick<Words, 'audit'> = {
   audit: {
     title: 'Audit',
     head: 'La chaîne',
-    covered: '{number} enregistrements ; la tête signée du nœud en couvre {signed}.',
+    covered: '{number} {number|enregistrement|enregistrements} ; la tête signée du nœud en couvre {signed}.',
     export: 'Exporter le journal',
     exportHow: 'Qui a la clé publique de la flotte le vérifie : trb audit verify',
     records: 'Enregistrements',

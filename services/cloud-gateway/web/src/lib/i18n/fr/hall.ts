@@ -7,7 +7,7 @@ export const hall: Pick<Words, 'hall'> = {
     charge: 'Charge',
     task: 'Tâche',
     counts: 'Robots par état',
-    map: 'Carte du hall avec {count} robots. Le tableau montre les mêmes.',
+    map: 'Carte du hall avec {count} {count|robot|robots}. Le tableau montre les mêmes.',
     keys: 'Flèches : déplacer. + et − : zoom. 0 : tout. N, P : robot suivant, précédent. F : le suivre.',
     zoomIn: 'Agrandir',
     zoomOut: 'Réduire',

@@ -79,6 +79,7 @@ export const scenarios: Pick<Words, 'scenarios' | 'skills'> = {
     notReady: 'Une exécution ne pourrait pas commencer',
     answered: 'a répondu en {ms} ms',
     noAnswer: 'pas de réponse',
+    notAsked: 'pas interrogé',
     noSpare: '{task} : personne ne pourrait la reprendre : {why}',
     overtaken: 'Quelqu’un d’autre l’a enregistré',
     overtakenHow: 'Depuis que vous avez ouvert ce scénario, une autre version a été enregistrée. Prenez-la et perdez vos changements, ou enregistrez la vôtre par-dessus.',

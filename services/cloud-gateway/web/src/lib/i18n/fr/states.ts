@@ -36,10 +36,12 @@ export const states: Pick<Words, 'state' | 'severity' | 'connection' | 'runState
   },
   taskState: {
     WAITING: 'attend',
+    notBegun: 'non commencée',
     INITIALIZING: 'commence',
     RUNNING: 'en cours',
     PAUSED: 'suspendue',
-    RETRIABLE: 'à refaire',
+    RETRIABLE: 'non faite',
+    interrupted: 'interrompue',
     FINISHED: 'terminée',
     FAILED: 'échouée',
     SKIPPED: 'omise',

@@ -13,7 +13,7 @@ export const users: Pick<Words, 'users'> = {
     since: 'Depuis',
     orders: 'Ordres',
     password: 'Mot de passe',
-    passwordHint: '12 caractères au moins',
+    passwordHint: '12 caractères au moins. Qui le reçoit doit en choisir un autre à la première connexion.',
     newPassword: 'Nouveau mot de passe',
     disabled: 'bloqué',
     changeRole: 'Changer le rôle',
@@ -26,5 +26,6 @@ export const users: Pick<Words, 'users'> = {
     create: 'Ajouter un utilisateur',
     done: 'Fait',
     signsOut: 'Cette personne est déconnectée partout.',
+    tokensStay: 'Les jetons d’accès que {name} a créés restent valables : retirez-les sous Accès.',
   },
 };

@@ -1,1 +1,0 @@
-import{b5 as b,b6 as c,b7 as t}from"./index-CvuFlfwx.js";const f=Symbol("NaN");function l(e,r,n){var o=new t(e),s=!b();c(()=>{var a=r();a!==a&&(a=f),s&&a!==null&&typeof a=="object"&&(a={}),o.ensure(a,n)})}export{l as k};
