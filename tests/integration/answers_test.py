@@ -79,8 +79,7 @@ class StolenKeys(unittest.TestCase):
     def stay(self):
         """Its link lasts for 10 s more."""
         list(self.thief.drain())
-        self.thief.say("keep_alive", wire.keep_alive(self.thief.heard))
-        self.thief.seal()
+        self.thief.live()
 
     def stop(self, *more):
         command = [support.PROGRAMS / "trb", "stop", "ur3", "--json", *more, "--node", self.fleet.dir(CLOUD)]
@@ -137,8 +136,7 @@ class StolenKeys(unittest.TestCase):
         # Long enough for a relay's lists, and for several keep-alives.
         end = time.monotonic() + 4
         while time.monotonic() < end:
-            self.thief.say("keep_alive", wire.keep_alive(self.thief.heard))
-            self.thief.seal()
+            self.thief.live()
             for _ in self.thief.drain():
                 pass
             rows = self.routes()

@@ -143,10 +143,6 @@ class Attacker(sealer.Sealer):
             self.seal()
         return ident
 
-    def live(self):
-        self.say("keep_alive", wire.keep_alive(self.heard))
-        self.seal()
-
     def nacks(self, wait=0.5, least=0):
         """The codes of what came back, until nothing more comes for so long; for the first ones there is more time."""
         codes = []

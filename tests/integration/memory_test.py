@@ -61,10 +61,6 @@ class Member(Sealer):
             self.seal()
         return ident
 
-    def live(self):
-        self.say("keep_alive", wire.keep_alive(self.heard))
-        self.seal()
-
     def hear(self):
         for frame in self.drain():
             if frame.subtype == "nack":

@@ -26,10 +26,6 @@ class Link(Sealer):
         self.live()
         return ident
 
-    def live(self):
-        self.say("keep_alive", wire.keep_alive(self.heard))
-        self.seal()
-
 
 class Relays(unittest.TestCase):
     """cloud and arm are real routers; belt plays a relay, crane a member that cloud cannot reach."""

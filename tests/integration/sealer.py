@@ -111,6 +111,10 @@ class Sealer(Client):
         self.put_seal(record)
         return record
 
+    def live(self):
+        self.say("keep_alive", wire.keep_alive(self.heard))
+        self.seal()
+
     # ---- in
 
     def receive(self, timeout=WAIT):
@@ -143,8 +147,7 @@ class Sealer(Client):
         """As receive_until, for what may take longer than a lease: a member that is silent meanwhile counts as gone."""
         end = time.monotonic() + timeout
         while time.monotonic() < end:
-            self.say("keep_alive", wire.keep_alive(self.heard))
-            self.seal()
+            self.live()
             try:
                 return self.receive_until(good, 1)
             except TimeoutError:

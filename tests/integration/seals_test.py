@@ -30,8 +30,7 @@ class Seals(Case):
         client = self.joined()
         client.seal()
         for _ in range(4):
-            client.say("keep_alive", wire.keep_alive(client.heard))
-            client.seal()
+            client.live()
         self.assert_good(client)
         self.assertEqual(self.watch.rise(), {})
 
