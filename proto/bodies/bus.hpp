@@ -223,4 +223,51 @@ struct Counters {
   }
 };
 
+/// The router to its services: a peer is linked, or reached through a relay, and was not before.
+struct PeerJoined {
+  static constexpr std::string_view kSubtype = "peer_joined";
+  static constexpr Travel kTravel = on_bus(CostPhase::upkeep);
+  std::string id;
+  std::uint64_t boot = 0;
+  template <class T = PeerJoined>
+  static FieldTable fields() {
+    return FieldTable{field("id", &T::id, 64), field("boot", &T::boot)};
+  }
+};
+
+/// And: a peer is no longer reached; why, for people.
+struct PeerExpired {
+  static constexpr std::string_view kSubtype = "peer_expired";
+  static constexpr Travel kTravel = on_bus(CostPhase::fail);
+  std::string id;
+  std::string reason;
+  template <class T = PeerExpired>
+  static FieldTable fields() {
+    return FieldTable{field("id", &T::id, 64), field("reason", &T::reason, 128)};
+  }
+};
+
+/// Every certificate of that node up to this serial is revoked.
+struct RevokedNode {
+  std::string id;
+  std::uint64_t serial = 0;
+  bool operator==(const RevokedNode&) const = default;
+  template <class T = RevokedNode>
+  static FieldTable fields() {
+    return FieldTable{field("id", &T::id, 64), field("serial", &T::serial)};
+  }
+};
+
+/// The nodes that the list in force revokes, met or not, but for those that are members again: to a service at its
+/// welcome, and to all at each new list.
+struct RevokedNodes {
+  static constexpr std::string_view kSubtype = "revoked_nodes";
+  static constexpr Travel kTravel = on_bus(CostPhase::upkeep);
+  std::vector<RevokedNode> nodes;
+  template <class T = RevokedNodes>
+  static FieldTable fields() {
+    return FieldTable{field("nodes", &T::nodes, 2000)};
+  }
+};
+
 }  // namespace trb

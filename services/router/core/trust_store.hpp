@@ -8,6 +8,7 @@
 
 #include "common/security/keys.hpp"
 #include "common/security/revocations.hpp"
+#include "proto/bodies/bus.hpp"
 #include "services/router/core/link_errors.hpp"
 #include "services/router/core/local_node.hpp"
 #include "services/router/core/peer_table.hpp"
