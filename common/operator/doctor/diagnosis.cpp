@@ -6,6 +6,7 @@
 #include "common/base/address.hpp"
 #include "common/config/robot_auth.hpp"
 #include "common/operator/doctor/causes.hpp"
+#include "common/operator/doctor/certificate_findings.hpp"
 #include "common/operator/doctor/machine_findings.hpp"
 #include "common/operator/doctor/service_findings.hpp"
 #include "common/operator/doctor/shared_keys_findings.hpp"
@@ -14,14 +15,8 @@
 namespace trb::op {
 namespace {
 
-constexpr std::int64_t kDay = 86'400'000'000'000;
-constexpr std::int64_t kWarnDays = 30;
 /// Errors of strangers longer ago than this explain nothing of the present state.
 constexpr double kRecent = 120;
-
-std::string days(std::int64_t ns) {
-  return std::to_string(ns / kDay) + (ns / kDay == 1 ? " day" : " days");
-}
 
 class Doctor {
  public:
@@ -29,7 +24,7 @@ class Doctor {
 
   std::vector<Finding> examine() && {
     own_folder();
-    own_certificate();
+    add_certificate_findings(seen_, out_);
     add_machine_findings(seen_, out_);
     own_services();
     robot();
@@ -69,23 +64,6 @@ class Doctor {
            cure);
     } else {
       problem("no_way", "node.json", "beacons are off and no seed is named: no other node can be found", cure);
-    }
-  }
-
-  void own_certificate() {
-    if (!seen_.own) return;
-    const std::int64_t left = seen_.own->not_after - seen_.now.ns;
-    const std::string until = to_iso8601({seen_.own->not_after});
-    const std::string hint = "where the authority is: trb fleet renew FLEET_DIR " + seen_.own->id;
-    if (seen_.now.ns < seen_.own->not_before) {
-      problem("clock_off", seen_.node,
-              "this node's clock (" + to_iso8601(seen_.now) + ") is before the beginning of its own certificate (" +
-                  to_iso8601({seen_.own->not_before}) + ")",
-              "if this clock is behind: timedatectl; if the authority's was ahead: " + hint);
-    } else if (left <= 0) {
-      problem("cert_expired", seen_.node, "its certificate ended " + until, hint);
-    } else if (left < kWarnDays * kDay) {
-      note("cert_ends_soon", seen_.node, "its certificate ends in " + days(left) + ", " + until, hint);
     }
   }
 
