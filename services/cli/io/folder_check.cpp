@@ -28,12 +28,16 @@ std::optional<struct stat> facts_of(const std::string& path) {
   return ::stat(path.c_str(), &facts) == 0 ? std::optional(facts) : std::nullopt;
 }
 
-/// Whose services run here: the folder's owner; of one of root's the owner of what the services write.
-uid_t owner_of(const std::string& dir) {
+/// What belongs to the user whose services run here: the folder, or what the services write in one of root's.
+std::string owned(const std::string& dir) {
   const auto folder = facts_of(dir);
-  if (folder && folder->st_uid != 0) return folder->st_uid;
-  const auto state = facts_of(dir + "/state");
-  return state ? state->st_uid : folder ? folder->st_uid : ::geteuid();
+  const bool is_roots = folder && folder->st_uid == 0;
+  return is_roots && facts_of(dir + "/state") ? dir + "/state" : dir;
+}
+
+uid_t owner_of(const std::string& dir) {
+  const auto facts = facts_of(owned(dir));
+  return facts ? facts->st_uid : ::geteuid();
 }
 
 std::string name_of_user(uid_t user) {
@@ -78,7 +82,7 @@ void add_owners(const std::string& dir, ConfigFaults& faults) {
   if (others.empty()) return;
   faults.push_back({others.front(), "",
                     names(others) + ": of " + name_of_user(other) + ", and the services run as " + name_of_user(owner),
-                    "chown -R --reference=" + dir + " " + dir + "/keys " + dir + "/state"});
+                    "chown -R --reference=" + owned(dir) + " " + dir + "/keys " + dir + "/state"});
 }
 
 /// The group of the owner's own name has no other members.
