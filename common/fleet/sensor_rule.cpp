@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "common/base/sensor_name.hpp"
 #include "common/fleet/did_you_mean.hpp"
 #include "common/fleet/object_reader.hpp"
 
@@ -16,16 +17,6 @@ constexpr std::size_t kMaxName = 64;
 constexpr std::size_t kMaxText = 255;
 constexpr Range kPeriod{0.01, 3600.0};
 constexpr double kUsualTimeout = 3;
-
-bool is_alpha(char c) {
-  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_';
-}
-
-/// As D-Bus allows it in an interface's name.
-bool is_sensor_name(std::string_view name) {
-  const auto good = [](char c) { return is_alpha(c) || (c >= '0' && c <= '9'); };
-  return !name.empty() && is_alpha(name.front()) && std::all_of(name.begin(), name.end(), good);
-}
 
 /// A file in the device's own folder; the path cannot leave it.
 bool is_attribute(std::string_view name) {

@@ -1,10 +1,7 @@
 #include "services/ros-bridge/io/start.hpp"
 
-#include <unistd.h>
-
-#include <array>
-
 #include "common/config/node_config.hpp"
+#include "common/supervisor/process.hpp"
 #include "services/ros-bridge/io/message_files.hpp"
 #include "services/ros-bridge/io/worker_process.hpp"
 
@@ -12,14 +9,6 @@ namespace trb::ros {
 namespace {
 
 constexpr std::uint16_t kMasterPort = 11311;
-
-/// The folder of this program, where the worker is too.
-std::string program_dir() {
-  std::array<char, 4096> path{};
-  const ssize_t size = ::readlink("/proc/self/exe", path.data(), path.size());
-  const std::string program(path.data(), size > 0 ? static_cast<std::size_t>(size) : 0);
-  return program.substr(0, program.rfind('/'));
-}
 
 /// A ROS name: letters, digits, underscores.
 std::string node_name(const std::string& id) {
@@ -41,7 +30,7 @@ Result<int> start(NodeConfig config) {
   BridgeCore core({config.id, master, (*service)->instance()},
                   [folders](const std::string& type) { return read_message_file(folders, type); });
   const WorkerProcess worker(**service, core,
-                             {program_dir() + "/trb-ros-worker", master, config.network.robot_address,
+                             {supervisor::program_dir() + "/trb-ros-worker", master, config.network.robot_address,
                               node_name(config.id), "/" + config.robot.ros_namespace});
   return (*service)->run(core);
 }
