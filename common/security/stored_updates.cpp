@@ -12,12 +12,20 @@ namespace {
 
 /// The first is written first: if a crash comes between the two, it is the newer one.
 constexpr const char* kFiles[] = {"state/news", "state/news.copy"};
+constexpr const char* kDropped = "state/dropped";
+
+std::string whole_path(const std::string& node_dir) {
+  std::error_code none;
+  return std::filesystem::weakly_canonical(node_dir, none).string();
+}
+
+std::string give_to_user(const std::string& dir) {
+  return "let the node's user read it: chown -R --reference=" + dir + " " + dir + "/state";
+}
 
 std::string cure(const std::string& node_dir, const Error& why) {
-  std::error_code none;
-  const std::string dir = std::filesystem::weakly_canonical(node_dir, none).string();
-  if (why.code == Errc::io_error)
-    return "let the node's user read it: chown -R --reference=" + dir + " " + dir + "/state";
+  const std::string dir = whole_path(node_dir);
+  if (why.code == Errc::io_error) return give_to_user(dir);
   return "put the newest news.json of the authority's folder into " + dir + "/keys, then: rm " + dir + "/" + kFiles[0] +
          " " + dir + "/" + kFiles[1];
 }
@@ -34,20 +42,50 @@ Result<TrustUpdate> read_one(const std::string& path, const FleetAuthority& auth
   return fail(list.error().code, path + ": is damaged, or of another fleet: " + list.error().what);
 }
 
+/// Damaged, it must not count as nothing: whom it names would be a member again.
+Result<std::vector<Revocation>> read_dropped(const std::string& node_dir) {
+  const std::string path = node_dir + "/" + kDropped;
+  const auto bytes = read_file(path);
+  if (!bytes && bytes.error().code == Errc::missing) return std::vector<Revocation>{};
+  const std::string dir = whole_path(node_dir);
+  if (!bytes) return fail(bytes.error().code, bytes.error().what, give_to_user(dir));
+  auto list = decode<RevocationList>(*bytes);
+  if (list) return std::move(list->revoked);
+  return fail(list.error().code, path + ": is damaged: " + list.error().what,
+              "where the authority is, revoke again whom an older copy of its folder had forgotten (trb fleet revoke), "
+              "and tell the fleet by another node; then: rm " +
+                  dir + "/" + kDropped);
+}
+
+/// Before the list that lacks them.
+Status write_dropped(const std::string& node_dir, const std::vector<Revocation>& dropped) {
+  const std::string path = node_dir + "/" + kDropped;
+  if (dropped.empty() && !file_exists(path)) return Done{};
+  RevocationList list;
+  list.revoked = dropped;
+  const Bytes bytes = encode(list);
+  if (const auto there = read_file(path); there && *there == bytes) return Done{};
+  return write_file(path, bytes);
+}
+
 }  // namespace
 
 Result<StoredUpdates> read_stored_updates(const std::string& node_dir, const FleetAuthority& authority) {
+  auto dropped = read_dropped(node_dir);
+  if (!dropped) return dropped.error();
   std::optional<Error> damaged;
   for (const char* file : kFiles) {
     auto update = read_one(node_dir + "/" + file, authority);
-    if (update) return StoredUpdates{std::move(*update), damaged};
+    if (update) return StoredUpdates{std::move(*update), damaged, std::move(*dropped)};
     if (!damaged && update.error().code != Errc::missing) damaged = update.error();
   }
-  if (!damaged) return StoredUpdates{};
+  if (!damaged) return StoredUpdates{{}, std::nullopt, std::move(*dropped)};
   return fail(damaged->code, damaged->what, cure(node_dir, *damaged));
 }
 
-Status write_stored_updates(const std::string& node_dir, const TrustUpdate& update) {
+Status write_stored_updates(const std::string& node_dir, const TrustUpdate& update,
+                            const std::vector<Revocation>& dropped) {
+  if (Status written = write_dropped(node_dir, dropped); !written) return written;
   const Bytes bytes = encode(update);
   for (const char* file : kFiles) {
     const std::string path = node_dir + "/" + file;

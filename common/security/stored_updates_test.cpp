@@ -26,7 +26,7 @@ struct Keeper {
     REQUIRE(hall.revoke("ur3").ok());
     update.revocations = hall.authority.revocations;
     std::filesystem::create_directories(node.path + "/state");
-    REQUIRE(write_stored_updates(node.path, update).ok());
+    REQUIRE(write_stored_updates(node.path, update, {}).ok());
   }
   [[nodiscard]] Result<StoredUpdates> read() const { return read_stored_updates(node.path, hall.authority.fleet); }
   [[nodiscard]] bool is(const TrustUpdate& wanted) const { return encode(read()->update) == encode(wanted); }
@@ -60,7 +60,7 @@ TEST_CASE("the copy stands in for a damaged list, and is told; both are written 
   CHECK(encode(stored->update) == encode(keeper.update));
   REQUIRE(stored->damaged.has_value());
   CHECK(stored->damaged->what.find("state/news: is damaged") != std::string::npos);
-  REQUIRE(write_stored_updates(keeper.node.path, stored->update).ok());
+  REQUIRE(write_stored_updates(keeper.node.path, stored->update, {}).ok());
   CHECK_FALSE(keeper.read()->damaged);
 }
 
@@ -106,6 +106,30 @@ TEST_CASE("wherever a list is damaged, nobody who is revoked is forgotten") {
     const auto stored = keeper.read();
     const bool kept = stored && encode(stored->update.revocations) == encode(keeper.update.revocations);
     CHECK_MESSAGE((kept || !stored.ok()), "byte ", at);
+  }
+}
+
+TEST_CASE("whom the list lacks is read with it; damaged or unreadable, it is an error, too") {
+  const Keeper keeper;
+  const Revocation bee{1, "bee", "stolen", 5, 6};
+  const std::string dropped = keeper.node.path + "/state/dropped";
+  REQUIRE(write_stored_updates(keeper.node.path, keeper.update, {}).ok());
+  CHECK_FALSE(file_exists(dropped));
+  REQUIRE(write_stored_updates(keeper.node.path, keeper.update, {bee}).ok());
+  CHECK(keeper.read()->dropped == std::vector{bee});
+  SUBCASE("damaged") {
+    REQUIRE(write_file(dropped, read_file(dropped)->substr(0, 9)).ok());
+    CHECK(keeper.read().error().what.find("state/dropped: is damaged") != std::string::npos);
+    CHECK(keeper.read().error().hint.find("rm ") != std::string::npos);
+  }
+  SUBCASE("not to be read") {
+    std::filesystem::remove(dropped);
+    std::filesystem::create_directory(dropped);  // nobody reads it, root neither
+    CHECK(keeper.read().error().hint.find("chown") != std::string::npos);
+  }
+  SUBCASE("nobody any more") {
+    REQUIRE(write_stored_updates(keeper.node.path, keeper.update, {}).ok());
+    CHECK(keeper.read()->dropped.empty());
   }
 }
 

@@ -117,8 +117,7 @@ void add_updates(const std::string& dir, ConfigFaults& faults) {
   const auto stored = read_stored_updates(dir, own->authority);
   const auto why = stored ? stored->damaged : std::optional(stored.error());
   if (!why) return;
-  faults.push_back(
-      {"state/news", "", why->what, stored ? "start the node: it is written anew from its copy" : why->hint});
+  faults.push_back({"state", "", why->what, stored ? "start the node: it is written anew from its copy" : why->hint});
 }
 
 Error read_only_disk(const std::string& dir) {

@@ -73,13 +73,7 @@ void restore_updates(RouterConfig& config) {
   }
   if (stored->damaged) log_event(Level::warning, "copy_used", stored->damaged->text() + "; its copy is in force");
   config.updates = std::move(stored->update);
-}
-
-/// Whom that list lacked, and who stays revoked all the same.
-std::vector<Revocation> stored_dropped() {
-  auto bytes = read_file(kDroppedFile);
-  auto list = bytes ? decode<RevocationList>(*bytes) : Result<RevocationList>(bytes.error());
-  return list ? std::move(list->revoked) : std::vector<Revocation>{};
+  config.dropped = std::move(stored->dropped);
 }
 
 RouterConfig make_config(const NodeConfig& node, const NodeKeys& keys, std::uint64_t boot) {
@@ -114,7 +108,6 @@ RouterConfig restored_config(const NodeConfig& node, const NodeKeys& keys) {
   RouterConfig config = make_config(node, keys, boot);
   config.boot_stored = write_boot(boot);
   config.utc_bound = bound;
-  config.dropped = stored_dropped();
   restore_updates(config);
   return config;
 }

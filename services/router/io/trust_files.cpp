@@ -26,16 +26,6 @@ Result<TrustUpdate> readable(Result<TrustUpdate> read, const std::string& path) 
               "let the node's user read it: chmod a+r " + std::filesystem::absolute(path).string());
 }
 
-/// Before the list that lacks them: whoever is interrupted between the two forgets nobody.
-Status store_dropped_file(const std::vector<Revocation>& dropped) {
-  if (dropped.empty() && !file_exists(kDroppedFile)) return Done{};
-  RevocationList list;
-  list.revoked = dropped;
-  const Bytes bytes = encode(list);
-  if (const auto there = read_file(kDroppedFile); there && *there == bytes) return Done{};
-  return write_file(kDroppedFile, bytes);
-}
-
 Status store_certificate_file(const std::string& path, const SignedRecord& record) {
   auto file = read_certificate_file(path);
   if (!file) return file.error();
@@ -59,9 +49,7 @@ TrustFiles::TrustFiles(ShellContext& shell, BeaconChannel& beacons, LinkKey own)
     : shell_(shell), beacons_(beacons), own_(std::move(own)) {}
 
 void TrustFiles::store(const StoreUpdate& store) {
-  Status done = store_dropped_file(store.dropped);
-  if (done) done = write_stored_updates(".", store.update);
-  stored(Kept::update, in_full(done, "state"));
+  stored(Kept::update, in_full(write_stored_updates(".", store.update, store.dropped), "state"));
   if (!store.beacon_box.empty() && store.beacon_number > beacons_.key_number()) take_beacon_key(store);
 }
 

@@ -13,8 +13,6 @@
 
 namespace trb::router {
 
-/// Those that the list in state/news lacks, and that stay revoked, as a RevocationList; nobody has signed it.
-constexpr const char* kDroppedFile = "state/dropped";
 constexpr const char* kBootFile = "state/boot";
 /// Errors: io_error, with a cure.
 Status write_boot(std::uint64_t boot);

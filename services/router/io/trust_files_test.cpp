@@ -49,12 +49,12 @@ TEST_CASE("whom a list lacks too early is on disk, until none is") {
   ShellParts parts;
   const TrustUpdate update{list_of(parts.ant.authority, 2, {}), {}};
   parts.files.store(StoreUpdate{update, 0, ""});
-  CHECK_FALSE(file_exists(kDroppedFile));
+  CHECK_FALSE(file_exists("state/dropped"));
   const Revocation bee{1, "bee", "stolen", kStartUtc, kStartUtc + 1};
   parts.files.store(StoreUpdate{update, 0, "", {bee}});
-  CHECK(decode<RevocationList>(*read_file(kDroppedFile))->revoked == std::vector{bee});
+  CHECK(decode<RevocationList>(*read_file("state/dropped"))->revoked == std::vector{bee});
   parts.files.store(StoreUpdate{update, 0, ""});
-  CHECK(decode<RevocationList>(*read_file(kDroppedFile))->revoked.empty());
+  CHECK(decode<RevocationList>(*read_file("state/dropped"))->revoked.empty());
 }
 
 TEST_CASE("a beacon key that this node cannot open leaves the old one in use") {
