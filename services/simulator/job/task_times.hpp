@@ -12,7 +12,8 @@
 
 namespace trb::simulator {
 
-constexpr std::size_t kMaxListedTasks = 2000;  ///< more bars than that nobody can tell apart
+constexpr std::size_t kMaxListedTasks = 2000;    ///< of a run: more bars than that nobody can tell apart
+constexpr std::size_t kMaxListedInAll = 10'000;  ///< of all its runs: an answer has some MB at most
 
 class TaskTimes {
  public:
@@ -24,9 +25,9 @@ class TaskTimes {
   [[nodiscard]] std::size_t done() const { return done_; }
   /// [{"id", "robot", "begin_s", "end_s", "failed_s"}]: the attempts, as they were begun; without `end_s`: it was not
   /// done; `failed_s`: its robot broke, or was halted.
-  [[nodiscard]] Value listed() const;
+  [[nodiscard]] Value listed(std::size_t run = 0) const;
   /// How many more attempts there were.
-  [[nodiscard]] std::size_t not_listed() const { return begun_ - attempts_.size(); }
+  [[nodiscard]] std::size_t not_listed(std::size_t run = 0) const;
 
  private:
   struct Attempt {
@@ -35,14 +36,23 @@ class TaskTimes {
     double end_s = -1;     ///< below 0: it was not done
     double failed_s = -1;  ///< below 0: it was not given up
   };
-  void begin(const std::string& task, const std::string& robot, double at_s);
+  struct OfRun {
+    std::vector<Attempt> attempts;  ///< those that are listed
+    std::size_t begun = 0;
+  };
+  /// Its place: beyond the list, it is not listed.
+  struct Place {
+    std::size_t run = 0, attempt = 0;
+  };
+  void begin(std::size_t run, const std::string& task, const std::string& robot, double at_s);
   void end(const std::string& robot, double at_s);
   void fail(const std::string& robot, double at_s);
+  /// nullptr: it is not listed.
+  Attempt* attempt_at(const Place& place);
 
-  std::vector<Attempt> attempts_;
-  std::map<std::string, std::size_t>
-      at_work_;  ///< by robot: the index of its attempt; beyond the list: it is not listed
-  std::size_t begun_ = 0, done_ = 0;
+  std::vector<OfRun> runs_{1};            ///< of a world, by its runs
+  std::map<std::string, Place> at_work_;  ///< by robot
+  std::size_t listed_ = 0, done_ = 0;
 };
 
 }  // namespace trb::simulator

@@ -30,16 +30,33 @@ Error too_long() {
               "trace a fleet with at most " + std::to_string(kMaxTraced));
 }
 
-std::string robot_text(const world::Node& node, const world::Robot& robot) {
-  std::string out = robot.is_broken() ? "broken" : robot.works() ? "works on " + node.order().key.task : "idle";
+/// "t3", with several runs "t3 of run 1".
+std::string work_text(const world::World& world, const AttemptKey& key) {
+  const world::WorldRun* run = world.runs().size() > 1 ? world.find_run(key.run) : nullptr;
+  return key.task + (run == nullptr ? "" : " of run " + std::to_string(run->index));
+}
+
+std::string robot_text(const world::World& world, const world::Node& node, const world::Robot& robot) {
+  std::string out = robot.is_broken() ? "broken"
+                    : robot.works()   ? "works on " + work_text(world, node.order().key)
+                                      : "idle";
   if (robot.battery()) out += ", " + std::to_string(static_cast<int>(robot.battery()->percent)) + " %";
   return out;
 }
 
-std::string run_text(const world::World& world, const world::Node& node) {
-  if (world.is_open_at(node)) return "OPEN";
-  const auto record = node.disk().archive.record(world.run());
+std::string run_text(const world::World& world, const world::Node& node, const world::WorldRun& run) {
+  if (world.is_open_at(node, run.id)) return "OPEN";
+  const auto record = node.disk().archive.record(run.id);
   return record ? std::string(name_of(record->view.state)) : "";
+}
+
+/// The other runs, in their order.
+Value beside_value(const world::World& world, const world::Node& node) {
+  Value::List out;
+  for (const world::WorldRun& run : world.runs()) {
+    if (run.index > 0) out.push_back(Value{run_text(world, node, run)});
+  }
+  return Value{std::move(out)};
 }
 
 Value node_value(const world::World& world, const std::string& id, world::Node& node) {
@@ -47,8 +64,9 @@ Value node_value(const world::World& world, const std::string& id, world::Node& 
                     {"up", Value{node.is_up()}},
                     {"links", Value{static_cast<std::int64_t>(node.linked())}},
                     {"records", Value{static_cast<std::int64_t>(node.disk().journal.records().size())}},
-                    {"run", Value{run_text(world, node)}}};
-  if (const world::Robot* robot = node.robot()) out.emplace_back("robot", Value{robot_text(node, *robot)});
+                    {"run", Value{run_text(world, node, world.runs().front())}}};
+  if (world.runs().size() > 1) out.emplace_back("beside", beside_value(world, node));
+  if (const world::Robot* robot = node.robot()) out.emplace_back("robot", Value{robot_text(world, node, *robot)});
   return Value{std::move(out)};
 }
 
@@ -61,6 +79,7 @@ void Trace::on(const world::World& world, const world::Sending& sending, CostPha
   if (++count_ > most_) return;
   Value line = trace_value(sending, phase);
   auto& members = std::get<Value::Object>(line.is);
+  if (const auto run = world.message_run()) members.emplace_back("run", Value{static_cast<std::int64_t>(*run)});
   members.emplace_back("event", Value{static_cast<std::int64_t>(world.event())});
   members.emplace_back("digest", Value{digest_text(world.meter().digest())});
   text_ += dump_json(line) + "\n";

@@ -11,7 +11,8 @@ namespace trb::simulator {
 constexpr std::uint64_t kMaxTraced = 1'000'000;
 
 /// Lines of JSON: first {"job"}, which plays the same again, then a message each, and once it is written {"complete":
-/// true, "messages": how many}. `digest`, of all messages so far, tells whether another run is the same up to there.
+/// true, "messages": how many}. With several runs a message has its `run`, 0 for the first; one of none or of several
+/// has none. `digest`, of all messages so far, tells whether another run is the same up to there.
 class Trace {
  public:
   explicit Trace(const std::string& job_text, std::uint64_t most = kMaxTraced);

@@ -60,6 +60,7 @@ class BadDay {
     plan_.until_s = 400;
     if (dice_.below(2) == 0) plan_.relays = {"cloud"};
     for (std::uint64_t i = dice_.below(3); i > 0; --i) go_wrong();
+    if (dice_.below(3) == 0) go_on_beside();
   }
   [[nodiscard]] const WorldPlan& plan() const { return plan_; }
 
@@ -68,6 +69,13 @@ class BadDay {
   double time() { return 0.001 * static_cast<double>(dice_.below(8000)); }
   std::string node() { return dice_.below(4) == 0 ? "cloud" : robot(); }
   void add(Fault fault) { plan_.faults.push_back(std::move(fault)); }
+
+  /// The same tasks once more, with the same robots.
+  void go_on_beside() {
+    plan_.fleet = paper_robots(plan_.robots);
+    plan_.scenario = in_turn(plan_.tasks, plan_.fleet);
+    plan_.beside.push_back({.scenario = plan_.scenario, .after_s = time()});
+  }
 
   void go_wrong() {
     switch (dice_.below(8)) {
@@ -149,6 +157,7 @@ TEST_CASE("whatever goes wrong, no task is done twice or said to be done in vain
     World world(BadDay(seed).plan());
     const Played is = world.play();
     check_unbroken(is);
+    for (const PlayedRun& run : is.beside) check_unbroken(run);
     finished += is.state == RunState::finished ? 1U : 0U;
     events += is.events;
   }

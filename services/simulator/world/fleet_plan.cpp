@@ -34,20 +34,6 @@ std::vector<PlannedRobot> paper_robots(std::uint32_t count, double timeout_s) {
   return out;
 }
 
-Scenario in_turn(std::uint32_t count, const std::vector<PlannedRobot>& robots) {
-  Scenario out;
-  out.name = "in turn";
-  for (std::uint32_t i = 0; i < count; ++i) {
-    Task task;
-    task.id = "t" + std::to_string(i);
-    task.robot = robots[i % robots.size()].id;
-    task.skill = "work";
-    if (i > 0) task.after = {static_cast<std::uint16_t>(i - 1)};
-    out.tasks.push_back(std::move(task));
-  }
-  return out;
-}
-
 Description description_of(const NodeProfile& profile) {
   Description out;
   out.capabilities = profile.capabilities;

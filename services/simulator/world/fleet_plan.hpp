@@ -8,7 +8,6 @@
 #include "common/fleet/description.hpp"
 #include "common/simulation/skill_time.hpp"
 #include "proto/bodies/link.hpp"
-#include "proto/bodies/run.hpp"
 
 namespace trb::world {
 
@@ -23,8 +22,6 @@ constexpr double kUsualTimeout_s = 600;
 
 /// `count` robots r0, r1 ... that can "work", for so long at most.
 std::vector<PlannedRobot> paper_robots(std::uint32_t count, double timeout_s = kUsualTimeout_s);
-/// `count` tasks t0, t1 ..., given to the robots in turn, one after the other.
-Scenario in_turn(std::uint32_t count, const std::vector<PlannedRobot>& robots);
 
 /// As its mode-adapter has it: a robot that is told each skill by its name, field by field.
 Description description_of(const NodeProfile& profile);

@@ -7,11 +7,11 @@ namespace {
 
 using Texts = std::vector<std::string>;
 
-void check_attempts(const World& world, Texts& out) {
-  for (const auto& [key, times] : world.witness().begun()) {
+void check_attempts(const WorldRun& run, Texts& out) {
+  for (const auto& [key, times] : run.witness.begun()) {
     if (times > 1) out.push_back(key.task + ": attempt " + std::to_string(key.attempt) + " was begun twice");
   }
-  for (const std::string& task : world.witness().doubles()) out.push_back(task + ": two robots were at it at once");
+  for (const std::string& task : run.witness.doubles()) out.push_back(task + ": two robots were at it at once");
 }
 
 void check_robots(const World& world, Texts& out) {
@@ -20,6 +20,7 @@ void check_robots(const World& world, Texts& out) {
     if (robot != nullptr && robot->overlaps > 0) out.push_back(id + " was told to do two things at once");
     if (node->malformed() > 0) out.push_back(id + " got what it cannot read");
   }
+  out.insert(out.end(), world.strangers().begin(), world.strangers().end());
 }
 
 bool is_final(const TaskView& task) {
@@ -27,23 +28,24 @@ bool is_final(const TaskView& task) {
 }
 
 /// An open alert: a person is waited for.
-bool is_reported(const World& world) {
+bool is_reported(const World& world, const WorldRun& run) {
   const auto& alerts = world.nodes().at("cloud")->disk().alerts.alerts();
   return std::ranges::any_of(
-      alerts, [&](const auto& one) { return one.second.run == world.run() && resilience::is_open(one.second); });
+      alerts, [&](const auto& one) { return one.second.run == run.id && resilience::is_open(one.second); });
 }
 
-void check_end(const World& world, Texts& out) {
-  if (is_reported(world)) return;
+void check_end(const World& world, const WorldRun& run, Texts& out) {
+  if (is_reported(world, run)) return;
   for (const auto& [id, node] : world.nodes()) {
-    if (node->is_up() && world.is_open_at(*node)) out.push_back(id + ": the run is not over");
+    if (node->is_up() && world.is_open_at(*node, run.id)) out.push_back(id + ": the run is not over");
   }
 }
 
-void check_promise(const World& world, const Played& played, Texts& out) {
+void check_promise(const World& world, const WorldRun& run, Texts& out) {
+  const PlayedRun& played = run.outcome;
   const Node& cloud = *world.nodes().at("cloud");
   if (!played.refusal.empty()) out.push_back("the run was refused: " + played.refusal);
-  const bool known = world.is_open_at(cloud) || cloud.disk().archive.over(world.run());
+  const bool known = world.is_open_at(cloud, run.id) || cloud.disk().archive.over(run.id);
   if (played.accepted && !known) out.emplace_back("the cloud has accepted the run and knows nothing of it");
 }
 
@@ -64,10 +66,10 @@ std::set<std::string> finished_on(const Disk& disk, const std::string& run) {
 }
 
 /// What a robot has done to its end is on some node's disk.
-void check_results(const World& world, Texts& out) {
-  std::set<std::string> missing = world.witness().provable();
+void check_results(const World& world, const WorldRun& run, Texts& out) {
+  std::set<std::string> missing = run.witness.provable();
   for (const auto& [id, node] : world.nodes()) {
-    for (const std::string& task : finished_on(node->disk(), world.run())) missing.erase(task);
+    for (const std::string& task : finished_on(node->disk(), run.id)) missing.erase(task);
   }
   for (const std::string& task : missing) out.push_back(task + " was done, and no node knows it");
 }
@@ -85,11 +87,11 @@ void check_repeats(const World& world, Texts& out) {
 }
 
 /// What is on each member's disk of a run that is over must be what the cloud has.
-void check_agreement(const World& world, Texts& out) {
-  const auto at_cloud = world.nodes().at("cloud")->disk().archive.record(world.run());
+void check_agreement(const World& world, const WorldRun& run, Texts& out) {
+  const auto at_cloud = world.nodes().at("cloud")->disk().archive.record(run.id);
   if (!at_cloud) return;
   for (const auto& [id, node] : world.nodes()) {
-    const auto record = node->disk().archive.record(world.run());
+    const auto record = node->disk().archive.record(run.id);
     if (!record) continue;
     for (std::size_t i = 0; i < record->view.tasks.size(); ++i) {
       const TaskView& one = record->view.tasks[i];
@@ -102,11 +104,11 @@ void check_agreement(const World& world, Texts& out) {
 }
 
 /// Each node's own account of the run against what its robots did.
-void check_tasks(const World& world, const std::string& id, const Node& node, Texts& out) {
-  const auto record = node.disk().archive.record(world.run());
+void check_tasks(const WorldRun& run, const std::string& id, const Node& node, Texts& out) {
+  const auto record = node.disk().archive.record(run.id);
   if (!record || record->view.state != RunState::finished) return;
   for (const TaskView& task : record->view.tasks) {
-    const std::uint32_t done = world.witness().done(task.id);
+    const std::uint32_t done = run.witness.done(task.id);
     const bool good = task.state == TaskState::finished ? done == 1 : true;
     if (!good)
       out.push_back(id + " says that " + task.id + " is FINISHED; it was done " + std::to_string(done) + " times");
@@ -117,16 +119,17 @@ void check_tasks(const World& world, const std::string& id, const Node& node, Te
 
 }  // namespace
 
-std::vector<std::string> broken_invariants(const World& world, const Played& played) {
+std::vector<std::string> broken_invariants(const World& world, const WorldRun& run) {
+  const bool is_first = run.index == 0;
   Texts out;
-  check_promise(world, played, out);
-  check_attempts(world, out);
-  check_robots(world, out);
-  if (!played.left_open) check_end(world, out);
-  check_results(world, out);
-  check_repeats(world, out);
-  check_agreement(world, out);
-  check_tasks(world, "cloud", *world.nodes().at("cloud"), out);
+  check_promise(world, run, out);
+  check_attempts(run, out);
+  if (is_first) check_robots(world, out);
+  if (!run.outcome.left_open) check_end(world, run, out);
+  check_results(world, run, out);
+  if (is_first) check_repeats(world, out);
+  check_agreement(world, run, out);
+  check_tasks(run, "cloud", *world.nodes().at("cloud"), out);
   return out;
 }
 

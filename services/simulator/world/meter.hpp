@@ -35,9 +35,13 @@ class Meter {
     mix(sending.to);
     mix(std::string_view(reinterpret_cast<const char*>(&sending.at_s), sizeof sending.at_s));
     mix(frame);
+    frame_ = frame;
     if (watch) watch(sending, frame);
     if (trace) trace(sending, phase);
+    frame_ = {};
   }
+  /// Of the message that `watch` and `trace` are being told of; empty: none.
+  [[nodiscard]] std::string_view frame() const { return frame_; }
   [[nodiscard]] const counting::Tally& tally() const { return tally_; }
   [[nodiscard]] std::uint64_t connections() const { return connections_; }
   /// FNV-1a of every message, its ends and its time.
@@ -53,6 +57,7 @@ class Meter {
   }
 
   counting::Tally tally_;
+  std::string_view frame_;
   std::uint64_t connections_ = 0;
   std::uint64_t digest_ = 0xCBF29CE484222325U;
 };

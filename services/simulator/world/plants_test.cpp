@@ -86,3 +86,21 @@ TEST_CASE("plant: a scheduler for which no new epoch counts does what was given 
   check_unbroken(World(plan, keeps_not(false, true)).play());
   CHECK(caught(plan, keeps_not(true, true)) == "t4: two robots were at it at once");
 }
+
+// Both runs have a t0: what is broken of the second one is told of that one alone.
+TEST_CASE("plant: a scheduler that writes no start of a second run, and dies at once, begins its task again") {
+  WorldPlan plan = plan_of(2, 2, {{10, FaultKind::kill, "r0", ""}, {11, FaultKind::start, "r0", ""}});
+  plan.fleet = paper_robots(plan.robots);
+  plan.scenario = in_turn(plan.tasks, plan.fleet);
+  plan.beside.push_back({.scenario = plan.scenario, .after_s = 9});
+  check_unbroken(World(plan).play().beside.at(0));
+  Meddler plant;
+  plant.writes = [](const std::string&, const Journal& record) {
+    return std::any_cast<scheduler::JournalStart>(&record.record) == nullptr;
+  };
+  const Played is = World(plan, plant).play();
+  // The robot itself is of no single run.
+  CHECK(is.broken == std::vector<std::string>{"r0 was told to do two things at once"});
+  REQUIRE_FALSE(is.beside.at(0).broken.empty());
+  CHECK(is.beside[0].broken.front() == "t0: attempt 1 was begun twice");
+}

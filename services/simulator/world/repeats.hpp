@@ -10,20 +10,23 @@
 #include "proto/message.hpp"
 #include "services/scheduler/core/run/run_definition.hpp"
 #include "services/simulator/world/meter.hpp"
+#include "services/simulator/world/run_marks.hpp"
 
 namespace trb::world {
 
 class Repeats {
  public:
-  void on(const Sending& sending, std::string_view frame) {
+  /// `marks`: of the world's runs, for the first batons of two of them are alike.
+  void on(const Sending& sending, std::string_view frame, const RunMarks& marks) {
     const bool owed = sending.subtype == Baton::kSubtype || sending.subtype == Results::kSubtype;
     if (!owed || !sending.between_computers) return;
     const auto header = decode_frame(frame);
     if (!header) return;
     const std::string body = sending.subtype == Baton::kSubtype ? content_of(decode<Baton>(header->data))
                                                                 : content_of(decode<Results>(header->data));
-    const std::string what =
-        std::string(sending.from) + "\n" + std::string(sending.to) + "\n" + std::string(sending.subtype) + "\n" + body;
+    const auto run = marks.find(frame);
+    const std::string what = std::string(sending.from) + "\n" + std::string(sending.to) + "\n" +
+                             std::string(sending.subtype) + "\n" + (run ? std::to_string(*run) : "") + "\n" + body;
     if (!seen_.insert(what).second && first_.empty())
       first_ = std::string(sending.from) + " has sent " + std::string(sending.to) + " the same " +
                std::string(sending.subtype) + " again";

@@ -13,9 +13,11 @@ bool goes_on_by_chance(const Fault& fault) {
   return fault.kind == FaultKind::rate && fault.rate.repair_s.has_value();
 }
 
-double still_for(const World& world, double submitted_s) {
+/// It may wait for a robot that another run keeps: only if none of them moves it stands still.
+double still_for(const World& world) {
   if (std::ranges::any_of(world.plan().faults, goes_on_by_chance)) return 0;
-  const double since_s = std::max(world.witness().moved_s(), submitted_s + world.plan().latest_s());
+  const double submitted_s = world.runs().front().outcome.submitted_s;
+  const double since_s = std::max(world.moved_s(), submitted_s + world.plan().latest_s());
   const double still_s = world.seconds_passed() - since_s;
   return still_s < kStill_s ? 0 : still_s;
 }
@@ -30,19 +32,21 @@ bool is_finished_at(const Node& node, const std::string& run) {
 
 }  // namespace
 
-Standstill standstill_of(const World& world, double submitted_s) {
+Standstill standstill_of(const World& world, const WorldRun& run) {
   Standstill out;
-  out.is_finished = is_finished_at(*world.nodes().at("cloud"), world.run());
+  bool is_any_at_work = false;
+  out.is_finished = is_finished_at(*world.nodes().at("cloud"), run.id);
   for (const auto& [id, alert] : world.nodes().at("cloud")->disk().alerts.alerts()) {
-    if (alert.run == world.run() && resilience::is_open(alert)) out.alerts.push_back(alert);
+    if (alert.run == run.id && resilience::is_open(alert)) out.alerts.push_back(alert);
   }
   for (const auto& [id, node] : world.nodes()) {
-    if (node->robot() != nullptr && node->robot()->works()) ++out.at_work;
-    if (!world.is_open_at(*node)) continue;
+    if (world.works_for(run, *node)) ++out.at_work;
+    is_any_at_work = is_any_at_work || (node->robot() != nullptr && node->robot()->works());
+    if (!world.is_open_at(*node, run.id)) continue;
     out.open_at.push_back(id);
     if (!node->is_up()) out.off.push_back(id);
   }
-  if (out.at_work == 0 && submitted_s > 0) out.still_s = still_for(world, submitted_s);
+  if (!is_any_at_work && run.outcome.submitted_s > 0) out.still_s = still_for(world);
   return out;
 }
 

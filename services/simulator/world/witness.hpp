@@ -1,4 +1,4 @@
-// What really happened at the robots, whatever anybody says of it.
+// What really happened of a run at the robots, whatever anybody says of it.
 #pragma once
 
 #include <algorithm>
@@ -20,6 +20,8 @@ class Witness {
     at_work_[robot] = key;
     if (!first_s_) first_s_ = at_s;
   }
+  /// The robot began a task of another run.
+  void on_left(const std::string& robot) { at_work_.erase(robot); }
   /// One robot began a task that another is still at.
   void on_double(const std::string& task) { doubles_.insert(task); }
   [[nodiscard]] const std::set<std::string>& doubles() const { return doubles_; }

@@ -17,7 +17,7 @@ inline WorldPlan plan_of(std::uint32_t robots, std::uint32_t tasks, std::vector<
   return plan;
 }
 
-inline void check_unbroken(const Played& is) {
+inline void check_unbroken(const PlayedRun& is) {
   for (const std::string& broken : is.broken) MESSAGE(broken);
   CHECK(is.broken.empty());
 }
@@ -32,6 +32,14 @@ inline void check_finished(const Played& is, std::size_t tasks) {
 /// And every node knows it.
 inline void check_all_done(const Played& is, std::size_t tasks) {
   check_finished(is, tasks);
+  CHECK(is.over_everywhere);
+}
+
+/// The same of a run beside the first one.
+inline void check_run_done(const PlayedRun& is, std::size_t tasks) {
+  check_unbroken(is);
+  CHECK(is.state == RunState::finished);
+  CHECK(is.tasks_done == tasks);
   CHECK(is.over_everywhere);
 }
 
