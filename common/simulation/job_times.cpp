@@ -75,6 +75,11 @@ std::map<std::string, SkillTime> read_times(ObjectReader& reader) {
   return out;
 }
 
+bool is_time_of(const std::string& name, const Scenario& scenario) {
+  return std::ranges::any_of(
+      scenario.tasks, [&](const Task& task) { return name == task.skill || name == std::string(kOfTask) + task.id; });
+}
+
 void check_times(const std::map<std::string, SkillTime>& times, const Scenario& scenario, const FileFaults& faults) {
   std::set<std::string> skills, tasks;
   for (const Task& task : scenario.tasks) {

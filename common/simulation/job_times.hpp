@@ -20,6 +20,9 @@ SkillTime read_usual_time(ObjectReader& reader);
 /// added, by its key.
 std::map<std::string, SkillTime> read_times(ObjectReader& reader);
 
+/// Is it a skill of the scenario's tasks, or "task:" and the id of one?
+bool is_time_of(const std::string& name, const Scenario& scenario);
+
 /// A fault for each name that is neither a skill of the scenario's tasks nor "task:" and the id of one: it would change
 /// nothing, and nobody would notice. So for each task whose value another takes, if it has no `result`: the run would
 /// stop there.

@@ -107,3 +107,11 @@ TEST_CASE("a task whose value another one takes needs a result: without one the 
   const std::string long_text(1100, 'x');
   CHECK(found(R"({"find_box": {"mean": 2, "result": ")" + long_text + "\"}}").front().key == "times.find_box.result");
 }
+
+TEST_CASE("a time is of a scenario that has its skill, or the task that it names") {
+  Scenario scenario;
+  scenario.tasks.emplace_back().id = "find";
+  scenario.tasks.back().skill = "look";
+  for (const char* name : {"look", "task:find"}) CHECK(is_time_of(name, scenario));
+  for (const char* name : {"find", "task:look", "task:", ""}) CHECK_FALSE(is_time_of(name, scenario));
+}

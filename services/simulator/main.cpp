@@ -56,8 +56,8 @@ int answer(const Value& value) {
 
 /// How far it is, on a terminal: a large fleet takes a minute.
 void show_progress(const world::World& world) {
-  std::fprintf(stderr, "\r%.0f s of the fleet's time, %zu of %u tasks done ", world.seconds_passed(),
-               world.witness().tasks_done(), world.plan().tasks);
+  std::fprintf(stderr, "\r%.0f s of the fleet's time, %zu of %zu tasks done ", world.seconds_passed(),
+               world.tasks_done(), world.plan().tasks_in_all());
 }
 
 /// The same for a program: a line of JSON on standard error, ten a second at most.
@@ -75,12 +75,25 @@ class ProgressLines {
   std::chrono::steady_clock::time_point printed_;
 };
 
-void add_to(Value& answer, const Job& job, const TaskTimes& times, const Seen& seen) {
+/// The equations say nothing of several runs at once.
+void add_to(Value& answer, const Job& job, const TaskTimes& times, const Seen& seen, bool is_of_one_run = true) {
   auto& members = std::get<Value::Object>(answer.is);
-  members.emplace_back("model", model_value(parameters_of(job)));
+  if (is_of_one_run) members.emplace_back("model", model_value(parameters_of(job)));
   members.emplace_back("tasks", times.listed());
   members.emplace_back("tasks_not_listed", Value{static_cast<std::int64_t>(times.not_listed())});
   seen.add_to(members);
+}
+
+Value beside_of(const world::World& world, const TaskTimes& times) {
+  Value::List out;
+  for (const world::WorldRun& run : world.runs()) {
+    if (run.index == 0) continue;
+    Value::Object one = beside_value(run);
+    one.emplace_back("tasks", times.listed(run.index));
+    one.emplace_back("tasks_not_listed", Value{static_cast<std::int64_t>(times.not_listed(run.index))});
+    out.push_back(Value{std::move(one)});
+  }
+  return Value{std::move(out)};
 }
 
 int simulate_world(const Job& job, const std::string& text, bool for_program) {
@@ -92,7 +105,7 @@ int simulate_world(const Job& job, const std::string& text, bool for_program) {
   if (is_watched) world.on_second = show_progress;
   if (for_program) {
     world.on_second = [&lines](const world::World& of) {
-      lines.print(of.seconds_passed(), of.witness().tasks_done(), of.plan().tasks);
+      lines.print(of.seconds_passed(), of.tasks_done(), of.plan().tasks_in_all());
     };
   }
   Trace trace(text);
@@ -110,9 +123,16 @@ int simulate_world(const Job& job, const std::string& text, bool for_program) {
     if (const Status written = trace.write(job.trace); !written) return refuse(written.error());
   }
   Value out = answer_value(world.meter().tally(), played.seconds);
-  std::get<Value::Object>(out.is).emplace_back("world", world_value(played));
+  const bool is_of_one_run = world.runs().size() == 1;
+  Value of_world = world_value(played);
+  if (!is_of_one_run) {
+    const std::string& name = world.runs().front().plan.scenario.name;
+    std::get<Value::Object>(of_world.is).emplace_back("scenario", Value{name});
+  }
+  std::get<Value::Object>(out.is).emplace_back("world", std::move(of_world));
   if (played.cut_short) std::get<Value::Object>(out.is).emplace_back("state", state_value(world));
-  add_to(out, job, times, seen);
+  add_to(out, job, times, seen, is_of_one_run);
+  if (!is_of_one_run) std::get<Value::Object>(out.is).emplace_back("beside", beside_of(world, times));
   return answer(out);
 }
 

@@ -55,14 +55,63 @@ void read_sensors(ObjectReader& reader, WorldPlan& plan) {
   for (PlannedRobot& robot : plan.fleet) robot.profile = profiles.at(robot.id);
 }
 
-void bind(WorldPlan& plan, const FileFaults& faults, ConfigFaults& found) {
-  const Profiles profiles = profiles_of(plan);
-  check_scenario(plan.scenario, simulation::with_cloud(profiles, plan.sensors), kFile, found);
-  simulation::check_conditions(plan.sensors, plan.scenario, faults);
-  if (!faults_that_stop(found).empty()) return;
-  simulation::check_times(plan.times, plan.scenario, faults);
-  CandidateIndex candidates(profiles);
-  plan.assigned = bind_tasks(plan.scenario, candidates, kCloud, kFile, found);
+/// What all scenarios of a job are checked with.
+struct Hall {
+  explicit Hall(const WorldPlan& plan) : profiles(profiles_of(plan)), candidates(profiles), sensors(plan.sensors) {}
+  Profiles profiles;
+  CandidateIndex candidates;
+  const std::vector<world::PlannedSensor>& sensors;
+};
+
+/// As `trb scenario run` does it: each by itself, whatever else goes on.
+std::vector<std::string> bound(const Scenario& scenario, Hall& hall, const FileFaults& faults, ConfigFaults& found) {
+  check_scenario(scenario, simulation::with_cloud(hall.profiles, hall.sensors), kFile, found);
+  simulation::check_conditions(hall.sensors, scenario, faults);
+  if (!faults_that_stop(found).empty()) return {};
+  return bind_tasks(scenario, hall.candidates, kCloud, kFile, found);
+}
+
+/// A time is of all scenarios that have its skill or task. One that none has is a fault, told with the first.
+void check_times(const WorldPlan& plan, const FileFaults& faults) {
+  auto of_first = plan.times;
+  for (const world::PlannedRun& run : plan.beside) {
+    auto of_run = plan.times;
+    std::erase_if(of_run, [&](const auto& time) { return !simulation::is_time_of(time.first, run.scenario); });
+    simulation::check_times(of_run, run.scenario, faults);
+    for (const auto& [name, time] : of_run) {
+      if (!simulation::is_time_of(name, plan.scenario)) of_first.erase(name);
+    }
+  }
+  simulation::check_times(of_first, plan.scenario, faults);
+}
+
+/// Its faults, by their places in the job.
+void add_faults(const ConfigFaults& found, const std::string& path, const FileFaults& faults) {
+  for (const ConfigFault& fault : faults_that_stop(found)) {
+    const std::string dot = fault.key.empty() ? "" : ".";
+    faults.add(path.empty() ? fault.key : path + dot + fault.key, fault.what, fault.hint);
+  }
+}
+
+void read_run(ObjectReader& reader, Hall& hall, WorldPlan& plan) {
+  world::PlannedRun run;
+  const Value* scenario = reader.value("scenario", Need::required);
+  run.after_s = reader.number("after", Need::optional, {0, world::kMaxUntil}).value_or(0);
+  reader.refuse_unknown_keys();
+  if (scenario == nullptr) return;
+  ConfigFaults found;
+  run.scenario = read_scenario(*scenario, kFile, found);
+  if (faults_that_stop(found).empty()) run.assigned = bound(run.scenario, hall, reader.faults(), found);
+  add_faults(found, reader.path("scenario"), reader.faults());
+  plan.beside.push_back(std::move(run));
+}
+
+void read_beside(ObjectReader& reader, Hall& hall, WorldPlan& plan) {
+  const Value::List* runs = reader.list("beside", Need::optional, kMostBeside);
+  for (std::size_t i = 0; runs != nullptr && i < runs->size(); ++i) {
+    ObjectReader one((*runs)[i], "beside[" + std::to_string(i) + "]", reader.faults());
+    read_run(one, hall, plan);
+  }
 }
 
 }  // namespace
@@ -79,10 +128,14 @@ void read_fleet(ObjectReader& reader, WorldPlan& plan) {
   if (scenario != nullptr) plan.scenario = read_scenario(*scenario, kFile, found);
   plan.times = simulation::read_times(reader);
   if (plan.fleet.empty() && robots != nullptr) reader.faults().add("fleet", "no robot", "add one");
-  if (scenario != nullptr && faults_that_stop(found).empty() && !plan.fleet.empty()) bind(plan, reader.faults(), found);
+  Hall hall(plan);
+  const bool is_read = scenario != nullptr && faults_that_stop(found).empty() && !plan.fleet.empty();
+  if (is_read) plan.assigned = bound(plan.scenario, hall, reader.faults(), found);
+  read_beside(reader, hall, plan);
+  if (is_read && faults_that_stop(found).empty()) check_times(plan, reader.faults());
   plan.robots = static_cast<std::uint32_t>(plan.fleet.size());
   plan.tasks = static_cast<std::uint32_t>(plan.scenario.tasks.size());
-  for (const ConfigFault& fault : faults_that_stop(found)) reader.faults().add(fault.key, fault.what, fault.hint);
+  add_faults(found, "", reader.faults());
 }
 
 }  // namespace trb::simulator

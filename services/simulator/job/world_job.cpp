@@ -24,6 +24,34 @@ simulation::JobNodes nodes_of(const world::WorldPlan& plan) {
   return fleet.empty() ? simulation::JobNodes(plan.robots) : simulation::JobNodes(std::move(fleet));
 }
 
+/// What check_run_start would refuse once the fleet is up.
+void check_size(const ObjectReader& reader, const world::WorldPlan& plan) {
+  const world::RunSize most = world::largest_run(plan.tasks, plan.robots, plan.division);
+  if (most.tasks > world::kMostTasksOfRun) {
+    reader.faults().add(
+        "tasks",
+        "a run would have " + std::to_string(most.tasks) + ", and may have " + std::to_string(world::kMostTasksOfRun),
+        "use more runs");
+  }
+  if (most.robots > world::kMostRobotsOfRun) {
+    reader.faults().add("robots",
+                        std::to_string(most.robots) + " of them would be in one run, which may have " +
+                            std::to_string(world::kMostRobotsOfRun),
+                        "use more runs, or fewer robots");
+  }
+}
+
+void read_counted(ObjectReader& reader, world::WorldPlan& plan) {
+  plan.robots = static_cast<std::uint32_t>(reader.integer("robots", Need::required, 1, world::kMaxRobots).value_or(1));
+  plan.division.runs =
+      static_cast<std::uint32_t>(reader.integer("runs", Need::optional, 1, world::kMostRuns).value_or(1));
+  plan.division.at_once = reader.boolean("at_once", Need::optional).value_or(false);
+  const std::int64_t most = std::int64_t{kMaxTasks} * plan.division.runs;
+  plan.tasks = static_cast<std::uint32_t>(reader.integer("tasks", Need::required, 1, most).value_or(1));
+  check_size(reader, plan);
+  plan.sensors = simulation::read_sensor_values(reader, nodes_of(plan));
+}
+
 Value::List texts_of(const std::vector<std::string>& texts, std::size_t most) {
   Value::List out;
   for (std::size_t i = 0; i < std::min(texts.size(), most); ++i) out.push_back(Value{texts[i]});
@@ -50,6 +78,19 @@ void add_standstill(const world::Standstill& is, Value::Object& out) {
   out.emplace_back("off", Value{texts_of(is.off, world::kMaxRobots + 1)});
 }
 
+Value whole(std::uint64_t number) {
+  return Value{static_cast<std::int64_t>(number)};
+}
+
+Value state_of(const world::PlayedRun& played) {
+  return Value{played.over_everywhere ? std::string(name_of(played.state)) : "OPEN"};
+}
+
+void add_end(const world::PlayedRun& played, Value::Object& out) {
+  if (played.cut_off) out.emplace_back("cut_off", Value{true});
+  if (played.standstill) add_standstill(*played.standstill, out);
+}
+
 }  // namespace
 
 world::WorldPlan read_world(ObjectReader& reader) {
@@ -57,10 +98,7 @@ world::WorldPlan read_world(ObjectReader& reader) {
   if (reader.value("fleet", Need::optional) != nullptr) {
     read_fleet(reader, plan);
   } else {
-    plan.robots =
-        static_cast<std::uint32_t>(reader.integer("robots", Need::required, 1, world::kMaxRobots).value_or(1));
-    plan.tasks = static_cast<std::uint32_t>(reader.integer("tasks", Need::required, 1, kMaxTasks).value_or(1));
-    plan.sensors = simulation::read_sensor_values(reader, nodes_of(plan));
+    read_counted(reader, plan);
   }
   plan.task = simulation::read_usual_time(reader);
   plan.until_s = reader.number("seconds", Need::optional, {0, world::kMaxUntil}).value_or(0);
@@ -76,28 +114,37 @@ world::WorldPlan read_world(ObjectReader& reader) {
 }
 
 Value world_value(const world::Played& played) {
-  const auto integer = [](std::uint64_t number) { return Value{static_cast<std::int64_t>(number)}; };
-  Value::List broken;
-  for (const std::string& text : played.broken) broken.push_back(Value{text});
   Value::List not_reached;
   for (const world::LateFault& late : played.not_reached) {
-    not_reached.push_back(Value{Value::Object{{"fault", integer(late.index)}, {"at", Value{late.at_s}}}});
+    not_reached.push_back(Value{Value::Object{{"fault", whole(late.index)}, {"at", Value{late.at_s}}}});
   }
-  const bool over = played.over_everywhere;
-  Value::Object out{{"state", Value{over ? std::string(name_of(played.state)) : "OPEN"}},
-                    {"over_everywhere", Value{over}},
-                    {"tasks_done", integer(played.tasks_done)},
+  Value::Object out{{"state", state_of(played)},
+                    {"over_everywhere", Value{played.over_everywhere}},
+                    {"tasks_done", whole(played.tasks_done)},
                     {"makespan_s", Value{played.makespan_s}},
                     {"all_linked", Value{played.all_linked}},
                     {"linked_s", Value{played.linked_s}},
                     {"submitted_s", Value{played.submitted_s}},
-                    {"events", integer(played.events)},
+                    {"events", whole(played.events)},
                     {"digest", Value{hex_of(played.digest)}},
-                    {"broken", Value{std::move(broken)}},
+                    {"broken", Value{texts_of(played.broken, played.broken.size())}},
                     {"not_reached", Value{std::move(not_reached)}}};
-  if (played.cut_off) out.emplace_back("cut_off", Value{true});
-  if (played.standstill) add_standstill(*played.standstill, out);
+  add_end(played, out);
   return Value{std::move(out)};
+}
+
+Value::Object beside_value(const world::WorldRun& run) {
+  const world::PlayedRun& played = run.outcome;
+  Value::Object out{{"scenario", Value{run.plan.scenario.name}},
+                    {"after_s", Value{run.plan.after_s}},
+                    {"state", state_of(played)},
+                    {"over_everywhere", Value{played.over_everywhere}},
+                    {"tasks_done", whole(played.tasks_done)},
+                    {"makespan_s", Value{played.makespan_s}},
+                    {"submitted_s", Value{played.submitted_s}},
+                    {"broken", Value{texts_of(played.broken, played.broken.size())}}};
+  add_end(played, out);
+  return out;
 }
 
 }  // namespace trb::simulator
