@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <optional>
@@ -89,8 +91,26 @@ class Before {
 
 }  // namespace
 
-std::vector<PlayedTask> played_tasks(const Value& answer, const Scenario& scenario) {
-  const Value* tasks = answer.is_object() ? answer.find("tasks") : nullptr;
+namespace {
+
+/// nullptr: it has none.
+const Value* run_of(const Value& answer, std::size_t run) {
+  const Value* beside = answer.is_object() && run > 0 ? answer.find("beside") : nullptr;
+  if (run == 0) return answer.is_object() ? &answer : nullptr;
+  return beside != nullptr && beside->is_list() && run <= beside->list().size() ? &beside->list()[run - 1] : nullptr;
+}
+
+/// In the simulation's time; 0: the answer does not say.
+double submitted_s(const Value& answer, std::size_t run) {
+  const Value* of = run_of(answer, run);
+  if (of != nullptr && run == 0) of = of->find("world");
+  const Value* at = of != nullptr && of->is_object() ? of->find("submitted_s") : nullptr;
+  return is_number(at) ? at->number() : 0;
+}
+
+std::vector<PlayedTask> attempts_of(const Value& answer, std::size_t run, const Scenario& scenario) {
+  const Value* of = run_of(answer, run);
+  const Value* tasks = of != nullptr && of->is_object() ? of->find("tasks") : nullptr;
   if (tasks == nullptr || !tasks->is_list()) return {};
   std::vector<PlayedTask> out;
   for (const Value& one : tasks->list()) {
@@ -99,26 +119,52 @@ std::vector<PlayedTask> played_tasks(const Value& answer, const Scenario& scenar
   std::ranges::stable_sort(out, {}, &PlayedTask::begin_s);
   drop_others(out);
   const Before before(scenario, out);
-  const double first = out.empty() ? 0 : out.front().begin_s;
   for (PlayedTask& one : out) {
-    one.begin_s -= first, one.end_s -= first;
     one.after = before.of(one.id);
+    one.run = run;
+    one.since_s = submitted_s(answer, run);
   }
   return out;
 }
 
-Value waits_value(const std::vector<PlayedTask>& tasks) {
+}  // namespace
+
+std::vector<PlayedTask> played_tasks(const Value& answer, const std::vector<Scenario>& scenarios) {
+  std::vector<PlayedTask> out;
+  for (std::size_t run = 0; run < scenarios.size(); ++run) {
+    std::ranges::move(attempts_of(answer, run, scenarios[run]), std::back_inserter(out));
+  }
+  std::ranges::stable_sort(out, {}, &PlayedTask::begin_s);
+  const double first = out.empty() ? 0 : out.front().begin_s;
+  for (PlayedTask& one : out) {
+    one.begin_s -= first, one.end_s -= first;
+    one.since_s = std::max(0.0, one.since_s - first);
+  }
+  return out;
+}
+
+std::vector<PlayedTask> played_tasks(const Value& answer, const Scenario& scenario) {
+  return played_tasks(answer, std::vector{scenario});
+}
+
+Value waits_value(const std::vector<PlayedTask>& tasks, std::size_t run) {
   const std::vector<TaskWait> waits = waits_of(tasks);
   Value::List out;
   for (std::size_t i = 0; i < tasks.size(); ++i) {
-    if (tasks[i].is_dropped) continue;
+    if (tasks[i].is_dropped || tasks[i].run != run) continue;
     const auto& holder = waits[i].holder;
-    out.push_back(Value{Value::Object{{"task", Value{tasks[i].id}},
-                                      {"waited_for", Value{holder ? tasks[*holder].id : std::string()}},
-                                      {"robot_busy", Value{waits[i].is_robot_busy}},
-                                      {"critical", Value{waits[i].is_critical}},
-                                      {"tried_again", Value{holder && tasks[*holder].id == tasks[i].id}},
-                                      {"more_s", Value{in_milliseconds(waits[i].more_s)}}}});
+    const bool is_of_other = holder && tasks[*holder].run != run;
+    Value::Object row{{"task", Value{tasks[i].id}},
+                      {"waited_for", Value{holder ? tasks[*holder].id : std::string()}},
+                      {"robot_busy", Value{waits[i].is_robot_busy}},
+                      {"critical", Value{waits[i].is_critical}},
+                      {"tried_again", Value{holder && !is_of_other && tasks[*holder].id == tasks[i].id}},
+                      {"more_s", Value{in_milliseconds(waits[i].more_s)}}};
+    if (is_of_other) {
+      row.emplace_back("waited_for_run", Value{static_cast<std::int64_t>(tasks[*holder].run)});
+      row.emplace_back("kept_s", Value{in_milliseconds(waits[i].kept_s)});
+    }
+    out.push_back(Value{std::move(row)});
   }
   return Value{std::move(out)};
 }

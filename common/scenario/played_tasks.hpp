@@ -14,10 +14,14 @@ namespace trb {
 /// `after`: in place of a predecessor without an attempt (it was skipped) those before it. What is no task of the
 /// scenario is left out.
 std::vector<PlayedTask> played_tasks(const Value& answer, const Scenario& scenario);
+/// The same of all runs that were played at once: `scenarios` are the first run's and those of the answer's `beside`.
+/// Times count from the first attempt of any.
+std::vector<PlayedTask> played_tasks(const Value& answer, const std::vector<Scenario>& scenarios);
 
 /// [{"task", "waited_for", "robot_busy", "critical", "tried_again", "more_s"}] of the attempts that count, in the order
 /// given; `waited_for` is empty if it waited for none; `tried_again`: it waited for an attempt of its own task, which
-/// failed; `more_s`: as in TaskWait, to the millisecond.
-Value waits_value(const std::vector<PlayedTask>& tasks);
+/// failed; `more_s`: as in TaskWait, to the millisecond. Of the attempts of that run; one whose robot another run kept
+/// has also `waited_for_run`, whose task `waited_for` is, and `kept_s`.
+Value waits_value(const std::vector<PlayedTask>& tasks, std::size_t run = 0);
 
 }  // namespace trb

@@ -120,3 +120,31 @@ TEST_CASE("what is no attempt of the scenario's is left out") {
     CHECK(played(text).empty());
   }
 }
+
+TEST_CASE("of two runs at once it is told whose robot the other one kept, and for how long") {
+  const Scenario first = scenario_of(kTwo);
+  const Scenario second = scenario_of(R"({"name": "one", "tasks": [{"id": "go", "robot": "arm", "skill": "pick"}]})");
+  const Value answer = *parse_json(R"({"world": {"submitted_s": 9.9},
+    "tasks": [{"id": "go", "robot": "cart", "begin_s": 10, "end_s": 13}, {"id": "take", "robot": "arm", "begin_s": 18, "end_s": 20}],
+    "beside": [{"submitted_s": 12, "tasks": [{"id": "go", "robot": "arm", "begin_s": 12.5, "end_s": 18}]}]})");
+  const auto tasks = played_tasks(answer, {first, second});
+  REQUIRE(tasks.size() == 3);
+  CHECK(tasks[1].run == 1);
+  CHECK(tasks[1].since_s == 2);
+  CHECK(tasks[1].after.empty());
+  CHECK(tasks[2].after == std::vector<std::string>{"go"});
+  CHECK(dump_json(waits_value(tasks, 0)) ==
+        R"([{"task":"go","waited_for":"","robot_busy":false,"critical":false,"tried_again":false,"more_s":0.0},)"
+        R"({"task":"take","waited_for":"go","robot_busy":true,"critical":true,"tried_again":false,"more_s":0.0,)"
+        R"("waited_for_run":1,"kept_s":5.0}])");
+  // The other run's only task is critical for both; it waited for nobody since its own submission.
+  CHECK(dump_json(waits_value(tasks, 1)) ==
+        R"([{"task":"go","waited_for":"","robot_busy":false,"critical":true,"tried_again":false,"more_s":0.5}])");
+}
+
+TEST_CASE("what is no list of runs has no tasks") {
+  const Scenario scenario = scenario_of(kTwo);
+  for (const char* text : {R"({"beside": 3})", R"({"beside": [7]})", R"({"beside": [{"tasks": {}}]})", "[]"}) {
+    CHECK(played_tasks(*parse_json(text), {scenario, scenario}).empty());
+  }
+}

@@ -308,6 +308,24 @@ class Simulate(unittest.TestCase):
         self.assertEqual(sum(found["over_time"]["messages"]), found["messages"])
         self.assertEqual(len(trb(*words, "--csv").stdout.splitlines()), int(found["seconds"]) + 2)
 
+    def test_tasks_that_are_divided_into_runs_at_once_are_done_in_the_time_of_one_robot_s_own(self):
+        words = ("simulate", "--protocol", "talkrobots", "--robots", 4, "--tasks", 12, "--runs", 2, "--at-once")
+        found = answer_of(*words)
+        runs = (found["world"], *found["beside"])
+        self.assertEqual([(run["state"], run["tasks_done"], run["broken"]) for run in runs], [("FINISHED", 6, [])] * 2)
+        self.assertLess(max(run["makespan_s"] for run in runs), 10)
+        self.assertEqual(len(found["beside"][0]["tasks"]), 6)
+        self.assertNotIn("model", found)
+        told = trb(*words).stdout
+        self.assertRegex(told, r"1 +at once, run 1 +0\.0 s +FINISHED +6 +9\.\d s\n2 +at once, run 2 +0\.0 s +FINISHED +6")
+        self.assertNotIn("beside", answer_of("simulate", "--protocol", "talkrobots", "--robots", 2, "--tasks", 2))
+        for more, wanted in ((("--runs", 0), "runs"), (("--runs", 2, "--tasks", 2001), "tasks")):
+            with self.subTest(wanted):
+                refused = trb(*words[:5], *more)
+                self.assertEqual(refused.returncode, 1)
+                self.assertIn(wanted, refused.stderr)
+        self.assertIn("--runs", trb("simulate", "--runs", 2).stderr)
+
     def test_what_cannot_be_is_refused_by_name(self):
         for words, wanted in ((("--robots", 0), "robots"), (("--tasks", "many"), "--tasks: 'many'"), (("--faulty", 5), "faulty"),
                               (("--local-requests", 1), "sensors"), (("--trace", "/nowhere/x"), "/nowhere/x"), (("--link", "lan"), "--link"),

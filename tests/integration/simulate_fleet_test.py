@@ -148,6 +148,36 @@ class AFleetAsItIs(unittest.TestCase):
         self.assertRegex(table, r"AT +HAPPENED +WHERE\n2 s +cut +pioneer1\n60 s +heal +pioneer1\n")
         self.assertNotIn("links were up", table)
 
+    def test_scenarios_at_the_same_time_are_told_each_and_what_they_cost_each_other(self):
+        go = {"skill": "go_to", "data": {"place": "ur3_front"}}
+        first = self.write("first.json", {"name": "first", "tasks": [
+            {"id": "a", "robot": "ridgeback", **go}, {"id": "b", "robot": "ridgeback", **go, "after": ["a"]}]})
+        second = self.write("second.json", {"name": "second", "tasks": [{"id": "a", "robot": "ridgeback", **go}]})
+        free = self.write("free.json", {"name": "free", "tasks": [{"id": "a", "robot": "pioneer1", **go}]})
+        words = ("--beside", second, "--beside", f"{free}@20")
+        found = self.answer(*words, scenario=first)
+        self.assertEqual([run["scenario"] for run in (found["world"], *found["beside"])], ["first", "second", "free"])
+        self.assertEqual([run["state"] for run in (found["world"], *found["beside"])], ["FINISHED"] * 3)
+        self.assertEqual([run["broken"] for run in found["beside"]], [[], []])
+        # Ridgeback does the second scenario's task between the first one's two, or behind them.
+        kept = [row for run in (found, found["beside"][0]) for row in run["waits"] if "kept_s" in row]
+        self.assertTrue(kept)
+        self.assertAlmostEqual(found["alone_s"], 6, delta=0.5)
+        self.assertAlmostEqual(found["beside"][0]["alone_s"], 3, delta=0.5)
+        self.assertAlmostEqual(found["beside"][1]["submitted_s"] - found["world"]["submitted_s"], 20, delta=0.2)
+        self.assertFalse([row for row in found["beside"][1]["waits"] if "kept_s" in row])
+        table = self.simulate(*words, scenario=first).stdout
+        self.assertIn("Run 2, 'second':", table)
+        self.assertRegex(table, r"RUN +SCENARIO +SUBMITTED +STATE +TASKS +MAKESPAN +ALONE +WAITED FOR ROBOTS OF OTHER RUNS\n")
+        self.assertRegex(table, r"3 +free +20\.0 s +FINISHED +1 +3\.0 s +3\.0 s +-")
+        self.assertRegex(table, r"ridgeback, which did \w of run [12]")
+        for more, wanted in ((("--one-less",), "--one-less"), (("--beside", self.root / "no.json"), "no.json"),
+                             (("--beside", f"{free}@-1"), "@-1"), (("--beside", free) * 10, "--beside")):
+            with self.subTest(wanted):
+                refused = self.simulate(*words, *more, scenario=first)
+                self.assertEqual(refused.returncode, 1, refused.stdout)
+                self.assertIn(wanted, refused.stderr)
+
     def test_one_seed_is_one_run(self):
         self.assertEqual(self.answer("--seed", 7), self.answer("--seed", 7))
 

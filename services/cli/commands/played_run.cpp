@@ -104,6 +104,26 @@ void print_not_reached(const Value& world, double end_s) {
     print_line("What was played ends " + shown_number(end_s - submitted_s) + " s after the run's submission");
 }
 
+void print_broken(const Value& run) {
+  for (const Value& broken : run.find("broken")->list()) print_line("BROKEN: " + broken.text());
+}
+
+/// What there is to say of the runs beside the first one: by their number.
+void print_beside(const Value& answer) {
+  const Value* beside = answer.find("beside");
+  for (std::size_t i = 0; beside != nullptr && i < beside->list().size(); ++i) {
+    const Value& run = beside->list()[i];
+    if (run.find("alerts") == nullptr && run.find("broken")->list().empty()) continue;
+    print_line("Run " + std::to_string(i + 2) + ":");
+    print_open(run);
+    print_broken(run);
+  }
+}
+
+bool is_good(const Value& run) {
+  return run.find("state")->text() == "FINISHED" && run.find("broken")->list().empty();
+}
+
 }  // namespace
 
 void print_run_end(const Value& answer) {
@@ -111,13 +131,16 @@ void print_run_end(const Value& answer) {
   print_links(world);
   print_open(world);
   print_not_reached(world, answer.find("seconds")->number());
-  for (const Value& broken : world.find("broken")->list()) print_line("BROKEN: " + broken.text());
+  print_broken(world);
+  print_beside(answer);
   print_happenings(answer);
 }
 
 int exit_code_of(const Value& answer) {
-  const Value& world = *answer.find("world");
-  return world.find("state")->text() == "FINISHED" && world.find("broken")->list().empty() ? kGood : kFailed;
+  const Value* beside = answer.find("beside");
+  const bool all_good =
+      is_good(*answer.find("world")) && (beside == nullptr || std::ranges::all_of(beside->list(), is_good));
+  return all_good ? kGood : kFailed;
 }
 
 }  // namespace trb::cli

@@ -6,10 +6,10 @@
 
 namespace trb::cli {
 
-/// Lines to standard output. `answer`: the simulator's, of a job with the real cores.
+/// Lines to standard output. `answer`: the simulator's, of a job with the real cores; of all its runs.
 void print_run_end(const Value& answer);
 
-/// As `trb scenario watch`: kGood of a run that is FINISHED, else kFailed; also kFailed if something is BROKEN.
+/// As `trb scenario watch`: kGood if each run is FINISHED, else kFailed; also kFailed if something is BROKEN.
 int exit_code_of(const Value& answer);
 
 }  // namespace trb::cli

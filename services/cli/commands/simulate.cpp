@@ -6,6 +6,7 @@
 #include "services/cli/commands/model_terms.hpp"
 #include "services/cli/commands/played_run.hpp"
 #include "services/cli/commands/replay.hpp"
+#include "services/cli/commands/simulate_beside.hpp"
 #include "services/cli/commands/simulate_fleet.hpp"
 #include "services/cli/core/table.hpp"
 #include "services/cli/io/print.hpp"
@@ -91,6 +92,7 @@ void print_simulation(const Value& answer, const PaperParameters& p) {
 /// The job of the simulator with the real cores: only what was named, so that it refuses what this protocol has not.
 Result<Value> world_job(const Arguments& arguments) {
   Value::Object out{{"protocol", Value{arguments.get("--protocol")}}};
+  if (arguments.has("--at-once")) out.emplace_back("at_once", Value{true});
   struct Key {
     const char* option;
     const char* key;
@@ -98,11 +100,12 @@ Result<Value> world_job(const Arguments& arguments) {
     bool whole = true;
   };
   OptionReader reader(arguments);
-  for (const Key& one : {Key{"--robots", "robots", 5}, Key{"--tasks", "tasks", 9}, Key{"--seed", "seed"},
-                         Key{"--task-seconds", "task_seconds", {}, false}, Key{"--seconds", "seconds", {}, false},
-                         Key{"--sensors", "sensors"}, Key{"--rate", "rate", {}, false},
-                         Key{"--interpreted", "interpreted"}, Key{"--local-requests", "local_requests"},
-                         Key{"--remote-requests", "remote_requests"}, Key{"--faulty", "faulty"}}) {
+  for (const Key& one :
+       {Key{"--robots", "robots", 5}, Key{"--tasks", "tasks", 9}, Key{"--runs", "runs"}, Key{"--seed", "seed"},
+        Key{"--task-seconds", "task_seconds", {}, false}, Key{"--seconds", "seconds", {}, false},
+        Key{"--sensors", "sensors"}, Key{"--rate", "rate", {}, false}, Key{"--interpreted", "interpreted"},
+        Key{"--local-requests", "local_requests"}, Key{"--remote-requests", "remote_requests"},
+        Key{"--faulty", "faulty"}}) {
     if (!one.usually && !arguments.has(one.option)) continue;
     std::uint64_t integer = one.usually.value_or(0);
     double number = 0;
@@ -129,10 +132,16 @@ void print_world(const Value& answer) {
   for (const auto& [name, phase] : answer.find("phases")->object()) add(name, phase);
   add("all", answer);
   print(format_table(rows));
+  const bool is_of_several = answer.find("beside") != nullptr;
+  if (is_of_several) {
+    print_line("");
+    print_runs(answer);
+  }
   const Value& world = *answer.find("world");
   const bool linked = world.find("all_linked")->boolean();
-  print_line("\nThe run is " + world.find("state")->text() + ": " + number_of(world, "tasks_done") + " tasks in " +
-             shown_number(world.find("makespan_s")->number()) + " s; " +
+  print_line((is_of_several ? "\n"
+                            : "\nThe run is " + world.find("state")->text() + ": " + number_of(world, "tasks_done") +
+                                  " tasks in " + shown_number(world.find("makespan_s")->number()) + " s; ") +
              (linked ? "all links were up after " + shown_number(world.find("linked_s")->number()) + " s, " : "") +
              number_of(world, "events") + " events");
   print_run_end(answer);
@@ -172,13 +181,13 @@ int run_simulate(const Arguments& arguments) {
                        fail(Errc::bad_value, std::string(option) + ": of which trace?", "add --replay FILE"));
   }
   if (arguments.has("--fleet")) return run_simulate_fleet(arguments);
-  for (const char* option : {"--scenario", "--times", "--one-less"}) {
+  for (const char* option : {"--scenario", "--times", "--one-less", "--beside"}) {
     if (!arguments.has(option)) continue;
     return print_error(arguments, fail(Errc::bad_value, std::string(option) + ": of which fleet?",
                                        "add --fleet DIR, the folder with its nodes' folders"));
   }
   if (arguments.has("--protocol") && arguments.get("--protocol") != "paper") return run_world(arguments);
-  for (const char* option : {"--link", "--seed", "--faults", "--relays", "--sensor-values"}) {
+  for (const char* option : {"--runs", "--at-once", "--link", "--seed", "--faults", "--relays", "--sensor-values"}) {
     if (!arguments.has(option)) continue;
     return print_error(arguments, fail(Errc::bad_value, std::string(option) + ": the paper's protocol has none",
                                        "add --protocol talkrobots"));
@@ -225,6 +234,8 @@ const std::vector<Command> kSimulateCommands = {
            "--all|with --replay: also what is sent within computers, and upkeep",
            "--protocol NAME|paper, or talkrobots: the real cores (paper)",
            "--link NAME|talkrobots: lan, wifi or vpn (lan), or a FILE with delay, loss and bandwidth",
+           "--runs N|talkrobots: the tasks are divided into so many runs, which go on at once (1)",
+           "--at-once|talkrobots: within a run no robot waits for another one's task",
            "--seed N|talkrobots: one seed, one run (1)",
            "--faults FILE|talkrobots: what goes wrong and when: links, partitions, nodes, robots, batteries, clocks, "
            "disks",
@@ -233,11 +244,15 @@ const std::vector<Command> kSimulateCommands = {
            "--fleet DIR|your own: the folder with its nodes' folders; with --scenario",
            "--scenario FILE|what trb scenario run would start: who waits for whom, and the critical path",
            "--times FILE|with --fleet: {SKILL or \"task:ID\": seconds, or {\"mean\", \"deviation\"}}",
+           "--beside FILE[@S]|with --fleet: another scenario at the same time, S seconds later (0); nine at most. Says "
+           "what it costs each",
            "--one-less|with --fleet: the makespan without each robot, too",
            "--csv|messages and bytes over time",
            "--json|for programs: everything"}),
       {"trb simulate --robots 50 --tasks 100", "trb simulate --protocol talkrobots --robots 5 --tasks 9 --link wifi",
        "trb simulate --fleet fleet --scenario config/scenarios/paper-nine-tasks.json --one-less",
+       "trb simulate --fleet fleet --scenario config/scenarios/paper-nine-tasks.json --beside second.json@10",
+       "trb simulate --protocol talkrobots --robots 100 --tasks 1000 --runs 10 --at-once",
        "trb simulate --protocol talkrobots --faults faults.json --trace day.jsonl",
        "trb simulate --replay day.jsonl --until 1500", "trb simulate --robots 10 --tasks 100 --csv > distribution.csv",
        "trb simulate --robots 5 --tasks 9 --sensors 1 --seconds 180 --remote-requests 1 --faulty 1 --json"},

@@ -1,17 +1,18 @@
 #include "services/cli/commands/simulate_fleet.hpp"
 
-#include <algorithm>
-#include <cstdio>
-
+#include "common/fleet/did_you_mean.hpp"
 #include "common/scenario/played_tasks.hpp"
+#include "common/simulation/job_times.hpp"
 #include "proto/body.hpp"
 #include "services/cli/commands/fleet_folders.hpp"
 #include "services/cli/commands/job_file.hpp"
 #include "services/cli/commands/model_terms.hpp"
 #include "services/cli/commands/one_less.hpp"
 #include "services/cli/commands/played_run.hpp"
+#include "services/cli/commands/played_waits.hpp"
 #include "services/cli/commands/scenario_check.hpp"
 #include "services/cli/commands/sensor_values.hpp"
+#include "services/cli/commands/simulate_beside.hpp"
 #include "services/cli/core/table.hpp"
 #include "services/cli/io/print.hpp"
 #include "services/cli/io/simulator.hpp"
@@ -24,8 +25,14 @@ struct Hall {
   std::map<std::string, NodeProfile> robots;
   FolderSensors rules;
   Scenario scenario;
+  std::vector<Beside> beside;
   Value::Object rest;  ///< of the job
 
+  [[nodiscard]] std::vector<Scenario> scenarios() const {
+    std::vector<Scenario> out{scenario};
+    for (const Beside& one : beside) out.push_back(one.scenario);
+    return out;
+  }
   /// Empty: of the whole fleet.
   [[nodiscard]] Value job_without(const std::string& left_out) const {
     Value::List fleet;
@@ -61,58 +68,12 @@ Status read_rest(Hall& hall, const Arguments& arguments) {
   if (Status read = add_file(hall.rest, arguments, "--times", "times"); !read) return read;
   if (Status read = add_file(hall.rest, arguments, "--faults", "faults"); !read) return read;
   add_list(hall.rest, arguments, "--relays", "relays");
+  if (!hall.beside.empty()) hall.rest.emplace_back("beside", beside_job(hall.beside));
   if (Status read = add_file(hall.rest, arguments, "--sensor-values", "sensor_values"); !read) return read;
   for (auto& [key, value] : hall.rest) {
     if (key == "sensor_values") value = with_rules(std::move(value), hall.rules);
   }
   return add_numbers(hall, arguments);
-}
-
-std::string seconds_text(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.1f", value);
-  return text;
-}
-
-std::string end_text(const PlayedTask& of) {
-  if (of.is_open) return "-";
-  return seconds_text(of.end_s) + (of.has_failed ? " failed" : "");
-}
-
-constexpr double kShown_s = 0.5;  ///< a hand-over is shorter
-
-std::string holder_text(const std::vector<PlayedTask>& tasks, const PlayedTask& of, const TaskWait& wait) {
-  if (!wait.holder) return "";
-  const PlayedTask& holder = tasks[*wait.holder];
-  if (holder.id == of.id) return holder.robot + ", which failed at it";
-  return wait.is_robot_busy ? holder.robot + ", which did " + holder.id : holder.id;
-}
-
-std::string wait_text(const std::vector<PlayedTask>& tasks, const PlayedTask& of, const TaskWait& wait) {
-  const std::string holder = holder_text(tasks, of, wait);
-  if (wait.more_s < kShown_s) return holder.empty() ? "-" : holder;
-  return (holder.empty() ? "" : holder + "; then ") + seconds_text(wait.more_s) + " s for something else";
-}
-
-/// What the table cannot say.
-void print_key(const std::vector<TaskWait>& waits) {
-  const auto is_shown = [](const TaskWait& wait) { return wait.more_s >= kShown_s; };
-  const auto is_on_path = [&](const TaskWait& wait) { return wait.is_critical && is_shown(wait); };
-  print_line(std::string("* the critical path: the run is shorter only if one of these is") +
-             (std::ranges::any_of(waits, is_on_path) ? ", or waits less for something else" : ""));
-  if (std::ranges::any_of(waits, is_shown))
-    print_line("something else: no task's end, but a result that was not there yet, a sensor's value, a decision");
-}
-
-void print_tasks(const std::vector<PlayedTask>& tasks) {
-  std::vector<std::vector<std::string>> rows{{"TASK", "ROBOT", "BEGIN", "END", "WAITED FOR"}};
-  const std::vector<TaskWait> waits = waits_of(tasks);
-  for (std::size_t i = 0; i < tasks.size(); ++i) {
-    rows.push_back({(waits[i].is_critical ? "* " : "  ") + tasks[i].id, tasks[i].robot, seconds_text(tasks[i].begin_s),
-                    end_text(tasks[i]), wait_text(tasks, tasks[i], waits[i])});
-  }
-  print(format_table(rows));
-  print_key(waits);
 }
 
 /// What one robot less would change: a row for each.
@@ -159,8 +120,108 @@ Value one_less_json(const std::vector<OneLess>& rows) {
   return Value{std::move(out)};
 }
 
+Value without_others(const Value& times, const Scenario& scenario) {
+  Value::Object out;
+  for (const auto& [name, time] : times.object()) {
+    if (simulation::is_time_of(name, scenario)) out.emplace_back(name, time);
+  }
+  return Value{std::move(out)};
+}
+
+/// The same job with that run's scenario alone, submitted at once. Run 0 is the first.
+Value job_alone(const Hall& hall, std::size_t run) {
+  Value job = hall.job_without("");
+  Value::Object out;
+  for (auto& [key, value] : std::get<Value::Object>(job.is)) {
+    if (key == "beside" || key == "trace") continue;
+    if (key == "scenario" && run > 0) value = hall.beside[run - 1].json;
+    if (key == "times" && value.is_object()) value = without_others(value, hall.scenarios()[run]);
+    out.emplace_back(key, std::move(value));
+  }
+  return Value{std::move(out)};
+}
+
+/// What each run would take by itself, in seconds, or the error of its simulation; JSON null: it is not FINISHED then.
+Result<std::vector<Value>> play_alone(const Hall& hall) {
+  std::vector<Value> out;
+  for (std::size_t run = 0; run <= hall.beside.size(); ++run) {
+    const auto answer = run_simulator(job_alone(hall, run));
+    if (!answer) return answer.error();
+    const Value& world = *answer->find("world");
+    const bool is_finished = world.find("state")->text() == "FINISHED";
+    out.push_back(is_finished ? Value{world.find("makespan_s")->number()} : Value{});
+  }
+  return out;
+}
+
+/// By run.
+std::vector<Value> waits_of_runs(const std::vector<PlayedTask>& tasks, std::size_t runs) {
+  std::vector<Value> out;
+  for (std::size_t run = 0; run < runs; ++run) out.push_back(waits_value(tasks, run));
+  return out;
+}
+
+/// Where something goes wrong, a robot may have been replaced.
+void print_criteria(bool has_faults) {
+  if (has_faults)
+    print_line("Who replaces whom is decided by the default criteria: the fleet's resilience.json is not read");
+}
+
+void print_all_runs(const Hall& hall, const Value& answer, const std::vector<Value>& alone_s, bool has_faults) {
+  const std::vector<Scenario> scenarios = hall.scenarios();
+  const std::vector<PlayedTask> tasks = played_tasks(answer, scenarios);
+  for (std::size_t run = 0; run < scenarios.size(); ++run) {
+    print_line("Run " + std::to_string(run + 1) + ", " + in_quotes(scenarios[run].name) + ":");
+    print_waits(tasks, run);
+    print_line("");
+  }
+  std::vector<std::string> alone;
+  for (const Value& one : alone_s)
+    alone.push_back(one.is_number() ? seconds_text(one.number()) + " s" : "not FINISHED");
+  print_waits_key(tasks);
+  print_line("");
+  print_runs(answer, alone, waits_of_runs(tasks, scenarios.size()));
+  const Value& between = *answer.find("between_computers");
+  print_line("\n" + std::to_string(between.find("messages")->integer()) + " messages, " +
+             std::to_string(between.find("bytes")->integer()) + " bytes between computers");
+  print_criteria(has_faults);
+  print_run_end(answer);
+}
+
+void add_beside_json(const Hall& hall, const std::vector<Value>& alone_s, Value& answer) {
+  const auto waits = waits_of_runs(played_tasks(answer, hall.scenarios()), alone_s.size());
+  auto& object = std::get<Value::Object>(answer.is);
+  object.emplace_back("waits", waits.front());
+  object.emplace_back("alone_s", alone_s.front());
+  for (auto& [key, value] : object) {
+    if (key != "beside") continue;
+    auto& runs = std::get<Value::List>(value.is);
+    for (std::size_t i = 0; i < runs.size(); ++i) {
+      auto& run = std::get<Value::Object>(runs[i].is);
+      run.emplace_back("waits", waits[i + 1]);
+      run.emplace_back("alone_s", alone_s[i + 1]);
+    }
+  }
+}
+
+/// Several scenarios at the same time, and each by itself.
+int run_beside(const Arguments& arguments, const Hall& hall) {
+  auto answer = run_simulator(hall.job_without(""));
+  if (!answer) return print_error(arguments, answer.error());
+  const auto alone_s = play_alone(hall);
+  if (!alone_s) return print_error(arguments, alone_s.error());
+  if (arguments.has("--json")) {
+    add_beside_json(hall, *alone_s, *answer);
+    print_json(*answer);
+  } else {
+    print_all_runs(hall, *answer, *alone_s, arguments.has("--faults"));
+  }
+  return exit_code_of(*answer);
+}
+
 void print_run(const Value& answer, const std::vector<PlayedTask>& tasks, bool has_faults) {
-  print_tasks(tasks);
+  print_waits(tasks);
+  print_waits_key(tasks);
   const Value& world = *answer.find("world");
   const Value& between = *answer.find("between_computers");
   print_line("\nThe run is " + world.find("state")->text() + ": " +
@@ -168,16 +229,15 @@ void print_run(const Value& answer, const std::vector<PlayedTask>& tasks, bool h
              seconds_text(world.find("makespan_s")->number()) + " s; " +
              std::to_string(between.find("messages")->integer()) + " messages, " +
              std::to_string(between.find("bytes")->integer()) + " bytes between computers");
-  if (has_faults)
-    print_line("Who replaces whom is decided by the default criteria: the fleet's resilience.json is not read");
+  print_criteria(has_faults);
   print_run_end(answer);
 }
 
 }  // namespace
 
 int run_simulate_fleet(const Arguments& arguments) {
-  for (const char* option : {"--robots", "--tasks", "--interpreted", "--sensors", "--rate", "--local-requests",
-                             "--remote-requests", "--faulty", "--csv"}) {
+  for (const char* option : {"--runs", "--at-once", "--robots", "--tasks", "--interpreted", "--sensors", "--rate",
+                             "--local-requests", "--remote-requests", "--faulty", "--csv"}) {
     if (!arguments.has(option)) continue;
     return print_error(arguments, fail(Errc::bad_value, std::string(option) + ": the fleet and the scenario say it",
                                        "leave it out, or leave --fleet out"));
@@ -194,8 +254,13 @@ int run_simulate_fleet(const Arguments& arguments) {
   } else {
     hall.scenario = read_file_scenario(arguments.get("--scenario"), faults);
   }
+  hall.beside = read_beside(arguments, faults);
+  if (!hall.beside.empty() && arguments.has("--one-less")) {
+    faults.push_back({"--one-less", "", "is of one scenario", "leave it out, or leave --beside out"});
+  }
   if (!faults_that_stop(faults).empty()) return print_faults(arguments, faults, "nothing was simulated");
   if (const Status read = read_rest(hall, arguments); !read) return print_error(arguments, read.error());
+  if (!hall.beside.empty()) return run_beside(arguments, hall);
   auto answer = run_simulator(hall.job_without(""));
   if (!answer) return print_error(arguments, answer.error());
   const std::vector<PlayedTask> tasks = played_tasks(*answer, hall.scenario);

@@ -80,6 +80,7 @@ Status take_option(const Usage& usage, const std::vector<std::string>& given, st
   } else {
     return fail(Errc::missing, name + ": needs a value", "write " + spec->substr(0, spec->find('|')));
   }
+  out.every[name].push_back(value);
   return Done{};
 }
 

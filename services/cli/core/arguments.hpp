@@ -20,8 +20,9 @@ struct Usage {
 };
 
 struct Arguments {
-  std::vector<std::string> words;  ///< after the command's own
-  std::map<std::string, std::string> options;
+  std::vector<std::string> words;                           ///< after the command's own
+  std::map<std::string, std::string> options;               ///< of one that was given several times, the last value
+  std::map<std::string, std::vector<std::string>> every{};  ///< all values of each, in their order
 
   [[nodiscard]] bool has(const std::string& option) const { return options.count(option) != 0; }
   [[nodiscard]] std::string get(const std::string& option, const std::string& otherwise = {}) const;

@@ -51,3 +51,10 @@ TEST_CASE("a switch has no value: who writes --all=false did not mean all") {
     CHECK(refused.error().hint == "write --all, or leave it out");
   }
 }
+
+TEST_CASE("of an option that is given several times every value is kept, in its order") {
+  const auto given = parse_arguments(kStop, {"--timeout", "1", "--timeout=2"});
+  REQUIRE(given.ok());
+  CHECK(given->get("--timeout") == "2");
+  CHECK(given->every.at("--timeout") == std::vector<std::string>{"1", "2"});
+}

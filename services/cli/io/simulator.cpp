@@ -16,6 +16,7 @@ namespace trb::cli {
 namespace {
 
 constexpr std::size_t kMaxAnswer = 16U << 20U;
+constexpr std::size_t kMaxValues = 1'000'000;
 
 struct Child {
   pid_t pid = -1;
@@ -66,7 +67,7 @@ Result<Value> run_simulator(const Value& job) {
   int status = 0;
   while (waitpid(child->pid, &status, 0) < 0 && errno == EINTR) {
   }
-  auto answer = parse_json(text, {.bytes = kMaxAnswer});
+  auto answer = parse_json(text, {.bytes = kMaxAnswer, .values = kMaxValues});
   const Value* error = answer ? answer->find("error") : nullptr;
   if (error != nullptr) {
     const Errc code = errc_of(error->find("code")->text()).value_or(Errc::bad_value);
