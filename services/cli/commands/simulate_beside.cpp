@@ -37,6 +37,8 @@ std::size_t runs_of(const Value& answer) {
   return 1 + (beside == nullptr ? 0 : beside->list().size());
 }
 
+constexpr double kCounted_s = 0.5;  ///< a hand-over is shorter
+
 /// What waited for a robot that another run kept.
 struct Kept {
   double seconds = 0;
@@ -47,7 +49,7 @@ Kept kept_of(const Value& waits) {
   Kept out;
   for (const Value& row : waits.list()) {
     const Value* kept_s = row.find("kept_s");
-    if (kept_s == nullptr) continue;
+    if (kept_s == nullptr || kept_s->number() < kCounted_s) continue;
     out.seconds += kept_s->number();
     ++out.tasks;
   }
