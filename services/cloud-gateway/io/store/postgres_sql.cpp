@@ -224,17 +224,15 @@ class Postgres final : public PostgresSql {
 
   Status transact(const std::function<Status()>& work) override {
     if (in_transaction_) return work();
-    if (Status begun = script("BEGIN"); !begun) return begun;
+    if (Status begun = script("BEGIN"); !begun) return give_up(begun);
     in_transaction_ = true;
-    Status done = work();
-    // Without a connection there is nothing to end: the server rolls back.
-    if (done) {
-      done = script("COMMIT");
-    } else if (connection_ != nullptr) {
-      static_cast<void>(script("ROLLBACK"));
-    }
+    const Status done = work();
+    Status ended = Done{};
+    // Without a connection there is nothing to undo: the server rolls back.
+    if (done || connection_ != nullptr) ended = script(done ? "COMMIT" : "ROLLBACK");
     in_transaction_ = false;
-    return done;
+    if (!ended) static_cast<void>(give_up(ended));
+    return done ? ended : done;
   }
 
   [[nodiscard]] std::int64_t changed() const override { return changed_; }
@@ -301,9 +299,19 @@ class Postgres final : public PostgresSql {
     return fail(code, name_ + ": " + first_line(what), "see the log of the database's server");
   }
 
-  Status lost(const char* what) {
+  /// A transaction that did not begin or end as told may be open still, and would refuse all that follows.
+  Status give_up(const Status& why) {
+    if (connection_ != nullptr) call_anew();
+    return why;
+  }
+
+  void call_anew() {
     connection_.reset();
     caller_.call();
+  }
+
+  Status lost(const char* what) {
+    call_anew();
     return fail(Errc::peer_unreachable, name_ + ": " + first_line(what), kCure);
   }
 

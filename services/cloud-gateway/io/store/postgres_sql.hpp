@@ -29,6 +29,7 @@ struct PostgresTables {
 /// called | the server answers, tables are up to date | there
 /// called | no answer, or tables of a newer build     | called again, every 250 ms; each call: peer_unreachable
 /// there  | the connection breaks, or a statement takes over 4 s | called; each call: peer_unreachable
+/// there  | a transaction does not begin or end as told | the same: nobody knows whether it is open
 /// A call never waits for a connection: a thread makes it.
 class PostgresSql : public Sql {
  public:

@@ -2,7 +2,9 @@
 // and a server that is gone and comes back costs nobody anything that was acknowledged.
 #include <poll.h>
 
+#include <atomic>
 #include <chrono>
+#include <thread>
 
 #include "services/cloud-gateway/core/access/test/gateway_parts.hpp"
 #include "services/cloud-gateway/io/store/test/store_folder.hpp"
@@ -166,6 +168,32 @@ TEST_CASE("a server that stands still holds nobody up for longer than a bound") 
     CHECK(answer.error().code == Errc::peer_unreachable);
     CHECK(took < kServerTime);
     until_done([&] { return db->refresh().ok(); }, kPatience);
+  });
+}
+
+TEST_CASE("a transaction whose end is cancelled too keeps nobody out: its connection is given up") {
+  with_store(true, [] {
+    const StoreFolder folder;
+    const auto db = opened(folder);
+    loaded(*db);
+    AuditChain chain(chain_start());
+    const auto rows = records(chain, 1);
+    const PostgresHost& server = *postgres_turn();
+    std::atomic<bool> is_over = false;
+    // As a server without time for it does: by its statement_timeout, again and again.
+    std::thread canceller([&] {
+      while (!is_over)
+        static_cast<void>(
+            server.said("SELECT pg_cancel_backend(pid) FROM pg_stat_activity, generate_series(1, 5000) "
+                        "WHERE application_name = 'trb-cloud-gateway'"));
+    });
+    const auto end = Clock::now() + std::chrono::seconds(3);
+    while (Clock::now() < end) static_cast<void>(db->save(audit_batch(rows)));
+    is_over = true;
+    canceller.join();
+    // Somebody asks more often than the server ends a transaction that stands still.
+    until_done([&] { return db->refresh().ok(); }, kPatience);
+    CHECK(loaded(*db).last_audit->record.number == 1);
   });
 }
 
