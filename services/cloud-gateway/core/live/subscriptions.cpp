@@ -4,7 +4,7 @@
 
 namespace trb::gateway {
 
-/// Those that are there: whoever makes names up takes nobody's place.
+/// Those that are there: whoever makes names up takes nobody's place. The same of runs.
 void Subscriptions::add_sensors(const ClientFeed& client, std::set<SensorId>& out) const {
   for (const Topic& topic : client.topics()) {
     if (topic.kind == TopicKind::sensor && has_sensor(topic)) out.insert({topic.id, topic.name});
@@ -73,7 +73,9 @@ std::set<std::string> Subscriptions::watched_runs() const {
   std::set<std::string> out;
   for (const auto& [id, client] : clients_) {
     for (const Topic& topic : client.topics()) {
-      if (topic.kind == TopicKind::run) out.insert(topic.id);
+      const bool is_there =
+          topic.kind == TopicKind::run && blocks_.book().find({RowKind::run, {}, topic.id}) != nullptr;
+      if (is_there) out.insert(topic.id);
     }
   }
   return out;

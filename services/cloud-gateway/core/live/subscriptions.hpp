@@ -36,7 +36,8 @@ class Subscriptions {
   /// An encoded message of the tap. Make it only while wants_messages() is true.
   void add_message(Bytes message);
   [[nodiscard]] bool wants_messages() const;
-  /// The runs that a client watches in full.
+  /// The runs that are there and that a client watches in full. Ask now and then: one that comes is among them from
+  /// then on.
   [[nodiscard]] std::set<std::string> watched_runs() const;
   /// True if a client watches the fleet or a robot; one that has stalled watches none.
   [[nodiscard]] bool watches_robots(Now now) const;

@@ -175,13 +175,34 @@ TEST_CASE("subscribing twice changes nothing, unsubscribing ends it; clients and
   CHECK(hall.clients.open().error().code == Errc::queue_full);
 }
 
-TEST_CASE("the runs that somebody looks at are known, to be asked for") {
+TEST_CASE("the runs that somebody looks at are known once they are there, to be asked for") {
   Hall hall;
   const ClientId client = hall.client("run/" + kRun);
+  CHECK(hall.clients.watched_runs().empty());
+  hall.say("cloud", RunTable{{run(RunState::running, 1)}});
   CHECK(hall.clients.watched_runs() == std::set<std::string>{kRun});
   hall.clients.close(client);
   CHECK(hall.clients.watched_runs().empty());
   CHECK_FALSE(hall.clients.next_deadline());
+}
+
+TEST_CASE("whoever makes up ids of runs keeps none that is there from being asked for") {
+  Hall hall;
+  const auto follow = [&] {
+    hall.view.watch_runs(hall.clients.watched_runs(), hall.now);
+    hall.wait({});
+  };
+  hall.say("cloud", RunTable{{run(RunState::running, 1)}});
+  for (int i = 0; i < 5; ++i) {
+    const ClientId client = *hall.clients.open();
+    for (int j = 0; j < 64; ++j)
+      hall.subscribe(client, "run/" + std::to_string(100 + i * 64 + j) + std::string(29, 'f'));
+  }
+  follow();
+  hall.client("run/" + kRun);
+  follow();
+  const auto asked = sent<RunQuery>(hall.out);
+  CHECK(std::ranges::count(asked, kRun, &RunQuery::run) == 1);
 }
 
 TEST_CASE("1,000 robots with 10 changes a second and 50 clients: each change encoded once, all end at the same") {
