@@ -240,6 +240,25 @@ class Hostile(GatewayCase):
         self.assertLess(open_files, 1024 + 100)
         self.assertEqual(late.sign_in("vic", GOOD).status, 201)
 
+    def test_who_opens_live_streams_and_closes_none_leaves_others_a_place(self):
+        held = []
+        self.addCleanup(lambda: [live.close() for live in held])
+        for _ in range(50):
+            held.append(self.viewer.live())
+        self.assertEqual({live.status for live in held}, {101})
+        refused = self.viewer.live()
+        self.addCleanup(refused.close)
+        self.assertEqual(refused.status, 429)
+        other = self.operator.live()
+        self.addCleanup(other.close)
+        self.assertEqual(other.status, 101)
+        held.pop().close()
+
+        def opens():
+            held.append(self.viewer.live())
+            return held[-1].status == 101
+        self.fleet.wait("there is room for another one", opens, 10)
+
     def test_a_flood_of_words_delays_nobody_else(self):
         flood = self.viewer.live()
         self.addCleanup(flood.close)

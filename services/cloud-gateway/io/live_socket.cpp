@@ -1,5 +1,7 @@
 #include "services/cloud-gateway/io/live_socket.hpp"
 
+#include <algorithm>
+
 #include "common/base/ids.hpp"
 #include "services/cloud-gateway/io/api/call.hpp"
 #include "services/cloud-gateway/io/drive_desk.hpp"
@@ -65,14 +67,20 @@ std::vector<SharedPart> parts_of(const Frame& frame, const Gateway& gateway) {
 
 }  // namespace
 
-Result<std::shared_ptr<LiveSocket>> LiveSocket::open(Gateway& gateway, HttpRequest request) {
+Result<std::shared_ptr<LiveSocket>> LiveSocket::open(Gateway& gateway, HttpRequest request, std::string who) {
+  const auto of_who = std::ranges::count_if(
+      gateway.sockets, [&](const auto& one) { return one.second->who_ == who && !one.second->is_ending_; });
+  if (static_cast<std::size_t>(of_who) >= kMostOfOne) {
+    return fail(Errc::queue_full, "live: '" + who + "' has " + std::to_string(kMostOfOne) + " live streams",
+                "close one; a program needs one alone");
+  }
   const auto client = gateway.clients.open();
   if (!client) return client.error();
-  return std::shared_ptr<LiveSocket>(new LiveSocket(gateway, std::move(request), *client));
+  return std::shared_ptr<LiveSocket>(new LiveSocket(gateway, std::move(request), std::move(who), *client));
 }
 
-LiveSocket::LiveSocket(Gateway& gateway, HttpRequest request, ClientId client)
-    : gateway_(gateway), request_(std::move(request)), client_(client) {
+LiveSocket::LiveSocket(Gateway& gateway, HttpRequest request, std::string who, ClientId client)
+    : gateway_(gateway), request_(std::move(request)), who_(std::move(who)), client_(client) {
   gateway_.sockets[client_] = this;
 }
 

@@ -30,8 +30,11 @@ namespace trb::gateway {
 /// any    | 20 wrong words       | closed, 1008
 class LiveSocket final : public WebSocketIn, public std::enable_shared_from_this<LiveSocket> {
  public:
-  /// Errors: queue_full (too many clients).
-  static Result<std::shared_ptr<LiveSocket>> open(Gateway& gateway, HttpRequest request);
+  /// One person, or one token, has so many: who opens more and more leaves others a place, also behind one proxy.
+  static constexpr std::size_t kMostOfOne = 50;
+
+  /// `who`: of whom the request is. Errors: queue_full (too many clients, in all or of this one).
+  static Result<std::shared_ptr<LiveSocket>> open(Gateway& gateway, HttpRequest request, std::string who);
   ~LiveSocket() override;
 
   void on_open(std::shared_ptr<WebSocketOut> out) override;
@@ -49,7 +52,7 @@ class LiveSocket final : public WebSocketIn, public std::enable_shared_from_this
   void end_without_database();
 
  private:
-  LiveSocket(Gateway& gateway, HttpRequest request, ClientId client);
+  LiveSocket(Gateway& gateway, HttpRequest request, std::string who, ClientId client);
   Status obey(const Subscribe& word);
   Status obey(const Unsubscribe& word);
   Status obey(const DriveWord& word);
@@ -62,6 +65,7 @@ class LiveSocket final : public WebSocketIn, public std::enable_shared_from_this
 
   Gateway& gateway_;
   HttpRequest request_;  ///< checked again now and then
+  std::string who_;
   ClientId client_;
   std::shared_ptr<WebSocketOut> out_;
   bool sending_ = false;

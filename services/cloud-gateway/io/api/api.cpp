@@ -203,7 +203,7 @@ std::variant<std::shared_ptr<WebSocketIn>, HttpReply> Api::on_upgrade(const Http
   if (decision.route->effect != Effect::upgrades) {
     return problem_reply(400, "no_websocket", "this route is no WebSocket", "/api/v1/live is one");
   }
-  auto opened = LiveSocket::open(gateway_, request);
+  auto opened = LiveSocket::open(gateway_, request, decision.who.name);
   if (!opened) return problem_reply(opened.error());
   return std::shared_ptr<WebSocketIn>(std::move(*opened));
 }
