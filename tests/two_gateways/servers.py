@@ -3,6 +3,7 @@ import os
 import pathlib
 import pwd
 import secrets
+import select
 import signal
 import subprocess
 import time
@@ -59,6 +60,9 @@ class Postgres:
             if time.monotonic() > deadline:
                 raise TimeoutError("the server does not answer")
 
+    def children(self):
+        return [int(pid) for pid in pathlib.Path(f"/proc/{self.child.pid}/task/{self.child.pid}/children").read_text().split()]
+
     def ends_within(self, seconds):
         try:
             self.child.wait(seconds)
@@ -67,8 +71,17 @@ class Postgres:
         return True
 
     def kill(self):
+        """With all its processes, by name: one that has not seen yet that the first is gone would answer, and commit."""
+        self.child.send_signal(signal.SIGSTOP)  # it makes no more of them
+        ends = {pid: os.pidfd_open(pid) for pid in self.children()}
         self.child.kill()
+        for pid in ends:
+            os.kill(pid, signal.SIGKILL)
         self.child.wait()
+        for pid, end in ends.items():
+            if not select.select([end], [], [], 60)[0]:
+                raise TimeoutError(f"process {pid} of the server does not end")
+            os.close(end)
         (self.folder / "data/postmaster.pid").unlink(missing_ok=True)
 
     def stop(self):
