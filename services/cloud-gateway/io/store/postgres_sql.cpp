@@ -3,6 +3,7 @@
 #include <signal.h>
 #include <sys/socket.h>
 
+#include <algorithm>
 #include <condition_variable>
 #include <map>
 #include <mutex>
@@ -19,9 +20,15 @@ namespace {
 constexpr auto kCallAgain = std::chrono::milliseconds(250);
 /// Longer than the server's own bound of a statement: this one is for a server that does nothing any more.
 constexpr auto kMostOfStatement = std::chrono::seconds(4);
+/// For a connection. A server with much to do, as after its own start, would never let anybody in who always gives up
+/// too early: who was not answered in time waits for twice as long the next time.
+constexpr int kFirstPatience_s = 2;
+constexpr int kMostPatience_s = 8;
+/// libpq counts in whole seconds of the clock.
+constexpr auto kOfPatience = std::chrono::seconds(1);
 /// Bounds of the server's: a statement, a lock, a transaction of a gateway that stands still. A commit is on disk.
 constexpr const char* kSession =
-    " connect_timeout=2 tcp_user_timeout=3000 keepalives_idle=2 keepalives_interval=1 keepalives_count=3"
+    " tcp_user_timeout=3000 keepalives_idle=2 keepalives_interval=1 keepalives_count=3"
     " application_name=trb-cloud-gateway client_encoding=UTF8 options='-c search_path=talkrobots"
     " -c synchronous_commit=on -c statement_timeout=3000 -c lock_timeout=2000 -c client_min_messages=warning"
     " -c idle_in_transaction_session_timeout=2000'";
@@ -183,11 +190,16 @@ class Caller {
     lock.unlock();
     Connection made;
     Status done = Done{};
+    const auto begin = std::chrono::steady_clock::now();
     try {
-      made = std::make_unique<pqxx::connection>(server_.connection + kSession);
+      made = std::make_unique<pqxx::connection>(server_.connection + kSession +
+                                                " connect_timeout=" + std::to_string(patience_s_));
+      patience_s_ = kFirstPatience_s;
       done = migrate_tables(*made, server_, tables_);
     } catch (const std::exception& error) {
       done = fail(Errc::peer_unreachable, server_.name + ": " + first_line(error.what()), kCure);
+      const bool was_late = std::chrono::steady_clock::now() - begin >= kOfPatience;
+      if (made == nullptr && was_late) patience_s_ = std::min(2 * patience_s_, kMostPatience_s);
     }
     lock.lock();
     if (done) {
@@ -208,7 +220,8 @@ class Caller {
   Error why_ = fail(Errc::peer_unreachable, server_.name + ": has not answered yet", kCure);
   int watched_ = -1;
   std::chrono::steady_clock::time_point until_;
-  std::thread thread_;  // the last member: it uses the others
+  int patience_s_ = kFirstPatience_s;  ///< the thread's own
+  std::thread thread_;                 // the last member: it uses the others
 };
 
 class Postgres final : public PostgresSql {

@@ -30,7 +30,8 @@ struct PostgresTables {
 /// called | no answer, or tables of a newer build     | called again, every 250 ms; each call: peer_unreachable
 /// there  | the connection breaks, or a statement takes over 4 s | called; each call: peer_unreachable
 /// there  | a transaction does not begin or end as told | the same: nobody knows whether it is open
-/// A call never waits for a connection: a thread makes it.
+/// A call never waits for a connection: a thread makes it, and gives a server that is slow to let it in more time with
+/// each try.
 class PostgresSql : public Sql {
  public:
   /// Returns at once; the server is being called.

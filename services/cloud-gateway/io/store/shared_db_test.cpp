@@ -154,6 +154,25 @@ TEST_CASE("a server that is killed and comes back: calls fail at once meanwhile,
   });
 }
 
+TEST_CASE("a server that takes longer to let anybody in than it is given at first is given more") {
+  with_store(true, [] {
+    struct Slow {
+      Slow() { again("pre_auth_delay=3"); }
+      ~Slow() { again("pre_auth_delay=0"); }
+      Slow(const Slow&) = delete;
+      Slow& operator=(const Slow&) = delete;
+      static void again(const std::string& setting) {
+        postgres_turn()->kill();
+        postgres_turn()->start(setting);
+      }
+    };
+    const StoreFolder folder;
+    const Slow slow;
+    const auto db = open_shared_db(postgres_turn()->access(), {"cloud", "c"}, {});
+    until_done([&] { return db->load().ok(); }, kPatience);
+  });
+}
+
 TEST_CASE("a server that stands still holds nobody up for longer than a bound") {
   with_store(true, [] {
     const StoreFolder folder;

@@ -131,15 +131,16 @@ PostgresHost::~PostgresHost() {
   ::waitpid(pid_, &status, 0);
 }
 
-void PostgresHost::start() {
+void PostgresHost::start(const std::string& setting) {
   const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(60);
   do {
     REQUIRE_MESSAGE(std::chrono::steady_clock::now() < until, "the server does not answer: " << folder_->log());
     // It ends at once while a process of the one that was killed is still there.
     if (pid_ == 0 || ::waitpid(pid_, nullptr, WNOHANG) == pid_) {
-      pid_ = begin({programs_ + "/postgres", "-D", folder_->data(), "-k", folder_->path, "-c",
-                    "listen_addresses=", "-c", "shared_buffers=16MB", "-c", "fsync=off", "-c", "max_connections=30"},
-                   folder_->log());
+      pid_ =
+          begin({programs_ + "/postgres", "-D", folder_->data(), "-k", folder_->path, "-c", "listen_addresses=", "-c",
+                 "shared_buffers=16MB", "-c", "fsync=off", "-c", "max_connections=30", "-c", setting},
+                folder_->log());
     }
     ::poll(nullptr, 0, 50);  // it tells nobody when it is ready: it is asked
   } while (!said("SELECT 1").empty());

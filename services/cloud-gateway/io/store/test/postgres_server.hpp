@@ -24,7 +24,7 @@ class PostgresHost {
   [[nodiscard]] std::string said(const std::string& sql) const;
   /// The first column of the first row.
   [[nodiscard]] std::string value(const std::string& sql) const;
-  void start();
+  void start(const std::string& setting = "max_connections=30");
   void kill();                            ///< -9, with all its processes
   void stand_still(bool is_still) const;  ///< SIGSTOP, SIGCONT to all its processes
 
