@@ -210,10 +210,7 @@ Result<Token> RosDriver::release(Now, const DriverOut& out) {
 void RosDriver::on_bridge(const BridgeEvent& event, Now now, const DriverOut& out) {
   const auto at = event.instance == instance_ ? pending_.find(event.token) : pending_.end();
   if (at == pending_.end()) return out.out.count("from_robot.late");
-  if (event.result == BridgeResult::failed) {
-    const Pending pending = at->second;
-    return on_failed(event.token, pending, event, now, out);
-  }
+  if (event.result == BridgeResult::failed) return on_failed(event.token, at->second, event, now, out);
   if (event.result == BridgeResult::done) return on_done(event.token, at->second, now, out);
   const Pending pending = at->second;
   if (pending.purpose != Purpose::watch) pending_.erase(at);
@@ -264,6 +261,7 @@ void RosDriver::on_done(std::uint64_t key, Pending& pending, Now now, const Driv
   }
   const Pending ended = pending;
   pending_.erase(key);
+  if (ended.refused) return;
   if (ended.purpose == Purpose::command) out.emit(HandedOver{ended.token});
   // ROS does not report that a robot stands still: the stop was only sent.
   if (ended.purpose == Purpose::stop) out.emit(Stopped{ended.token, false});
@@ -271,10 +269,19 @@ void RosDriver::on_done(std::uint64_t key, Pending& pending, Now now, const Driv
   if (ended.purpose == Purpose::release) out.emit(Released{ended.token});
 }
 
-void RosDriver::on_failed(std::uint64_t key, const Pending& pending, const BridgeEvent& event, Now now,
+void RosDriver::on_failed(std::uint64_t key, Pending& at_bridge, const BridgeEvent& event, Now now,
                           const DriverOut& out) {
-  pending_.erase(key);
   const Error error = error_of(event);
+  const Pending pending = at_bridge;
+  const bool stops = pending.purpose == Purpose::stop || pending.purpose == Purpose::halt;
+  if (stops && pending.left > 1) {
+    --at_bridge.left;  // the others stop what they can
+    at_bridge.refused = true;
+  } else {
+    if (pending.left > 1) drop_at_bridge(key, out);
+    pending_.erase(key);
+  }
+  if (pending.refused) return out.refuse("bridge", pending.subtype + ": " + error.text());
   if (pending.purpose == Purpose::command || pending.purpose == Purpose::request) {
     return out.emit(Refused{pending.token, error});
   }

@@ -61,6 +61,7 @@ class RosDriver : public CommandsDriver<std::vector<RosMessage>> {
     std::string subtype;   ///< of a request or a watch
     std::string source;    ///< the requester
     std::size_t left = 0;  ///< publications that are not done yet
+    bool refused = false;  ///< one of a stop's or a halt's was; the others may still arrive
   };
 
   Result<std::vector<BridgeCommand>> fill(std::string_view subtype, BytesView data) const;
@@ -70,7 +71,7 @@ class RosDriver : public CommandsDriver<std::vector<RosMessage>> {
   void drop_all(Purpose purpose, const DriverOut& out);
   void on_value(const Pending& pending, const BridgeEvent& event, Now now, const DriverOut& out);
   void on_done(std::uint64_t key, Pending& pending, Now now, const DriverOut& out);
-  void on_failed(std::uint64_t key, const Pending& pending, const BridgeEvent& event, Now now, const DriverOut& out);
+  void on_failed(std::uint64_t key, Pending& pending, const BridgeEvent& event, Now now, const DriverOut& out);
   void keep_value(const std::string& subtype, const std::string& data, Now now);
   void lose_value(const std::string& subtype, const BridgeEvent& event, Now now, const DriverOut& out);
   void watch_all(const DriverOut& out);

@@ -25,6 +25,42 @@ TEST_CASE("a stop goes to every topic that it names, overtakes what waits, and i
   CHECK(fixture.answer(id) == "ack stopped");
 }
 
+TEST_CASE("of a command that was refused in part nothing more is published") {
+  Settings settings = ridgeback();
+  settings.commands.commands["move"] = "/lamp std_msgs/Empty {}\n/cmd_vel";
+  OnlineRos fixture(std::move(settings));
+  const auto id = fixture.command("move", "[1]");
+  const auto lamp = fixture.asked().at(0);
+  fixture.tell(lamp.token, BridgeResult::failed, "", "unknown_target");
+  CHECK(fixture.answer(id) == "nack unknown_target");
+  const auto asked = fixture.asked();  // the speed may still wait for a subscriber
+  REQUIRE(asked.size() == 1);
+  CHECK(asked[0].action == BridgeAction::unwatch);
+  CHECK(asked[0].token == lamp.token);
+}
+
+TEST_CASE("a stop that one of its topics has refused goes to the others, but not after a release") {
+  OnlineRos fixture;
+  const auto id = fixture.deliver(MessageType::command, Stop{"fire"});
+  const auto stop = fixture.asked().at(0);
+  fixture.tell(stop.token, BridgeResult::failed, "", "timeout");
+  CHECK(fixture.asked().empty());
+  SUBCASE("it is not confirmed") {
+    fixture.tell(stop.token, BridgeResult::done);
+    fixture.wait(0.1);
+    CHECK(fixture.answer(id).empty());
+    fixture.deliver(MessageType::command, Release{});
+    CHECK(fixture.asked().empty());
+  }
+  SUBCASE("a release drops what waits of it") {
+    fixture.deliver(MessageType::command, Release{});
+    const auto asked = fixture.asked();
+    REQUIRE(asked.size() == 1);
+    CHECK(asked[0].action == BridgeAction::unwatch);
+    CHECK(asked[0].token == stop.token);
+  }
+}
+
 TEST_CASE("what nobody waits for any more is not published later: the message's time is over, or the skill's") {
   OnlineRos fixture;
   fixture.remaining_ms = 700;
