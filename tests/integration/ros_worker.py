@@ -6,7 +6,7 @@ import support  # noqa: F401: sets the path for the next import
 import trb_fleet
 
 LOOK_UP, PUBLISH, SUBSCRIBE = 1, 2, 3
-ALIVE, TYPE, PUBLISHED, FAILED, TOPIC_FAILED = 5, 6, 7, 8, 12
+ALIVE, TYPE, PUBLISHED, FAILED, MESSAGE, TOPIC_FAILED = 5, 6, 7, 8, 9, 12
 
 
 class Worker:
@@ -38,7 +38,7 @@ class Worker:
         word, body, parts = body[0], body[1:], []
         while body:
             end = 4 + struct.unpack("<I", body[:4])[0]
-            parts.append(body[4:end].decode())
+            parts.append(body[4:end].decode(errors="replace"))
             body = body[end:]
         return word, parts
 

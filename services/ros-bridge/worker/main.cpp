@@ -16,6 +16,7 @@
 
 #include "services/ros-bridge/core/message_codec.hpp"
 #include "services/ros-bridge/core/worker_syntax.hpp"
+#include "services/ros-bridge/worker/receivers.hpp"
 
 namespace trb::ros {
 namespace {
@@ -59,6 +60,7 @@ class Worker {
     std::string type;
     topic_tools::ShapeShifter message;
     roscpp::Publisher publisher;
+    Receivers receivers;
   };
   using Heard = roscpp::MessageEvent<topic_tools::ShapeShifter const>;
   struct Subscription {
@@ -187,8 +189,7 @@ class Worker {
       publisher.sum = parts[3];
       publisher.type = parts[2];
       publisher.message.morph(parts[3], parts[2], parts[4], "0");
-      // What does not fit into ROS' queue is thrown away, and was told to be published.
-      publisher.publisher = publisher.message.advertise(*node_, topic, kMaxPublications);
+      publisher.publisher = advertise(topic, parts);
     }
     if (!publisher.publisher) {
       give_up(topic, "cannot be published");
@@ -197,6 +198,22 @@ class Worker {
     was_known_ = true;  // ROS has registered the topic
     // The bridge's clock is this one: what was read late, behind a call to the master, has waited all the same.
     waiting_.push_back({parts[0], topic, parts[6], Clock::time_point(std::chrono::nanoseconds(std::stoll(parts[5])))});
+  }
+
+  roscpp::Publisher advertise(const std::string& topic, const std::vector<Bytes>& parts) {
+    const auto comes = [this, topic](const roscpp::SingleSubscriberPublisher& to) {
+      if (const auto at = publishers_.find(topic); at != publishers_.end()) {
+        at->second.receivers.add(to.getSubscriberName());
+      }
+    };
+    const auto goes = [this, topic](const roscpp::SingleSubscriberPublisher& to) {
+      if (const auto at = publishers_.find(topic); at != publishers_.end()) {
+        at->second.receivers.remove(to.getSubscriberName());
+      }
+    };
+    // What does not fit into ROS' queue is thrown away, and was told to be published.
+    roscpp::AdvertiseOptions options(topic, kMaxPublications, parts[3], parts[2], parts[4], comes, goes);
+    return node_->advertise(options);
   }
 
   void give_up(const std::string& topic, const std::string& why) {
@@ -217,7 +234,7 @@ class Worker {
   }
 
   static void refuse_late(const Waiting& waiting, const Publisher& publisher) {
-    if (publisher.publisher.getNumSubscribers() > 0) {
+    if (!publisher.receivers.empty()) {
       return refuse(waiting.token, "timeout", waiting.topic + ": its time was over before it could be published",
                     "look whether the ROS master answers slowly");
     }
@@ -235,7 +252,7 @@ class Worker {
       Publisher& publisher = publishers_.at(waiting.topic);
       if (Clock::now() >= waiting.deadline) {
         refuse_late(waiting, publisher);
-      } else if (!blocked[waiting.topic] && publisher.publisher.getNumSubscribers() > 0) {
+      } else if (!blocked[waiting.topic] && publisher.receivers.are_complete(waiting.topic)) {
         fill(publisher.message, waiting.wire);
         publisher.publisher.publish(publisher.message);
         send_to_bridge(Word::published, {waiting.token});
