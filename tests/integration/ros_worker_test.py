@@ -79,6 +79,20 @@ class WorkerAlone(unittest.TestCase):
         robot.wait_line("/own 0.25", 20)
         self.assertEqual(robot.lines.count("/own 0.5"), 0)
 
+    def test_a_topic_whose_type_changes_is_heard_on(self):
+        """A subscription of ROS' stays with the type of its first publisher."""
+        worker = self.worker()
+        worker.say(ros_worker.SUBSCRIBE, "/changing")
+        for kind in ("String", "UInt8", "Empty"):
+            node = self.node("teller", "say", kind, "/changing")
+            deadline = time.monotonic() + 30
+            while True:
+                word, parts = worker.answer()
+                if word == ros_worker.MESSAGE and parts[1] == f"std_msgs/{kind}":
+                    break
+                self.assertLess(time.monotonic(), deadline, kind)
+            node.child.kill()
+
 
 if __name__ == "__main__":
     support.main()

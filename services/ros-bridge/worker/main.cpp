@@ -29,6 +29,7 @@ constexpr int kBridge = 3;
 constexpr milliseconds kTurn{5};
 constexpr milliseconds kAlive{500};
 constexpr milliseconds kBetweenMessages{20};
+constexpr milliseconds kBetweenRenewals{1000};
 constexpr int kMasterIsNew = 3;
 
 class Worker {
@@ -45,6 +46,7 @@ class Worker {
       roscpp::getGlobalCallbackQueue()->callAvailable();
       publish_due();
       send_newest();
+      renew_subscriptions();
     }
   }
 
@@ -68,6 +70,8 @@ class Worker {
     Clock::time_point next;
     Heard::ConstMessagePtr newest{};  ///< it came too soon after the last one that was told
     Heard::ConstMessagePtr kept{};    ///< of a latched topic, for a further listener
+    bool connected = false;           ///< it has had a publisher
+    Clock::time_point renewed{};
   };
 
   static void send_to_bridge(Word word, std::vector<Bytes> parts) {
@@ -287,6 +291,20 @@ class Worker {
   /// The last message of a topic that then falls silent is not lost.
   void send_newest() {
     for (auto& [topic, subscription] : subscriptions_) send_if_due(topic, subscription);
+  }
+
+  /// A subscription takes for good the type of its first publisher, and ROS then refuses it to one of another type.
+  void renew_subscriptions() {
+    for (auto& [topic, subscription] : subscriptions_) {
+      if (subscription.subscriber.getNumPublishers() > 0) {
+        subscription.connected = true;
+      } else if (subscription.connected && Clock::now() >= subscription.renewed + kBetweenRenewals) {
+        subscription.connected = false;
+        subscription.renewed = Clock::now();
+        subscription.subscriber.shutdown();
+        subscription.subscriber = listen(topic, &Subscription::newest);
+      }
+    }
   }
 
   /// The bridge reads no larger one, and takes what is far larger for garbage.
