@@ -93,6 +93,14 @@ class WorkerAlone(unittest.TestCase):
                 self.assertLess(time.monotonic(), deadline, kind)
             node.child.kill()
 
+    def test_a_worker_whose_name_another_node_has_taken_says_so_and_ends(self):
+        worker = self.worker()
+        worker.say(ros_worker.SUBSCRIBE, "/any")
+        self.worker().say(ros_worker.SUBSCRIBE, "/any")
+        with self.assertRaises(EOFError):
+            worker.answer()
+        self.assertEqual(worker.process.child.wait(20), 4)
+
 
 if __name__ == "__main__":
     support.main()

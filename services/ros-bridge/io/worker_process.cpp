@@ -19,6 +19,7 @@ constexpr std::size_t kMaxUnsent = 8U << 20U;
 constexpr Duration kPause = std::chrono::seconds(2);
 constexpr Duration kSoon = std::chrono::milliseconds(100);
 constexpr int kMasterIsNew = 3;
+constexpr int kShutDown = 4;
 
 [[noreturn]] void become(const std::vector<std::string>& command, int socket) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
@@ -120,6 +121,12 @@ void WorkerProcess::on_ready(short events) {
   if (size < 0 && (errno == EAGAIN || errno == EINTR)) return;
   const auto status = end();
   if (status == kMasterIsNew) return ended("the ROS master was started again", kSoon);
+  // Two of one name would end each other without a pause.
+  if (status == kShutDown) {
+    return ended(
+        "ROS node " + command_[3] + " was shut down: by rosnode kill, or another node took its name; end that one",
+        kPause * 5);
+  }
   ended("the ROS worker has ended" + (status ? " with status " + std::to_string(*status) : std::string()), kPause);
 }
 

@@ -31,6 +31,7 @@ constexpr milliseconds kAlive{500};
 constexpr milliseconds kBetweenMessages{20};
 constexpr milliseconds kBetweenRenewals{1000};
 constexpr int kMasterIsNew = 3;
+constexpr int kShutDown = 4;
 
 class Worker {
  public:
@@ -41,7 +42,9 @@ class Worker {
       pollfd bridge{kBridge, POLLIN, 0};
       ::poll(&bridge, 1, static_cast<int>(kTurn.count()));
       if (bridge.revents != 0 && !receive()) return 0;
-      if (Clock::now() >= next_alive_ && !look_at_master()) return kMasterIsNew;
+      const bool is_new = Clock::now() >= next_alive_ && !look_at_master();
+      if (roscpp::isShuttingDown()) return kShutDown;  // a master that then does not know this node need not be new
+      if (is_new) return kMasterIsNew;
       if (!node_) continue;
       roscpp::getGlobalCallbackQueue()->callAvailable();
       publish_due();
