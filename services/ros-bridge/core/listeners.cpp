@@ -13,17 +13,6 @@ constexpr Duration kWatchPeriod = std::chrono::milliseconds(100);
 constexpr std::size_t kMaxHeardTypes = 500;
 constexpr std::size_t kMaxData = 65536;
 
-/// What a listener wants of a topic's message, as JSON.
-Result<std::string> selected_json(const Result<Value>& message, const std::vector<std::string>& paths,
-                                  const std::string& topic) {
-  const auto selected = message ? select(*message, paths) : message;
-  if (!selected) return selected.error();
-  std::string data = dump_json(*selected);
-  if (data.size() <= kMaxData) return data;
-  return fail(Errc::too_large, topic + ": over 64 kB of JSON",
-              "name the fields that are needed in commands.json: \"TOPIC field.path\"");
-}
-
 }  // namespace
 
 void Listeners::listen(const BridgeCommand& command, MonotonicTime deadline, Now now, const BridgeOut& out) {
@@ -52,7 +41,7 @@ void Listeners::forget_all() {
   for (auto& [name, topic] : topics_) topic.listeners.clear();
 }
 
-Result<Value> Listeners::read_message(const WorkerMessage& message) {
+Result<RosTypePtr> Listeners::type_of(const WorkerMessage& message) {
   if (message.word == Word::unread) return error_of(message);
   const std::string& name = message.parts[1];
   const std::string& sum = message.parts[2];
@@ -67,7 +56,19 @@ Result<Value> Listeners::read_message(const WorkerMessage& message) {
     if (known == heard_types_.end() && heard_types_.size() >= kMaxHeardTypes) heard_types_.clear();
     known = heard_types_.insert_or_assign(name, *type).first;
   }
-  return to_json(*known->second, message.parts[4]);
+  return known->second;
+}
+
+Result<std::string> Listeners::json_of(const WorkerMessage& message, const std::vector<std::string>& paths) {
+  const auto type = type_of(message);
+  if (!type) return type.error();
+  const auto value = to_json(**type, message.parts[4], paths);
+  const auto selected = value ? select(*value, paths) : value;
+  if (!selected) return selected.error();
+  std::string data = dump_json(*selected);
+  if (data.size() <= kMaxData) return data;
+  return fail(Errc::too_large, message.parts[0] + ": over 64 kB of JSON",
+              "name the fields that are needed in commands.json: \"TOPIC field.path\"");
 }
 
 RosTypePtr Listeners::heard_type(const std::string& name) const {
@@ -106,15 +107,17 @@ bool Listeners::send_message(Topic& topic, const WorkerMessage& message, Now now
   const auto is_due = [&](const Listener& one) { return one.owed && (!one.watch || now.mono >= one.next); };
   if (!std::ranges::any_of(listeners, is_due)) return std::ranges::any_of(listeners, &Listener::owed);
   out.outbox.count("from_ros." + message.parts[0]);
-  const auto value = read_message(message);
+  std::map<std::vector<std::string>, Result<std::string>> read;  // many may ask for the same
   std::erase_if(listeners, [&](Listener& listener) {
     if (!is_due(listener)) return false;
     listener.owed = false;
     listener.told = true;
     listener.next = now.mono + kWatchPeriod;
-    auto data = selected_json(value, listener.paths, message.parts[0]);
+    auto known = read.find(listener.paths);
+    if (known == read.end()) known = read.emplace(listener.paths, json_of(message, listener.paths)).first;
+    const auto& data = known->second;
     if (data) {
-      out.value(listener.token, std::move(*data));
+      out.value(listener.token, *data);
     } else {
       // The next message may be good: fault rules that watch it must not be blind for ever.
       listener.watch ? out.unknown(listener.token, data.error()) : out.failed(listener.token, data.error());

@@ -71,7 +71,9 @@ class Listeners {
   bool send_message(Topic& topic, const WorkerMessage& message, Now now, const BridgeOut& out);
   void send_owed(Now now, const BridgeOut& out);
   void expire(Now now, const BridgeOut& out);
-  Result<Value> read_message(const WorkerMessage& message);
+  Result<RosTypePtr> type_of(const WorkerMessage& message);
+  /// What a listener wants of a topic's message, as JSON.
+  Result<std::string> json_of(const WorkerMessage& message, const std::vector<std::string>& paths);
 
   std::map<std::string, Topic> topics_;
   std::map<std::string, RosTypePtr> heard_types_;  ///< by name: from headers of connections

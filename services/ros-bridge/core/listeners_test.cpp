@@ -68,6 +68,16 @@ struct ListenersFixture {
 
 }  // namespace
 
+TEST_CASE("of a map with more cells than are taken, the fields that are named are told") {
+  ListenersFixture fixture;
+  fixture.listen(BridgeAction::ask, 1, "/map", {"first"});
+  fixture.listen(BridgeAction::ask, 2, "/map", {"all[7]"});
+  fixture.listen(BridgeAction::ask, 3, "/map");
+  fixture.listen(BridgeAction::watch, 4, "/map", {"second"});
+  fixture.message("/map", 0.125, 120'000);
+  CHECK(fixture.told() == "1 0.125\n2 too_large\n3 too_large\n4 unknown: bad_value\n");
+}
+
 TEST_CASE("an ask fails at its deadline, a watch waits on") {
   ListenersFixture fixture;
   fixture.listen(BridgeAction::ask, 1, "/odom");

@@ -1,6 +1,9 @@
 // ROS 1 messages between JSON and the wire (ROS wiki, "msg", section 4: little-endian, no padding, u32 lengths).
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "common/base/bytes.hpp"
 #include "common/base/result.hpp"
 #include "proto/value.hpp"
@@ -24,6 +27,7 @@ Result<Bytes> to_wire(const RosType& type, const Value& json);
 /// An object with every field, in such words that to_wire gives the same bytes; but a number that is not finite is
 /// null: the robot has not measured it (sensor_msgs: NaN is "unmeasured"). Errors: malformed (ends too early or too
 /// late, names the field), too_large.
-Result<Value> to_json(const RosType& type, BytesView wire);
+/// With `paths` only the fields in which they begin: "info.width" is in "info". What is left out may be of any size.
+Result<Value> to_json(const RosType& type, BytesView wire, const std::vector<std::string>& paths = {});
 
 }  // namespace trb::ros

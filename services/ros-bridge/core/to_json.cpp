@@ -1,5 +1,6 @@
 #include <sodium.h>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <optional>
@@ -21,10 +22,29 @@ std::string base64_of(BytesView bytes) {
   return out;
 }
 
+bool begins_in(std::string_view path, std::string_view field) {
+  if (path.starts_with('.')) path.remove_prefix(1);
+  return path.substr(0, path.find_first_of(".[")) == field;
+}
+
 /// Reads one message; the first fault ends it.
 class Reader {
  public:
   explicit Reader(BytesView wire) : rest_(wire) {}
+
+  /// Of the fields that no path begins in nothing is kept.
+  Value message(const RosType& type, const std::vector<std::string>& paths) {
+    Value::Object out{};
+    for (const Field& field : type.fields) {
+      if (fault_) break;
+      skips_ = !paths.empty() &&
+               std::ranges::none_of(paths, [&](const std::string& path) { return begins_in(path, field.name); });
+      path_ = field.name;
+      Value value = any(field);
+      if (!skips_) out.emplace_back(field.name, std::move(value));
+    }
+    return Value{std::move(out)};
+  }
 
   Value message(const RosType& type) {
     Value::Object out{};
@@ -32,7 +52,7 @@ class Reader {
       if (fault_) break;
       const std::size_t before = path_.size();
       path_ += (path_.empty() ? "" : ".") + field.name;
-      out.emplace_back(field.name, field.array ? array(field) : one(field));
+      out.emplace_back(field.name, any(field));
       if (!fault_) path_.resize(before);
     }
     return Value{std::move(out)};
@@ -66,14 +86,20 @@ class Reader {
     return taken.empty() ? U{0} : get_little<U>(taken);
   }
 
+  Value any(const Field& field) { return field.array ? array(field) : one(field); }
+
   Value array(const Field& field) {
     const std::size_t size = field.length ? *field.length : number<std::uint32_t>();
-    if (field.primitive == Primitive::uint8) return Value{base64_of(take(size))};
+    if (field.primitive == Primitive::uint8) {
+      const BytesView bytes = take(size);
+      return skips_ ? Value{nullptr} : Value{base64_of(bytes)};
+    }
     const std::size_t least = field.message ? field.message->least_size : 1;
     if (size * std::max<std::size_t>(least, 1) > rest_.size() && least > 0) {
       refuse(Errc::malformed, "the message ends in it");
       return Value{nullptr};
     }
+    if (skips_) return skipped(field, least == 0 ? 0 : size);
     elements_ += size;
     if (elements_ > kMaxElements) {
       refuse(Errc::too_large, "more than " + std::to_string(kMaxElements) + " elements");
@@ -88,6 +114,11 @@ class Reader {
       if (!fault_) path_.resize(before);
     }
     return Value{std::move(out)};
+  }
+
+  Value skipped(const Field& field, std::size_t size) {
+    for (std::size_t i = 0; i < size && !fault_; ++i) one(field);
+    return Value{nullptr};
   }
 
   template <class T>
@@ -162,15 +193,16 @@ class Reader {
   BytesView rest_;
   std::string path_;
   std::size_t elements_ = 0;
+  bool skips_ = false;  ///< nobody wants the field
   std::optional<Error> fault_;
 };
 
 }  // namespace
 
-Result<Value> to_json(const RosType& type, BytesView wire) {
+Result<Value> to_json(const RosType& type, BytesView wire, const std::vector<std::string>& paths) {
   if (wire.size() > kMaxMessage) return fail(Errc::too_large, type.name + ": a message of over 1 MiB");
   Reader reader(wire);
-  Value out = reader.message(type);
+  Value out = reader.message(type, paths);
   if (auto fault = reader.fault(type)) return *fault;
   return out;
 }
