@@ -209,6 +209,7 @@ void BridgeCore::end_publish(std::uint64_t key, const std::optional<Error>& erro
   published_.erase(at);
   if (error) {
     topic_types_.erase(publication.topic);
+    if (error->code == Errc::timeout) store_.forget();  // perhaps it was published by an old definition
     return out.failed(publication.token, *error);
   }
   out.done(publication.token);

@@ -27,6 +27,23 @@ TEST_CASE("a command becomes the wire of the topic's own type, which the master 
   CHECK(said[0].word == Word::publish);
 }
 
+TEST_CASE("a definition to which nobody subscribes is read again: a person compares the sums and puts in the robot's") {
+  std::string definition = "float64 speed\n";
+  Fixture fixture([&](const std::string&) -> Result<std::string> { return definition; });
+  fixture.up();
+  fixture.command(1, BridgeAction::publish, "/speed", "[1]");
+  fixture.worker(Word::type, {"/speed", "demo/Speed"});
+  const WorkerMessage before = fixture.said().back();
+  definition = "float32 speed\n";
+  fixture.worker(Word::failed, {before.parts[0], "timeout", "/speed: nobody subscribes", "compare the sums"});
+  fixture.command(2, BridgeAction::publish, "/speed", "[1]");
+  fixture.worker(Word::type, {"/speed", "demo/Speed"});
+  const WorkerMessage after = fixture.said().back();
+  CHECK(after.word == Word::publish);
+  CHECK(after.parts[3] != before.parts[3]);
+  CHECK(after.parts[6].size() == 4);
+}
+
 TEST_CASE("what cannot be published is refused, and by its field") {
   Fixture fixture;
   fixture.up();

@@ -37,7 +37,7 @@ struct RosType {
 /// A type's definition as a connection's header has it: see type_from_full_definition.
 std::string full_definition(const RosType& type);
 
-/// All types that a bridge has met. A definition once given stays: both ends of a topic must agree on it anyway.
+/// All types that a bridge has met. A definition once given stays until forget().
 class TypeStore {
  public:
   /// The text of "package/Name.msg". Errors: missing.
@@ -48,6 +48,8 @@ class TypeStore {
   /// From the definitions that `read` knows. Errors: bad_value (no type name, or types that contain each other),
   /// missing, malformed, too_large; each names the type.
   Result<RosTypePtr> find(const std::string& type);
+  /// From now on definitions are read anew: a file may have been put right.
+  void forget() { types_.clear(); }
 
  private:
   Result<RosTypePtr> build(const std::string& type, std::vector<std::string>& inside);

@@ -17,12 +17,13 @@ inline Result<std::string> read_definition(const std::string& type) {
 }
 
 struct Fixture {
-  BridgeCore core{{"ridgeback", "http://10.0.0.9:11311", 5}, read_definition};
+  BridgeCore core;
   Now now{};
   Outbox out;
   WorkerReader to_worker;
 
-  Fixture() {
+  explicit Fixture(TypeStore::Read read = read_definition)
+      : core({"ridgeback", "http://10.0.0.9:11311", 5}, std::move(read)) {
     core.on_welcome({"ridgeback", Role::robot, 1}, now, out);
     core.on_worker_started(now, out);
   }
