@@ -35,6 +35,8 @@ class RosFleet(trb_fleet.Fleet):
         commands = json.loads(words.replace(r"\nmove_base/cancel actionlib_msgs/GoalID {}", ""))
         # As many as may wait at the bridge.
         commands["ros"]["commands"]["ramp"] = "\n".join(f"cmd_vel [{i / 256},0,0,0,0,0]" for i in range(256))
+        # Ten megabytes, of numbers that JSON writes with two characters and ROS with eight bytes.
+        commands["ros"]["commands"]["flood"] = "\n".join(['flood std_msgs/Float64MultiArray {"data":{data}}'] * 40)
         commands["ros"]["requests"].update(map="map_metadata width height", novel="novel")
         path.write_text(json.dumps(commands))
 
@@ -139,6 +141,19 @@ class Ros(unittest.TestCase):
             self.assertIn("too_large: novel: a message of over 1 MiB", done.stderr)
         self.move(0.5)
         self.assertEqual(self.worker(), worker)
+
+    def test_a_worker_that_takes_no_more_orders_is_given_up_and_gets_no_part_of_a_later_one(self):
+        """What had no room was thrown away in the middle of an order, and the next one was read as its end."""
+        for _ in range(3):
+            self.fleet.wait_robot("ONLINE")
+            worker = self.worker()
+            os.kill(worker, signal.SIGSTOP)
+            done = self.fleet.send("command", "flood", json.dumps([0] * 32000, separators=(",", ":")))
+            if "does not answer" not in done.stderr:  # a machine may be starved for the 5 s of a worker that hangs
+                break
+        self.assertIn("the ROS worker takes no more orders", done.stderr)
+        self.fleet.wait("a command arrives", self.arrives, 60)
+        self.assertNotEqual(self.worker(), worker)
 
     def worker_alone(self):
         worker = ros_worker.Worker(WORKER, self.fleet.root / "worker.log", self.fleet.ros_uri(), self.fleet.env)

@@ -67,6 +67,7 @@ void WorkerProcess::start(Now now) {
   if (pid_ == 0) become(command_, pair[1]);
   ::close(pair[1]);
   fd_ = Descriptor(pair[0]);
+  is_full_ = false;
   if (pid_ < 0) {
     pid_ = 0;
     end();
@@ -93,8 +94,12 @@ void WorkerProcess::carry_out(const WorkerOutput& output) {
     start_at_ = now().mono + kPause;
     return;
   }
-  // A worker that reads nothing hangs; the core will see that it says nothing either.
-  if (unsent_.size() > kMaxUnsent) unsent_.clear();
+  // A worker that reads nothing hangs. What it has of the first message must not be followed by a later one.
+  if (unsent_.size() > kMaxUnsent) {
+    is_full_ = true;
+    ::shutdown(fd_.get(), SHUT_RDWR);  // its end is read next
+    return unsent_.clear();
+  }
   if (!output.bytes.empty()) flush();
 }
 
@@ -120,6 +125,7 @@ void WorkerProcess::on_ready(short events) {
   }
   if (size < 0 && (errno == EAGAIN || errno == EINTR)) return;
   const auto status = end();
+  if (is_full_) return ended("the ROS worker takes no more orders", kPause);
   if (status == kMasterIsNew) return ended("the ROS master was started again", kSoon);
   // Two of one name would end each other without a pause.
   if (status == kShutDown) {

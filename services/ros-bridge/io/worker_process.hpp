@@ -37,6 +37,7 @@ class WorkerProcess {
   pid_t pid_ = 0;
   Descriptor fd_;
   Bytes unsent_;
+  bool is_full_ = false;  ///< too much was unsent: the worker is given up
   MonotonicTime start_at_;
 };
 
