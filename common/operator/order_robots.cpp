@@ -7,9 +7,11 @@
 namespace trb::op {
 namespace {
 
-/// It may have arrived. not_confirmed: a relay has it, and its link was lost before the robot's node answered;
-/// robot_error: the robot has refused it.
-constexpr Errc kPerhapsReached[] = {Errc::timeout, Errc::robot_offline, Errc::not_confirmed, Errc::robot_error};
+/// It may have arrived. not_confirmed: a relay has it, and its link was lost before the robot's node answered, or too
+/// many wait there for the robot; robot_error: the robot has refused it; io_error: it was told, but its fence is not on
+/// disk; conflict: another order came before the robot had confirmed it.
+constexpr Errc kPerhapsReached[] = {Errc::timeout,     Errc::robot_offline, Errc::not_confirmed,
+                                    Errc::robot_error, Errc::io_error,      Errc::conflict};
 
 /// What a router refuses before it delivers.
 constexpr Errc kNotDelivered[] = {Errc::queue_full,     Errc::peer_unreachable, Errc::peer_expired,

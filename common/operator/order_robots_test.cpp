@@ -61,6 +61,18 @@ TEST_CASE("what a relay lost on its way may have arrived") {
   CHECK(hall.rows->at(1).surely_not_told);
 }
 
+TEST_CASE("a robot that was told is not called unreachable, whatever its node could not do besides") {
+  for (const std::string code : {"io_error", "conflict", "robot_error", "timeout"}) {
+    Stopping hall({"ur3"});
+    hall.node.take<Stop>("ur3");
+    hall.node.answer(Nack{code, "", "ur3", "why", ""});
+    REQUIRE(hall.rows);
+    CHECK(hall.rows->front().state == "sent");
+    CHECK(hall.rows->front().text == code + ": why");
+    CHECK_FALSE(hall.rows->front().surely_not_told);
+  }
+}
+
 TEST_CASE("it ends with the last answer, not with the time") {
   Stopping hall({"ur3"});
   hall.node.take<Stop>("ur3");

@@ -24,7 +24,8 @@ void StopControl::on_stop(const Inbound& message, Now now, Outbox& out) {
   out.log(LogLevel::warning, "stopped", "by " + message.source);
   if (try_answer(pending, out)) return;
   if (pending_.size() >= kMaxPending) {
-    out.nack(message, fail(Errc::queue_full, "fenced and told to stop, but too many wait for the robot to confirm it"));
+    out.nack(message, fail(Errc::not_confirmed,
+                           "fenced and told to stop, but too many wait for the robot to confirm it", kLookAtRobot));
     return;
   }
   pending_.push_back(std::move(pending));
@@ -68,8 +69,9 @@ void StopControl::on_release(const Inbound& message, Now now, Outbox& out) {
   });
   if (try_answer(pending, out)) return;
   if (pending_.size() >= kMaxPending) {
-    out.nack(message, fail(Errc::queue_full,
-                           "the fence is lifted and the robot was told, but too many wait for it to confirm that"));
+    out.nack(message, fail(Errc::not_confirmed,
+                           "the fence is lifted and the robot was told, but too many wait for it to confirm that",
+                           kLookAtRobot));
     return;
   }
   pending_.push_back(std::move(pending));
