@@ -21,7 +21,8 @@ PATIENCE_S = 120  # a deadline, not a measurement
 # A refusal that has nothing to do with versions: what is sent to a robot whose node is away.
 HARMLESS = ("refused.peer_unreachable", "refused.unknown_target", "refused.peer_expired", "refused.no_field_channel",
             "refused.robot_offline", "refused.no_service")
-NEWER = {CLOUD: {"capability.db": "trb-resilience", "gateway.db": "trb-cloud-gateway", "history.db": "trb-cloud-gateway"},
+# Not history.db: without it the gateway goes on, for the page and its Stop (history_file_test.cpp).
+NEWER = {CLOUD: {"capability.db": "trb-resilience", "gateway.db": "trb-cloud-gateway"},
          "arm1": {"journal.db": "trb-scheduler"}}
 
 

@@ -265,3 +265,20 @@ TEST_CASE("a history that cannot be opened says why at each call, and goes on on
   query.node = "ur3";
   CHECK(found(*store, query).entries.size() == 1);
 }
+
+TEST_CASE("a history of a newer build is refused with a cure, and left as it is") {
+  const StoreFolder folder;
+  opened_history(folder);
+  {
+    auto file = SqliteFile::open(history_path(folder), "");
+    REQUIRE(file.ok());
+    REQUIRE((*file)->script("PRAGMA user_version=99").ok());
+    REQUIRE((*file)->script("PRAGMA wal_checkpoint(TRUNCATE)").ok());
+  }
+  const auto before = read_file(history_path(folder));
+  const auto newer = open_history_file(history_path(folder), {});
+  REQUIRE_FALSE(newer.ok());
+  CHECK(newer.error().code == Errc::version_mismatch);
+  CHECK(newer.error().hint.find("start the build that wrote it") != std::string::npos);
+  CHECK(*read_file(history_path(folder)) == *before);
+}
