@@ -9,6 +9,7 @@ import unittest
 import ros_worker
 import support
 import trb_fleet
+import trb_process
 
 HERE = pathlib.Path(__file__).resolve().parent
 BLOCK = 135
@@ -29,9 +30,8 @@ class WorkerAlone(unittest.TestCase):
         cls.env = dict(os.environ, ROS_MASTER_URI=URI, ROS_IP=MASTER[0], ROS_HOME=str(cls.folder / "ros"), PYTHONUNBUFFERED="1")
         master = trb_fleet.Process(["/usr/bin/rosmaster", "--core", "-p", MASTER[1]], cls.folder / "master.log", env=cls.env)
         cls.addClassCleanup(master.stop)
-        deadline = time.monotonic() + trb_fleet.LONG_S
-        while not trb_fleet.answers(MASTER) and time.monotonic() < deadline:
-            time.sleep(0.05)
+        if trb_process.wait_until(lambda: trb_fleet.answers(MASTER), trb_fleet.LONG_S) is None:
+            raise TimeoutError(f"the ROS master does not answer within {trb_fleet.LONG_S} s: {cls.folder / 'master.log'}")
 
     def worker(self):
         worker = ros_worker.Worker(WORKER, self.folder / "worker.log", URI, self.env)
