@@ -107,8 +107,6 @@ inline StoreBatch audit_batch(std::vector<AuditRow> rows) {
 }  // namespace trb::gateway::test
 
 // A test that both stores have to pass, each as a test of its own.
-#define TRB_STORE_CAT_(a, b) a##b
-#define TRB_STORE_CAT(a, b) TRB_STORE_CAT_(a, b)
 #define TRB_STORE_TEST_(body, name)              \
   static void body();                            \
   TEST_CASE(name " (SQLite)") {                  \
@@ -118,4 +116,4 @@ inline StoreBatch audit_batch(std::vector<AuditRow> rows) {
     trb::gateway::test::with_store(true, body);  \
   }                                              \
   static void body()
-#define BOTH_STORES(name) TRB_STORE_TEST_(TRB_STORE_CAT(store_test_, __LINE__), name)
+#define BOTH_STORES(name) TRB_STORE_TEST_(DOCTEST_ANONYMOUS(store_test_), name)
