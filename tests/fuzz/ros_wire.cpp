@@ -26,9 +26,22 @@ bool has_unmeasured(const Value& json) {
          std::ranges::any_of(json.object(), [](const auto& one) { return has_unmeasured(one.second); });
 }
 
+/// A part of a message has the fields that were asked for, with the values that they have in the whole.
+void check_parts(const RosType& type, BytesView wire, const Value& whole) {
+  for (const auto& [name, value] : whole.object()) {
+    const auto part = to_json(type, wire, {name + ".of.any"});
+    require(part.ok(), "a part of a message that can be read can be read");
+    const auto& fields = part->object();
+    require(fields.size() == 1 && fields.front().first == name, "a part has the field that was asked for");
+    require(dump_json(fields.front().second) == dump_json(value), "and the value of the whole");
+  }
+}
+
 void check_message(const RosType& type, BytesView wire) {
+  (void)to_json(type, wire, {"bytes", "way[0].x", "text"});
   const auto json = to_json(type, wire);
   if (!json) return;
+  check_parts(type, wire, *json);
   const auto again = to_wire(type, *json);
   if (has_unmeasured(*json)) return require(!again.ok(), "no number that is not finite is written");
   require(again.ok(), "what was read from the wire can be written again");
