@@ -1,5 +1,6 @@
 #include "common/security/stored_updates.hpp"
 
+#include <algorithm>
 #include <filesystem>
 #include <utility>
 
@@ -57,7 +58,17 @@ Result<std::vector<Revocation>> read_dropped(const std::string& node_dir) {
                   dir + "/" + kDropped);
 }
 
-/// Before the list that lacks them.
+/// These, and whom the file names beside them, as far as a list has room.
+std::vector<Revocation> with_stored(const std::string& node_dir, std::vector<Revocation> dropped) {
+  constexpr std::size_t kMost = 2000;  // RevocationList's
+  const auto before = read_dropped(node_dir);
+  for (std::size_t i = 0; before && i < before->size() && dropped.size() < kMost; ++i) {
+    const Revocation& entry = (*before)[i];
+    if (std::ranges::find(dropped, entry) == dropped.end()) dropped.push_back(entry);
+  }
+  return dropped;
+}
+
 Status write_dropped(const std::string& node_dir, const std::vector<Revocation>& dropped) {
   const std::string path = node_dir + "/" + kDropped;
   if (dropped.empty() && !file_exists(path)) return Done{};
@@ -85,7 +96,8 @@ Result<StoredUpdates> read_stored_updates(const std::string& node_dir, const Fle
 
 Status write_stored_updates(const std::string& node_dir, const TrustUpdate& update,
                             const std::vector<Revocation>& dropped) {
-  if (Status written = write_dropped(node_dir, dropped); !written) return written;
+  // A list may lack whom the one before had, or have whom that lacked: until it is stored, both count.
+  if (Status written = write_dropped(node_dir, with_stored(node_dir, dropped)); !written) return written;
   const Bytes bytes = encode(update);
   for (const char* file : kFiles) {
     const std::string path = node_dir + "/" + file;
@@ -93,7 +105,7 @@ Status write_stored_updates(const std::string& node_dir, const TrustUpdate& upda
     if (const auto there = read_file(path); there && *there == bytes) continue;
     if (Status written = write_file(path, bytes); !written) return written;
   }
-  return Done{};
+  return write_dropped(node_dir, dropped);
 }
 
 }  // namespace trb

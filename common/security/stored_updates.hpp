@@ -22,7 +22,8 @@ struct StoredUpdates {
 /// too_large, of the file that should be mended, with a cure: who is revoked is then not known.
 Result<StoredUpdates> read_stored_updates(const std::string& node_dir, const FleetAuthority& authority);
 
-/// All files; one that has this content already is left alone. Whoever is interrupted forgets nobody. Errors: io_error.
+/// All files; one that has this content already is left alone. Whoever is interrupted forgets nobody: whom the stored
+/// list lacked is named until the one that may have them is stored, too. Errors: io_error.
 Status write_stored_updates(const std::string& node_dir, const TrustUpdate& update,
                             const std::vector<Revocation>& dropped);
 

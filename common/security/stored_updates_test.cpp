@@ -133,6 +133,28 @@ TEST_CASE("whom the list lacks is read with it; damaged or unreadable, it is an 
   }
 }
 
+TEST_CASE("until the list that has them again is stored, whom the one before lacked is not forgotten") {
+  const Keeper keeper;
+  const Revocation bee{1, "bee", "stolen", 5, 6};
+  const Revocation cat{2, "cat", "sold", 7, 8};
+  REQUIRE(write_stored_updates(keeper.node.path, keeper.update, {bee}).ok());
+  // Where the power goes: behind state/dropped, before the list.
+  std::filesystem::remove(keeper.news);
+  std::filesystem::create_directory(keeper.news);
+  const TrustUpdate next{keeper.update.revocations, {keeper.update.revocations}};
+  SUBCASE("nobody is lacked any more") {
+    CHECK_FALSE(write_stored_updates(keeper.node.path, next, {}).ok());
+    CHECK(keeper.read()->dropped == std::vector{bee});
+  }
+  SUBCASE("another one is") {
+    CHECK_FALSE(write_stored_updates(keeper.node.path, next, {cat}).ok());
+    CHECK(keeper.read()->dropped == std::vector{cat, bee});
+  }
+  std::filesystem::remove(keeper.news);
+  REQUIRE(write_stored_updates(keeper.node.path, next, {cat}).ok());
+  CHECK(keeper.read()->dropped == std::vector{cat});
+}
+
 TEST_CASE("the list of a fleet to which the node belonged before is told, with what to remove") {
   const Keeper keeper;
   const Hall other;
