@@ -78,6 +78,14 @@ std::optional<MonitorEvent> receive_event(Socket& pair) {
   return out;
 }
 
+/// libzmq's thread waits for room for its next event, with a lock that the end of the monitor takes, too. It gets room
+/// for more than comes until then.
+void end_monitor(Socket& socket, Socket& pair) {
+  while (receive_event(pair)) {
+  }
+  zmq_socket_monitor(socket.handle(), nullptr, 0);
+}
+
 }  // namespace
 
 Result<std::unique_ptr<SocketMonitor>> SocketMonitor::watch(Context& context, Loop& loop, Socket& socket,
@@ -95,7 +103,7 @@ SocketMonitor::SocketMonitor(Loop& loop, Socket& socket, Socket pair, OnEvent on
 
 SocketMonitor::~SocketMonitor() {
   loop_.remove_socket(pair_.handle());
-  zmq_socket_monitor(socket_.handle(), nullptr, 0);
+  end_monitor(socket_, pair_);
 }
 
 void SocketMonitor::serve() {
@@ -130,7 +138,7 @@ ConnectionWatch::ConnectionWatch(Context& context, Socket& socket)
                             ZMQ_EVENT_CONNECTED | ZMQ_EVENT_HANDSHAKE_FAILED_AUTH | ZMQ_EVENT_DISCONNECTED)) {}
 
 ConnectionWatch::~ConnectionWatch() {
-  zmq_socket_monitor(socket_.handle(), nullptr, 0);
+  end_monitor(socket_, pair_);
 }
 
 bool ConnectionWatch::take_refused() {
