@@ -270,9 +270,13 @@ class Simulate(unittest.TestCase):
     def test_how_long_is_played_counts_from_the_submission_and_0_is_as_without_it(self):
         words = ("simulate", "--protocol", "talkrobots", "--robots", 3, "--tasks", 4, "--seconds")
         done = trb(*words, 12.1)  # the tasks take 12.05 s
-        self.assertEqual(done.returncode, 1, done.stdout)
-        self.assertIn("OPEN: 4 tasks in 12.0", done.stdout)
+        self.assertEqual(done.returncode, 0, done.stdout)
+        self.assertIn("The run is FINISHED: 4 tasks in 12.0", done.stdout)
         self.assertIn("The cloud has its end, it is FINISHED; nodes keep a run for a minute more", done.stdout)
+        self.assertNotIn("cut off before its end", done.stdout)
+        before = trb(*words, 12)
+        self.assertEqual(before.returncode, 1, before.stdout)
+        self.assertIn("OPEN: 3 tasks", before.stdout)
         self.assertIn("FINISHED", trb(*words, 75).stdout)
         self.assertIn("FINISHED", trb(*words, 0).stdout)
 

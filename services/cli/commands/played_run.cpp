@@ -40,9 +40,9 @@ void print_open(const Value& world) {
                " s, and nothing planned is to come; it is not over at " + names_of(world.find("open_at")->list()) +
                (off.empty() ? "" : "; off: " + names_of(off)));
   }
-  if (world.find("finished_at_cloud")->boolean())
-    print_line("The cloud has its end, it is FINISHED; nodes keep a run for a minute more");
-  const bool goes_on = still_s == nullptr && alerts->list().empty();
+  const bool is_finished = world.find("finished_at_cloud")->boolean();
+  if (is_finished) print_line("The cloud has its end, it is FINISHED; nodes keep a run for a minute more");
+  const bool goes_on = !is_finished && still_s == nullptr && alerts->list().empty();
   if (goes_on || world.find("at_work")->integer() > 0)
     print_line("It was cut off before its end: --seconds plays more of it");
 }

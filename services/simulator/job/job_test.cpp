@@ -184,6 +184,18 @@ TEST_CASE("a run that `seconds` cut off at work is open and nothing is broken, a
   CHECK_FALSE(world_value(world::World(*whole.world).play()).find("cut_off"));
 }
 
+TEST_CASE("a run that the cloud has ended is FINISHED, though the time was up while the nodes kept it") {
+  ConfigFaults faults;
+  const Job job = read_job(R"({"protocol": "talkrobots", "robots": 2, "tasks": 3, "seconds": 9.5})", faults);
+  REQUIRE(faults.empty());
+  const Value answer = world_value(world::World(*job.world).play());
+  CHECK(answer.find("state")->text() == "FINISHED");
+  CHECK(answer.find("broken")->list().empty());
+  CHECK_FALSE(answer.find("over_everywhere")->boolean());
+  REQUIRE(answer.find("cut_off"));
+  CHECK(answer.find("finished_at_cloud")->boolean());
+}
+
 namespace {
 
 Value world_of(const std::string& more) {

@@ -83,7 +83,7 @@ Value whole(std::uint64_t number) {
 }
 
 Value state_of(const world::PlayedRun& played) {
-  return Value{played.over_everywhere ? std::string(name_of(played.state)) : "OPEN"};
+  return Value{played.state ? std::string(name_of(*played.state)) : "OPEN"};
 }
 
 void add_end(const world::PlayedRun& played, Value::Object& out) {

@@ -15,7 +15,8 @@ world::WorldPlan read_world(ObjectReader& reader);
 
 constexpr std::size_t kMaxListedAlerts = 100;  ///< and of each so many tasks
 
-/// What the world adds to the answer; `cut_off`: true, if the time was up before the run was over. Then also why:
+/// What the world adds to the answer; `state`: the cloud's word of the run, OPEN until its disk has the run's end;
+/// `cut_off`: true, if the time was up before the run was over everywhere. Then also why:
 /// `alerts` that wait for a person ([{"robot", "cause", "text", "tasks"}]), `stands_still_s` (nothing has moved for so
 /// long, and nothing planned is to come; left out: something may move), `at_work` (robots at a task),
 /// `finished_at_cloud` (it is; nodes keep a run for a minute more), `open_at` (nodes where it is not over), `off` (of

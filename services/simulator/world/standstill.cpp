@@ -1,7 +1,6 @@
 #include "services/simulator/world/standstill.hpp"
 
 #include <algorithm>
-#include <variant>
 
 #include "services/simulator/world/world.hpp"
 
@@ -22,20 +21,12 @@ double still_for(const World& world) {
   return still_s < kStill_s ? 0 : still_s;
 }
 
-bool is_finished_at(const Node& node, const std::string& run) {
-  if (const auto over = node.disk().archive.record(run)) return over->view.state == RunState::finished;
-  return std::ranges::any_of(node.disk().journal, [&](const auto& record) {
-    const auto of = scheduler::run_of(record);
-    return std::holds_alternative<scheduler::JournalEnd>(record) && of && *of == run;
-  });
-}
-
 }  // namespace
 
 Standstill standstill_of(const World& world, const WorldRun& run) {
   Standstill out;
   bool is_any_at_work = false;
-  out.is_finished = is_finished_at(*world.nodes().at("cloud"), run.id);
+  out.is_finished = run.outcome.state == RunState::finished;
   for (const auto& [id, alert] : world.nodes().at("cloud")->disk().alerts.alerts()) {
     if (alert.run == run.id && resilience::is_open(alert)) out.alerts.push_back(alert);
   }

@@ -228,10 +228,10 @@ Played World::play() {
 void World::take_stock(WorldRun& run) {
   PlayedRun& is = run.outcome;
   is.over_everywhere = is_over_everywhere(run);
+  is.state = end_at_cloud(run.id);
   is.cut_off = !ended_ && !is_stopped() && !is.over_everywhere;
   if (is.cut_off) is.standstill = standstill_of(*this, run);
   if (is.cut_off && is_cut_off_at_work()) leave_open(run);
-  if (const auto record = nodes_.at("cloud")->disk().archive.record(run.id)) is.state = record->view.state;
   is.makespan_s = run.witness.makespan_s();
   is.tasks_done = run.witness.tasks_done();
 }
@@ -314,6 +314,16 @@ void World::submit_others() {
   for (const WorldRun& run : runs_) {
     if (run.index > 0) events_.after(seconds(run.plan.after_s), [this, index = run.index] { submit(index); });
   }
+}
+
+std::optional<RunState> World::end_at_cloud(const std::string& run) const {
+  const Disk& disk = nodes_.at("cloud")->disk();
+  if (const auto over = disk.archive.record(run)) return over->view.state;
+  const bool has_end = std::ranges::any_of(disk.journal, [&](const auto& record) {
+    const auto of = scheduler::run_of(record);
+    return std::holds_alternative<scheduler::JournalEnd>(record) && of && *of == run;
+  });
+  return has_end ? std::optional(RunState::finished) : std::nullopt;
 }
 
 bool World::is_open_at(const Node& node, const std::string& run) const {

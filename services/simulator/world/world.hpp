@@ -112,6 +112,8 @@ class World {
   [[nodiscard]] std::optional<std::size_t> message_run() const { return marks_.find(meter_.frame()); }
   /// Robots that began a task of a run that nobody has submitted, as text.
   [[nodiscard]] const std::set<std::string>& strangers() const { return strangers_; }
+  /// How the run ended, on the cloud's disk; nullopt: it has no end there yet. Nodes keep a run for a minute more.
+  [[nodiscard]] std::optional<RunState> end_at_cloud(const std::string& run) const;
   /// On that node's disk the run is not over yet.
   [[nodiscard]] bool is_open_at(const Node& node, const std::string& run) const;
   /// The robot is at a task of that run.

@@ -13,9 +13,9 @@ namespace trb::world {
 
 /// What became of a run. Times are the world's, in seconds.
 struct PlayedRun {
-  bool accepted = false;  ///< by the cloud's scheduler
-  std::string refusal;    ///< why it was refused; empty: it was not
-  RunState state{};       ///< at the cloud, if it is over there
+  bool accepted = false;          ///< by the cloud's scheduler
+  std::string refusal;            ///< why it was refused; empty: it was not
+  std::optional<RunState> state;  ///< at the cloud, from when its disk has the run's end, as people see it in the hall
   bool over_everywhere = false;
   double submitted_s = 0;  ///< when the person submitted it; 0: the world ended before
   double makespan_s = 0;

@@ -118,12 +118,33 @@ TEST_CASE("of a run whose tasks are all done, and which the nodes keep for a min
   WorldPlan plan = plan_of(2, 4);
   plan.until_s = 12.5;
   const Played is = World(plan).play();
-  check_unbroken(is);
+  check_finished(is, 4);
   CHECK(is.cut_off);
-  CHECK(is.tasks_done == 4);
   CHECK_FALSE(is.over_everywhere);
   REQUIRE(is.standstill);
   CHECK(is.standstill->is_finished);
+}
+
+TEST_CASE(
+    "a run has its end when the cloud has it: some milliseconds behind its last task, a minute before the nodes") {
+  WorldPlan plan = plan_of(3, 4);
+  double done_s = 0;
+  World whole(plan);
+  whole.on_second = [&](const World& world) {
+    if (world.tasks_done() == 4 && done_s == 0) done_s = world.moved_s() - world.runs().front().outcome.submitted_s;
+  };
+  CHECK(whole.play().state == RunState::finished);
+  const auto end_within = [&](double seconds) {
+    plan.until_s = done_s + seconds;
+    return World(plan).play();
+  };
+  CHECK_FALSE(end_within(-0.001).state);
+  const Played just = end_within(0.001);  // the robot has done it, and nobody has heard of it
+  CHECK(just.tasks_done == 4);
+  CHECK_FALSE(just.state);
+  CHECK(end_within(0.1).state == RunState::finished);
+  CHECK_FALSE(end_within(59).over_everywhere);
+  CHECK(end_within(61).over_everywhere);
 }
 
 TEST_CASE("links that are not up are told: the run is submitted all the same, and played as long as was asked for") {

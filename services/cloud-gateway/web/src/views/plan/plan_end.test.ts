@@ -12,10 +12,10 @@ describe('the end of a simulated run', () => {
     expect([standOf(answer()), standOf(answer(over)), standOf(answer({ ...over, state: 'ABORTED' }))]).toEqual([null, null, null]);
   });
 
-  it('says what a run that is not over waits for: a person first, then its nodes, then nothing', () => {
+  it('says what a run that is not over everywhere waits for: its nodes, if it has its end, a person, or nothing', () => {
     const alert = { robot: 'r0', cause: 'robot_fault', text: '', tasks: ['t0'] };
     expect(open({ alerts: [alert], stands_still_s: 290 })).toBe('waits');
-    expect(open({ finished_at_cloud: true, stands_still_s: 290 })).toBe('kept');
+    expect(open({ state: 'FINISHED', finished_at_cloud: true, stands_still_s: 290 })).toBe('kept');
     expect(open({ finished_at_cloud: false, stands_still_s: 290 })).toBe('still');
     expect(open({ finished_at_cloud: false, at_work: 1 })).toBe('open');
     expect(standOf(answer({ ...over, state: 'OPEN' }))).toBe('open');

@@ -4,10 +4,10 @@ import type { Job } from './plan_job';
 import type { Answer } from './plan_result';
 
 /**
- * | A run that is not over              | Stand |
+ * | A run that is not over everywhere   | Stand |
  * |-------------------------------------|-------|
- * | has an alert, and nobody decides    | waits |
  * | has its end at the cloud            | kept  |
+ * | has an alert, and nobody decides    | waits |
  * | does not move any more              | still |
  * | else                                | open  |
  */
@@ -15,9 +15,10 @@ export type Stand = 'waits' | 'kept' | 'still' | 'open';
 
 /** Nothing: it is over, or none was played. */
 export function standOf({ world }: Answer): Stand | null {
-  if (world === undefined || world.state !== 'OPEN') return null;
-  if ((world.alerts ?? []).length > 0) return 'waits';
+  if (world === undefined) return null;
   if (world.finished_at_cloud === true) return 'kept';
+  if (world.state !== 'OPEN') return null;
+  if ((world.alerts ?? []).length > 0) return 'waits';
   return world.stands_still_s === undefined ? 'open' : 'still';
 }
 
