@@ -22,4 +22,10 @@ bool Course::tells(bool text) const {
   return std::ranges::any_of(steps_, is_wanted) || std::ranges::all_of(steps_, is_unread);
 }
 
+std::optional<Course::Late> Course::after(double seconds) const {
+  const auto next = std::ranges::upper_bound(steps_, seconds, {}, &Step::at_s);
+  if (next == steps_.end()) return std::nullopt;
+  return Late{next->at_s, static_cast<std::size_t>(steps_.end() - next)};
+}
+
 }  // namespace trb::simulation

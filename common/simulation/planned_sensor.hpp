@@ -1,6 +1,8 @@
 // A sensor of a simulated fleet: what its node tells of it, and its value over time.
 #pragma once
 
+#include <cstddef>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -33,6 +35,12 @@ class Course {
   [[nodiscard]] Measured at(double seconds) const;
   /// Is it ever a text, or else a number? One that can never be read is both.
   [[nodiscard]] bool tells(bool text) const;
+  /// Steps, and a ramp's begin and end, that come later.
+  struct Late {
+    double at_s = 0;  ///< the first of them
+    std::size_t steps = 0;
+  };
+  [[nodiscard]] std::optional<Late> after(double seconds) const;
   /// From then on it stays as it is.
   [[nodiscard]] double end_s() const { return steps_.empty() ? 0 : steps_.back().at_s; }
 

@@ -305,6 +305,18 @@ class Simulate(unittest.TestCase):
             self.assertRegex(done.stdout, r"from the start +disk +cloud\n2 s +cut +r1 - cloud, what r1 is sent\n3 s +heal +r1\n")
             self.assertEqual(answer_of(*words, "--faults", faults)["world"]["not_reached"], [{"fault": 0, "at": 100000}])
 
+    def test_what_a_sensor_was_to_tell_after_the_end_is_told(self):
+        words = ("simulate", "--protocol", "talkrobots", "--robots", 3, "--tasks", 4)
+        with tempfile.TemporaryDirectory() as folder:
+            values = pathlib.Path(folder) / "values.json"
+            steps = [{"at": at, "value": at} for at in (0, 5, 50000, 60000)]
+            values.write_text(json.dumps([{"node": "r0", "name": "load", "steps": steps}, {"node": "cloud", "name": "light", "value": 1}]))
+            done = trb(*words, "--sensor-values", values)
+            self.assertEqual(done.returncode, 0, done.stdout)
+            self.assertRegex(done.stdout, r"Not reached: sensor_values\[0\], what it tells from 50000 s on, and 1 later\nWhat was played ends [\d.]+ s after")
+            found = answer_of(*words, "--sensor-values", values)["world"]["steps_not_reached"]
+            self.assertEqual(found, [{"sensor": 0, "at": 50000, "steps": 2}])
+
     def test_what_is_sent_over_time_ends_with_the_run(self):
         words = ("simulate", "--protocol", "talkrobots", "--robots", 3, "--tasks", 4)
         found = answer_of(*words)

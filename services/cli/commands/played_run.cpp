@@ -91,6 +91,24 @@ void print_happenings(const Value& answer) {
     print_line("and " + std::to_string(happenings.size() - kMaxHappenings) + " more: --json lists them");
 }
 
+std::string late_text(const Value& sensor) {
+  const std::int64_t more = sensor.find("steps")->integer() - 1;
+  return "sensor_values[" + std::to_string(sensor.find("sensor")->integer()) + "], what it tells from " +
+         shown_number(sensor.find("at")->number()) + " s on" +
+         (more == 0 ? "" : ", and " + std::to_string(more) + " later");
+}
+
+/// Whether there was one.
+bool print_steps_not_reached(const Value& world) {
+  const Value* sensors = world.find("steps_not_reached");
+  if (sensors == nullptr) return false;
+  const Value::List& list = sensors->list();
+  for (std::size_t i = 0; i < std::min(list.size(), kMaxNamed); ++i) print_line("Not reached: " + late_text(list[i]));
+  if (list.size() > kMaxNamed)
+    print_line("Not reached: steps of " + std::to_string(list.size() - kMaxNamed) + " more of the sensors");
+  return true;
+}
+
 void print_not_reached(const Value& world, double end_s) {
   const Value::List& faults = world.find("not_reached")->list();
   for (std::size_t i = 0; i < std::min(faults.size(), kMaxNamed); ++i) {
@@ -99,8 +117,9 @@ void print_not_reached(const Value& world, double end_s) {
   }
   if (faults.size() > kMaxNamed)
     print_line("Not reached: " + std::to_string(faults.size() - kMaxNamed) + " more of the faults");
+  const bool is_late = print_steps_not_reached(world) || !faults.empty();
   const double submitted_s = world.find("submitted_s")->number();
-  if (!faults.empty() && submitted_s > 0)
+  if (is_late && submitted_s > 0)
     print_line("What was played ends " + shown_number(end_s - submitted_s) + " s after the run's submission");
 }
 

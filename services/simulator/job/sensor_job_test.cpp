@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "services/simulator/job/job.hpp"
+#include "services/simulator/job/world_job.hpp"
 
 using namespace trb;
 using namespace trb::simulator;
@@ -63,6 +64,36 @@ TEST_CASE("a condition on a sensor is decided by what the sensor tells then") {
   CHECK(sides_at(R"("steps": [{"at": 0, "value": 18}, {"at": 2, "value": 25}])") == Sides{0, 1});
   CHECK(sides_at(R"("ramp": {"from": 15, "to": 60, "begin": 100, "end": 200})") == Sides{1, 0});
   CHECK(sides_at(R"("ramp": {"from": 15, "to": 60, "end": 3})") == Sides{0, 1});
+}
+
+namespace {
+
+/// The key `steps_not_reached` of the answer, as text; empty: it has none.
+std::string late_steps_of(const std::string& more) {
+  ConfigFaults faults;
+  const Job job = read_job(hall_job(more), faults);
+  REQUIRE_MESSAGE(faults.empty(), to_text(faults));
+  const Value world = world_value(world::World(*job.world).play());
+  const Value* late = world.find("steps_not_reached");
+  return late == nullptr ? "" : dump_json(*late);
+}
+
+}  // namespace
+
+TEST_CASE("what a sensor was to tell behind the end is told, by the sensor's place in the job; what has come is not") {
+  const std::string cut = R"(, "seconds": 10)";
+  CHECK(late_steps_of(thermometer(R"("value": 18)")).empty());
+  CHECK(late_steps_of(cut + thermometer(R"("steps": [{"at": 0, "value": 18}, {"at": 10, "value": 19}])")).empty());
+  CHECK(
+      late_steps_of(
+          cut + thermometer(R"("steps": [{"at": 9, "value": 18}, {"at": 11, "value": 25}, {"at": 12, "value": 1}])")) ==
+      R"([{"sensor":0,"at":11.0,"steps":2}])");
+  CHECK(late_steps_of(cut + thermometer(R"("ramp": {"from": 1, "to": 2, "begin": 5, "end": 20})")) ==
+        R"([{"sensor":0,"at":20.0,"steps":1}])");
+  // The run is over before, and nobody asked for its end.
+  const std::string two = thermometer(R"("value": 18}, {"node": "arm", "name": "load", "steps": [{"at": 0, "value": 1},
+      {"at": 5000, "value": 2}])");
+  CHECK(late_steps_of(two) == R"([{"sensor":1,"at":5000.0,"steps":1}])");
 }
 
 TEST_CASE("a condition may be on a sensor of the cloud") {

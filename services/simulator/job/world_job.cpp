@@ -91,6 +91,17 @@ void add_end(const world::PlayedRun& played, Value::Object& out) {
   if (played.standstill) add_standstill(*played.standstill, out);
 }
 
+/// Left out, if there is none: a plan has sensors for a scenario's conditions alone.
+void add_steps_not_reached(const std::vector<world::LateSensor>& sensors, Value::Object& out) {
+  if (sensors.empty()) return;
+  Value::List list;
+  for (const world::LateSensor& one : sensors) {
+    list.push_back(Value{
+        Value::Object{{"sensor", whole(one.index)}, {"at", Value{one.late.at_s}}, {"steps", whole(one.late.steps)}}});
+  }
+  out.emplace_back("steps_not_reached", Value{std::move(list)});
+}
+
 }  // namespace
 
 world::WorldPlan read_world(ObjectReader& reader) {
@@ -129,6 +140,7 @@ Value world_value(const world::Played& played) {
                     {"digest", Value{hex_of(played.digest)}},
                     {"broken", Value{texts_of(played.broken, played.broken.size())}},
                     {"not_reached", Value{std::move(not_reached)}}};
+  add_steps_not_reached(played.steps_not_reached, out);
   add_end(played, out);
   return Value{std::move(out)};
 }

@@ -23,6 +23,8 @@ constexpr std::size_t kMaxListedAlerts = 100;  ///< and of each so many tasks
 /// these, whose processes do not run).
 /// `all_linked`: every pair of nodes had its link at `linked_s`; false: it had not, and that is when nobody waited any
 /// longer. `not_reached`, [{"fault", "at"}]: faults of the plan, by index, whose time was not before the end.
+/// `steps_not_reached`, if there are any, [{"sensor", "at", "steps"}]: the same of steps of `sensor_values`, and of a
+/// ramp's begin and end: the first one of a sensor, and how many.
 Value world_value(const world::Played& played);
 
 /// Of a run that was played beside the first: {"scenario", "after_s"} as planned, and {"state", "over_everywhere",

@@ -213,6 +213,7 @@ Played World::play() {
   }
   for (WorldRun& run : runs_) take_stock(run);
   outcome_.not_reached = not_reached();
+  outcome_.steps_not_reached = steps_not_reached();
   outcome_.seconds = events_.seconds_passed();
   outcome_.events = events_.count();
   outcome_.digest = meter_.digest();

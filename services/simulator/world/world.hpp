@@ -63,16 +63,23 @@ struct LateFault {
   double at_s = 0;        ///< from the run's submission
 };
 
+/// What a sensor was to tell later.
+struct LateSensor {
+  std::size_t index = 0;  ///< among the plan's sensors
+  Course::Late late;
+};
+
 /// What became of it: of the first run, and of all. What is broken of no single run is the first one's.
 struct Played : PlayedRun {
   bool all_linked = false;  ///< every pair of nodes had its link, before the run was submitted
   double linked_s = 0;      ///< when they had; else when they were waited for no longer
   double seconds = 0;       ///< of virtual time
   std::uint64_t events = 0;
-  std::uint64_t digest = 0;            ///< of every message: two runs with one digest were the same
-  bool cut_short = false;              ///< by `until_event`: nobody asks then what must hold at the end
-  std::vector<LateFault> not_reached;  ///< those of the plan whose time was not before the end
-  std::vector<PlayedRun> beside;       ///< the other runs, as planned
+  std::uint64_t digest = 0;                   ///< of every message: two runs with one digest were the same
+  bool cut_short = false;                     ///< by `until_event`: nobody asks then what must hold at the end
+  std::vector<LateFault> not_reached;         ///< those of the plan whose time was not before the end
+  std::vector<LateSensor> steps_not_reached;  ///< the same of what sensors were to tell
+  std::vector<PlayedRun> beside;              ///< the other runs, as planned
 };
 
 class World {
@@ -144,6 +151,7 @@ class World {
   void prepare_faults();
   void plan_faults();
   [[nodiscard]] std::vector<LateFault> not_reached() const;
+  [[nodiscard]] std::vector<LateSensor> steps_not_reached() const;
   void draw_faults(const Fault& rate);
   void fail_by_chance(const FaultRate& rate, const std::string& robot);
   void repair_until_next(const FaultRate& rate, const std::string& robot);

@@ -1,4 +1,4 @@
-// What goes wrong in a world, as its plan says.
+// What goes wrong in a world, as its plan says, and what of its plan had no time any more.
 #include <algorithm>
 
 #include "services/simulator/world/world.hpp"
@@ -31,6 +31,16 @@ std::vector<LateFault> World::not_reached() const {
     const Fault& fault = plan_.faults[i];
     const bool has_time = fault.kind != FaultKind::rate && !fault.from_start;
     if (has_time && !reached_.contains(i)) out.push_back({i, fault.at_s});
+  }
+  return out;
+}
+
+std::vector<LateSensor> World::steps_not_reached() const {
+  constexpr double kRounded_s = 1e-6;  // the world's times are whole nanoseconds
+  std::vector<LateSensor> out;
+  for (std::size_t i = 0; i < plan_.sensors.size(); ++i) {
+    const auto late = plan_.sensors[i].course.after(run_seconds() + kRounded_s);
+    if (late) out.push_back({i, *late});
   }
   return out;
 }
