@@ -169,4 +169,18 @@ Value waits_value(const std::vector<PlayedTask>& tasks, std::size_t run) {
   return Value{std::move(out)};
 }
 
+void add_waits(Value& answer, const std::vector<Scenario>& scenarios) {
+  if (!answer.is_object()) return;
+  const std::vector<PlayedTask> tasks = played_tasks(answer, scenarios);
+  auto& members = std::get<Value::Object>(answer.is);
+  for (auto& [key, value] : members) {
+    if (key != "beside" || !value.is_list()) continue;
+    auto& runs = std::get<Value::List>(value.is);
+    for (std::size_t i = 0; i < runs.size() && i + 1 < scenarios.size(); ++i) {
+      if (runs[i].is_object()) std::get<Value::Object>(runs[i].is).emplace_back("waits", waits_value(tasks, i + 1));
+    }
+  }
+  members.emplace_back("waits", waits_value(tasks));
+}
+
 }  // namespace trb

@@ -24,4 +24,7 @@ std::vector<PlayedTask> played_tasks(const Value& answer, const std::vector<Scen
 /// has also `waited_for_run`, whose task `waited_for` is, and `kept_s`.
 Value waits_value(const std::vector<PlayedTask>& tasks, std::size_t run = 0);
 
+/// `waits` in the answer, and in each of its `beside`. `scenarios`: as played_tasks has them.
+void add_waits(Value& answer, const std::vector<Scenario>& scenarios);
+
 }  // namespace trb

@@ -119,9 +119,9 @@ bool is_meant(const PlannedSensor& sensor, const Condition& condition) {
 }
 
 void check_condition(const PlannedSensors& sensors, const Task& task, const Condition& condition,
-                     const FileFaults& faults) {
+                     const FileFaults& faults, const std::string& key) {
   const auto fault = [&](const std::string& what, const std::string& hint) {
-    faults.add("scenario", "task '" + task.id + "' waits for " + sensor_text(condition) + ", " + what, hint);
+    faults.add(key, "task '" + task.id + "' waits for " + sensor_text(condition) + ", " + what, hint);
   };
   std::string units;
   bool is_other = false;
@@ -168,9 +168,10 @@ std::map<std::string, NodeProfile> with_cloud(std::map<std::string, NodeProfile>
   return robots;
 }
 
-void check_conditions(const PlannedSensors& sensors, const Scenario& scenario, const FileFaults& faults) {
+void check_conditions(const PlannedSensors& sensors, const Scenario& scenario, const FileFaults& faults,
+                      const std::string& key) {
   for (const Task& task : scenario.tasks) {
-    for (const Condition& condition : task.when) check_condition(sensors, task, condition, faults);
+    for (const Condition& condition : task.when) check_condition(sensors, task, condition, faults, key);
   }
 }
 

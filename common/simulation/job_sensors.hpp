@@ -30,7 +30,9 @@ void plug_in(const PlannedSensors& sensors, std::map<std::string, NodeProfile>& 
 /// checked with these.
 std::map<std::string, NodeProfile> with_cloud(std::map<std::string, NodeProfile> robots, const PlannedSensors& sensors);
 
-/// A fault for each condition of the scenario on a sensor that tells no value here, or in another unit.
-void check_conditions(const PlannedSensors& sensors, const Scenario& scenario, const FileFaults& faults);
+/// A fault for each condition of the scenario on a sensor that tells no value here, or in another unit; by the
+/// scenario's key in the job.
+void check_conditions(const PlannedSensors& sensors, const Scenario& scenario, const FileFaults& faults,
+                      const std::string& key = "scenario");
 
 }  // namespace trb::simulation

@@ -99,4 +99,18 @@ void check_times(const std::map<std::string, SkillTime>& times, const Scenario& 
   check_results(times, scenario, faults);
 }
 
+void check_times(const std::map<std::string, SkillTime>& times, const std::vector<const Scenario*>& scenarios,
+                 const FileFaults& faults) {
+  auto of_first = times;
+  for (std::size_t i = 1; i < scenarios.size(); ++i) {
+    auto of_run = times;
+    std::erase_if(of_run, [&](const auto& time) { return !is_time_of(time.first, *scenarios[i]); });
+    check_times(of_run, *scenarios[i], faults);
+    for (const auto& [name, time] : of_run) {
+      if (!is_time_of(name, *scenarios[0])) of_first.erase(name);
+    }
+  }
+  check_times(of_first, *scenarios.at(0), faults);
+}
+
 }  // namespace trb::simulation

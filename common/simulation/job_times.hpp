@@ -3,6 +3,7 @@
 
 #include <map>
 #include <string>
+#include <vector>
 
 #include "common/fleet/object_reader.hpp"
 #include "common/simulation/skill_time.hpp"
@@ -27,5 +28,9 @@ bool is_time_of(const std::string& name, const Scenario& scenario);
 /// nothing, and nobody would notice. So for each task whose value another takes, if it has no `result`: the run would
 /// stop there.
 void check_times(const std::map<std::string, SkillTime>& times, const Scenario& scenario, const FileFaults& faults);
+/// The same of scenarios that are played at once: a time is of all that have its skill or task. One that none has is
+/// told with the first.
+void check_times(const std::map<std::string, SkillTime>& times, const std::vector<const Scenario*>& scenarios,
+                 const FileFaults& faults);
 
 }  // namespace trb::simulation

@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "services/simulator/counting/play.hpp"
+#include "services/simulator/job/alone.hpp"
 #include "services/simulator/job/answer.hpp"
 #include "services/simulator/job/job.hpp"
 #include "services/simulator/job/model_answer.hpp"
@@ -21,6 +22,7 @@ namespace trb::simulator {
 namespace {
 
 constexpr int kFailed = 1, kWrongUse = 2, kUntold = 3;
+constexpr const char* kLineAway = "\r\x1b[K";
 
 /// As `trb --json` prints an error.
 int refuse(const Error& error) {
@@ -96,13 +98,17 @@ Value beside_of(const world::World& world, const TaskTimes& times) {
   return Value{std::move(out)};
 }
 
-int simulate_world(const Job& job, const std::string& text, bool for_program) {
+bool is_watched(bool for_program) {
+  return !for_program && ::isatty(STDERR_FILENO) == 1;
+}
+
+/// All its runs at once.
+Result<Value> play_world(const Job& job, const std::string& text, bool for_program) {
   world::World world(*job.world);
   TaskTimes times;
   times.watch(world);
   ProgressLines lines;
-  const bool is_watched = !for_program && ::isatty(STDERR_FILENO) == 1;
-  if (is_watched) world.on_second = show_progress;
+  if (is_watched(for_program)) world.on_second = show_progress;
   if (for_program) {
     world.on_second = [&lines](const world::World& of) {
       lines.print(of.seconds_passed(), of.tasks_done(), of.plan().tasks_in_all());
@@ -118,9 +124,9 @@ int simulate_world(const Job& job, const std::string& text, bool for_program) {
   Seen seen;
   seen.watch(world);
   const world::Played played = world.play();
-  if (is_watched) std::fputs("\r\x1b[K", stderr);
+  if (is_watched(for_program)) std::fputs(kLineAway, stderr);
   if (!job.trace.empty()) {
-    if (const Status written = trace.write(job.trace); !written) return refuse(written.error());
+    if (const Status written = trace.write(job.trace); !written) return written.error();
   }
   Value out = answer_value(world.meter().tally(), played.seconds);
   const bool is_of_one_run = world.runs().size() == 1;
@@ -133,7 +139,18 @@ int simulate_world(const Job& job, const std::string& text, bool for_program) {
   if (played.cut_short) std::get<Value::Object>(out.is).emplace_back("state", state_value(world));
   add_to(out, job, times, seen, is_of_one_run);
   if (!is_of_one_run) std::get<Value::Object>(out.is).emplace_back("beside", beside_of(world, times));
-  return answer(out);
+  return out;
+}
+
+/// A program is told how far it is of the runs at once alone.
+int simulate_world(const Job& job, const std::string& text, bool for_program) {
+  auto out = play_world(job, text, for_program);
+  if (!out) return refuse(out.error());
+  if (job.alone) {
+    add_alone(*out, *job.world, is_watched(for_program) ? show_progress : nullptr);
+    if (is_watched(for_program)) std::fputs(kLineAway, stderr);
+  }
+  return answer(*out);
 }
 
 int simulate_counting(const Job& job, bool for_program) {

@@ -171,12 +171,25 @@ class AFleetAsItIs(unittest.TestCase):
         self.assertRegex(table, r"RUN +SCENARIO +SUBMITTED +STATE +TASKS +MAKESPAN +ALONE +WAITED FOR ROBOTS OF OTHER RUNS\n")
         self.assertRegex(table, r"3 +free +20\.0 s +FINISHED +1 +3\.0 s +3\.0 s +-")
         self.assertRegex(table, r"ridgeback, which did \w of run [12]")
-        for more, wanted in ((("--one-less",), "--one-less"), (("--beside", self.root / "no.json"), "no.json"),
-                             (("--beside", f"{free}@-1"), "@-1"), (("--beside", free) * 10, "--beside")):
+        for more, wanted in ((("--beside", self.root / "no.json"), "no.json"), (("--beside", f"{free}@-1"), "@-1"),
+                             (("--beside", free) * 10, "--beside")):
             with self.subTest(wanted):
                 refused = self.simulate(*words, *more, scenario=first)
                 self.assertEqual(refused.returncode, 1, refused.stdout)
                 self.assertIn(wanted, refused.stderr)
+
+    def test_what_one_robot_less_would_change_is_told_of_each_run_at_the_same_time(self):
+        go = {"skill": "go_to", "data": {"place": "ur3_front"}}
+        first = self.write("with-one.json", {"name": "with one", "tasks": [{"id": "a", "robot": "ridgeback", **go}]})
+        second = self.write("with-other.json", {"name": "with other", "tasks": [{"id": "a", "robot": "pioneer1", **go}]})
+        words = ("--beside", second, "--one-less")
+        rows = {row["robot"]: row["runs"] for row in self.answer(*words, scenario=first)["one_less"]}
+        self.assertEqual([round(run["makespan_s"]) for run in rows["drone"]], [3, 3])
+        self.assertEqual([("pioneer1" in run["why_not"], "makespan_s" in run) for run in rows["pioneer1"]], [(True, False)] * 2)
+        table = self.simulate(*words, scenario=first).stdout
+        self.assertRegex(table, r"WITHOUT +RUN 1 +RUN 2 *\n")
+        self.assertRegex(table, r"drone +3\.0 s +3\.0 s")
+        self.assertRegex(table, r"pioneer1 +- +- +beside\[0\]\.scenario\.tasks\[0\]\.robot")
 
     def test_one_seed_is_one_run(self):
         self.assertEqual(self.answer("--seed", 7), self.answer("--seed", 7))

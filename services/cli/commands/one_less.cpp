@@ -58,7 +58,7 @@ Value sensors_without(const Value& sensors, const std::string& robot) {
 Value::Object without_robot(const Value::Object& job, const std::string& robot, std::size_t robots) {
   Value::Object out;
   for (const auto& [key, value] : job) {
-    if (key == "trace") continue;
+    if (key == "trace" || key == "alone") continue;
     if (key == "faults" && value.is_list()) {
       out.emplace_back(key, faults_without(value, robot, robots));
     } else if (key == "sensor_values" && value.is_list()) {

@@ -246,7 +246,7 @@ const std::vector<Command> kSimulateCommands = {
            "--times FILE|with --fleet: {SKILL or \"task:ID\": seconds, or {\"mean\", \"deviation\"}}",
            "--beside FILE[@S]|with --fleet: another scenario at the same time, S seconds later (0); nine at most. Says "
            "what it costs each",
-           "--one-less|with --fleet: the makespan without each robot, too",
+           "--one-less|with --fleet: the makespan without each robot, too; of each run",
            "--csv|messages and bytes over time",
            "--json|for programs: everything"}),
       {"trb simulate --robots 50 --tasks 100", "trb simulate --protocol talkrobots --robots 5 --tasks 9 --link wifi",

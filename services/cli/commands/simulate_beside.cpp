@@ -5,6 +5,7 @@
 #include "common/base/files.hpp"
 #include "common/base/number_text.hpp"
 #include "common/fleet/did_you_mean.hpp"
+#include "common/simulation/job_beside.hpp"
 #include "common/simulation/job_times.hpp"
 #include "services/cli/commands/played_waits.hpp"
 #include "services/cli/commands/scenario_check.hpp"
@@ -27,14 +28,14 @@ void read_one(Beside& one, ConfigFaults& faults) {
   if (json) one.json = std::move(*json);  // what is wrong with it is told already
 }
 
-/// Of a run: the answer's `world`, or one of `beside`.
-const Value& run_of(const Value& answer, std::size_t run) {
-  return run == 0 ? *answer.find("world") : answer.find("beside")->list()[run - 1];
-}
-
 std::size_t runs_of(const Value& answer) {
   const Value* beside = answer.find("beside");
   return 1 + (beside == nullptr ? 0 : beside->list().size());
+}
+
+/// A key of the run that stands beside the first one's `world`; nullptr: the answer has none.
+const Value* told_of(const Value& answer, std::size_t run, const char* key) {
+  return run == 0 ? answer.find(key) : run_of(answer, run).find(key);
 }
 
 constexpr double kCounted_s = 0.5;  ///< a hand-over is shorter
@@ -62,12 +63,20 @@ std::string kept_text(const Kept& kept) {
          (kept.tasks == 1 ? " task" : " tasks");
 }
 
+std::string alone_text(const Value& alone_s) {
+  return alone_s.is_number() ? seconds_text(alone_s.number()) + " s" : "not FINISHED";
+}
+
 std::string submitted_text(const Value& answer, std::size_t run) {
   const double at_s = run_of(answer, run).find("submitted_s")->number();
   return at_s > 0 ? seconds_text(at_s - run_of(answer, 0).find("submitted_s")->number()) + " s" : "not any more";
 }
 
 }  // namespace
+
+const Value& run_of(const Value& answer, std::size_t run) {
+  return run == 0 ? *answer.find("world") : answer.find("beside")->list()[run - 1];
+}
 
 Beside beside_of(const std::string& word) {
   const auto at = word.rfind('@');
@@ -80,9 +89,9 @@ std::vector<Beside> read_beside(const Arguments& arguments, ConfigFaults& faults
   std::vector<Beside> out;
   if (!arguments.has(kOption)) return out;
   const std::vector<std::string>& words = arguments.every.at(kOption);
-  if (words.size() > kMostBeside) {
+  if (words.size() > simulation::kMostBeside) {
     add_fault(faults, std::to_string(words.size()) + " scenarios beside the first one",
-              "play " + std::to_string(kMostBeside) + " at most");
+              "play " + std::to_string(simulation::kMostBeside) + " at most");
     return out;
   }
   for (const std::string& word : words) {
@@ -104,10 +113,11 @@ Value beside_job(const std::vector<Beside>& beside) {
   return Value{std::move(out)};
 }
 
-void print_runs(const Value& answer, const std::vector<std::string>& alone, const std::vector<Value>& waits) {
+void print_runs(const Value& answer) {
+  const bool has_alone = answer.find("alone_s") != nullptr, has_waits = answer.find("waits") != nullptr;
   std::vector<std::string> head{"RUN", "SCENARIO", "SUBMITTED", "STATE", "TASKS", "MAKESPAN"};
-  if (!alone.empty()) head.emplace_back("ALONE");
-  if (!waits.empty()) head.emplace_back("WAITED FOR ROBOTS OF OTHER RUNS");
+  if (has_alone) head.emplace_back("ALONE");
+  if (has_waits) head.emplace_back("WAITED FOR ROBOTS OF OTHER RUNS");
   std::vector<std::vector<std::string>> rows{std::move(head)};
   for (std::size_t run = 0; run < runs_of(answer); ++run) {
     const Value& is = run_of(answer, run);
@@ -117,8 +127,8 @@ void print_runs(const Value& answer, const std::vector<std::string>& alone, cons
                                  is.find("state")->text(),
                                  std::to_string(is.find("tasks_done")->integer()),
                                  seconds_text(is.find("makespan_s")->number()) + " s"};
-    if (!alone.empty()) row.push_back(alone[run]);
-    if (!waits.empty()) row.push_back(kept_text(kept_of(waits[run])));
+    if (has_alone) row.push_back(alone_text(*told_of(answer, run, "alone_s")));
+    if (has_waits) row.push_back(kept_text(kept_of(*told_of(answer, run, "waits"))));
     rows.push_back(std::move(row));
   }
   print(format_table(rows));

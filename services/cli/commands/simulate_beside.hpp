@@ -19,8 +19,6 @@ struct Beside {
   Value json;  ///< the file
 };
 
-constexpr std::size_t kMostBeside = 9;
-
 /// "b.json@20" as file and seconds; without @, or if a file has all of it as its name, 0 s.
 Beside beside_of(const std::string& word);
 
@@ -30,8 +28,11 @@ std::vector<Beside> read_beside(const Arguments& arguments, ConfigFaults& faults
 /// The job's key `beside`.
 Value beside_job(const std::vector<Beside>& beside);
 
-/// A row for each run: its state, makespan and tasks; `alone`, by run, if it is not empty, the makespan alone, or why
-/// there is none; what it waited for other runs' robots, of `waits` (see waits_value), by run.
-void print_runs(const Value& answer, const std::vector<std::string>& alone = {}, const std::vector<Value>& waits = {});
+/// Of a run: the answer's `world`, or one of `beside`.
+const Value& run_of(const Value& answer, std::size_t run);
+
+/// A row for each run: its state, makespan and tasks; if the answer has them (`alone_s`, `waits`) the makespan alone,
+/// and what it waited for other runs' robots.
+void print_runs(const Value& answer);
 
 }  // namespace trb::cli

@@ -1,8 +1,9 @@
 #include "services/cli/commands/simulate_fleet.hpp"
 
+#include <algorithm>
+
 #include "common/fleet/did_you_mean.hpp"
 #include "common/scenario/played_tasks.hpp"
-#include "common/simulation/job_times.hpp"
 #include "proto/body.hpp"
 #include "services/cli/commands/fleet_folders.hpp"
 #include "services/cli/commands/job_file.hpp"
@@ -68,7 +69,10 @@ Status read_rest(Hall& hall, const Arguments& arguments) {
   if (Status read = add_file(hall.rest, arguments, "--times", "times"); !read) return read;
   if (Status read = add_file(hall.rest, arguments, "--faults", "faults"); !read) return read;
   add_list(hall.rest, arguments, "--relays", "relays");
-  if (!hall.beside.empty()) hall.rest.emplace_back("beside", beside_job(hall.beside));
+  if (!hall.beside.empty()) {
+    hall.rest.emplace_back("beside", beside_job(hall.beside));
+    hall.rest.emplace_back("alone", Value{true});
+  }
   if (Status read = add_file(hall.rest, arguments, "--sensor-values", "sensor_values"); !read) return read;
   for (auto& [key, value] : hall.rest) {
     if (key == "sensor_values") value = with_rules(std::move(value), hall.rules);
@@ -76,19 +80,30 @@ Status read_rest(Hall& hall, const Arguments& arguments) {
   return add_numbers(hall, arguments);
 }
 
+/// A run without a robot.
+struct RunLess {
+  double makespan_s = 0;
+  std::string why_not;  ///< it is not accepted, or does not end
+};
+
 /// What one robot less would change: a row for each.
 struct OneLess {
   std::string robot;
-  double makespan_s = 0;
-  std::string why_not;  ///< the run is not accepted, or does not end
+  std::vector<RunLess> runs;
 };
+
+RunLess run_less(const Value& run) {
+  if (run.find("state")->text() != "FINISHED") return {0, "the run is " + run.find("state")->text()};
+  return {run.find("makespan_s")->number(), ""};
+}
 
 OneLess play_without(const Hall& hall, const std::string& robot) {
   const auto answer = run_simulator(hall.job_without(robot));
-  if (!answer) return {robot, 0, answer.error().what};
-  const Value& world = *answer->find("world");
-  if (world.find("state")->text() != "FINISHED") return {robot, 0, "the run is " + world.find("state")->text()};
-  return {robot, world.find("makespan_s")->number(), ""};
+  OneLess out{robot, {}};
+  for (std::size_t run = 0; run <= hall.beside.size(); ++run) {
+    out.runs.push_back(answer ? run_less(run_of(*answer, run)) : RunLess{0, answer.error().what});
+  }
+  return out;
 }
 
 std::vector<OneLess> play_one_less(const Hall& hall) {
@@ -97,68 +112,58 @@ std::vector<OneLess> play_one_less(const Hall& hall) {
   return out;
 }
 
+std::vector<std::string> one_less_head(std::size_t runs) {
+  if (runs == 1) return {"WITHOUT", "MAKESPAN", ""};
+  std::vector<std::string> out{"WITHOUT"};
+  for (std::size_t run = 1; run <= runs; ++run) out.push_back("RUN " + std::to_string(run));
+  out.emplace_back("");
+  return out;
+}
+
+/// A reason that all runs have is told once.
+std::string why_not_text(const OneLess& one) {
+  std::string out;
+  for (std::size_t run = 0; run < one.runs.size(); ++run) {
+    const std::string& why = one.runs[run].why_not;
+    const std::string line = why.substr(0, why.find('\n'));
+    const bool is_of_all = std::ranges::all_of(one.runs, [&](const RunLess& other) { return other.why_not == why; });
+    if (is_of_all) return line;
+    if (!line.empty()) out += (out.empty() ? "run " : "; run ") + std::to_string(run + 1) + ": " + line;
+  }
+  return out;
+}
+
 void print_one_less(const std::vector<OneLess>& rows) {
-  std::vector<std::vector<std::string>> out{{"WITHOUT", "MAKESPAN", ""}};
+  std::vector<std::vector<std::string>> out{one_less_head(rows.front().runs.size())};
   for (const OneLess& one : rows) {
-    out.push_back({one.robot, one.why_not.empty() ? seconds_text(one.makespan_s) + " s" : "-",
-                   one.why_not.substr(0, one.why_not.find('\n'))});
+    std::vector<std::string>& row = out.emplace_back(std::vector{one.robot});
+    for (const RunLess& run : one.runs) row.push_back(run.why_not.empty() ? seconds_text(run.makespan_s) + " s" : "-");
+    row.push_back(why_not_text(one));
   }
   print_line("");
   print(format_table(out));
 }
 
+Value::Object run_less_json(const RunLess& run) {
+  if (!run.why_not.empty()) return {{"why_not", Value{run.why_not}}};
+  return {{"makespan_s", Value{run.makespan_s}}};
+}
+
+/// Of one run its keys stand in the row itself.
 Value one_less_json(const std::vector<OneLess>& rows) {
   Value::List out;
   for (const OneLess& one : rows) {
     Value::Object row{{"robot", Value{one.robot}}};
-    if (one.why_not.empty())
-      row.emplace_back("makespan_s", Value{one.makespan_s});
-    else
-      row.emplace_back("why_not", Value{one.why_not});
+    Value::List runs;
+    for (const RunLess& run : one.runs) runs.push_back(Value{run_less_json(run)});
+    if (runs.size() > 1) {
+      row.emplace_back("runs", Value{std::move(runs)});
+    } else {
+      for (auto& member : run_less_json(one.runs.front())) row.push_back(std::move(member));
+    }
     out.push_back(Value{std::move(row)});
   }
   return Value{std::move(out)};
-}
-
-Value without_others(const Value& times, const Scenario& scenario) {
-  Value::Object out;
-  for (const auto& [name, time] : times.object()) {
-    if (simulation::is_time_of(name, scenario)) out.emplace_back(name, time);
-  }
-  return Value{std::move(out)};
-}
-
-/// The same job with that run's scenario alone, submitted at once. Run 0 is the first.
-Value job_alone(const Hall& hall, std::size_t run) {
-  Value job = hall.job_without("");
-  Value::Object out;
-  for (auto& [key, value] : std::get<Value::Object>(job.is)) {
-    if (key == "beside" || key == "trace") continue;
-    if (key == "scenario" && run > 0) value = hall.beside[run - 1].json;
-    if (key == "times" && value.is_object()) value = without_others(value, hall.scenarios()[run]);
-    out.emplace_back(key, std::move(value));
-  }
-  return Value{std::move(out)};
-}
-
-/// What each run would take by itself, in seconds, or the error of its simulation; JSON null: it is not FINISHED then.
-Result<std::vector<Value>> play_alone(const Hall& hall) {
-  std::vector<Value> out;
-  for (std::size_t run = 0; run <= hall.beside.size(); ++run) {
-    const auto answer = run_simulator(job_alone(hall, run));
-    if (!answer) return answer.error();
-    const Value& world = *answer->find("world");
-    const bool is_finished = world.find("state")->text() == "FINISHED";
-    out.push_back(is_finished ? Value{world.find("makespan_s")->number()} : Value{});
-  }
-  return out;
-}
-
-/// By run.
-std::vector<Value> waits_of_runs(const std::vector<PlayedTask>& tasks, std::size_t runs) {
-  std::vector<Value> out;
-  for (std::size_t run = 0; run < runs; ++run) out.push_back(waits_value(tasks, run));
-  return out;
 }
 
 /// Where something goes wrong, a robot may have been replaced.
@@ -167,7 +172,7 @@ void print_criteria(bool has_faults) {
     print_line("Who replaces whom is decided by the default criteria: the fleet's resilience.json is not read");
 }
 
-void print_all_runs(const Hall& hall, const Value& answer, const std::vector<Value>& alone_s, bool has_faults) {
+void print_all_runs(const Hall& hall, const Value& answer, bool has_faults) {
   const std::vector<Scenario> scenarios = hall.scenarios();
   const std::vector<PlayedTask> tasks = played_tasks(answer, scenarios);
   for (std::size_t run = 0; run < scenarios.size(); ++run) {
@@ -175,12 +180,9 @@ void print_all_runs(const Hall& hall, const Value& answer, const std::vector<Val
     print_waits(tasks, run);
     print_line("");
   }
-  std::vector<std::string> alone;
-  for (const Value& one : alone_s)
-    alone.push_back(one.is_number() ? seconds_text(one.number()) + " s" : "not FINISHED");
   print_waits_key(tasks);
   print_line("");
-  print_runs(answer, alone, waits_of_runs(tasks, scenarios.size()));
+  print_runs(answer);
   const Value& between = *answer.find("between_computers");
   print_line("\n" + std::to_string(between.find("messages")->integer()) + " messages, " +
              std::to_string(between.find("bytes")->integer()) + " bytes between computers");
@@ -188,38 +190,8 @@ void print_all_runs(const Hall& hall, const Value& answer, const std::vector<Val
   print_run_end(answer);
 }
 
-void add_beside_json(const Hall& hall, const std::vector<Value>& alone_s, Value& answer) {
-  const auto waits = waits_of_runs(played_tasks(answer, hall.scenarios()), alone_s.size());
-  auto& object = std::get<Value::Object>(answer.is);
-  object.emplace_back("waits", waits.front());
-  object.emplace_back("alone_s", alone_s.front());
-  for (auto& [key, value] : object) {
-    if (key != "beside") continue;
-    auto& runs = std::get<Value::List>(value.is);
-    for (std::size_t i = 0; i < runs.size(); ++i) {
-      auto& run = std::get<Value::Object>(runs[i].is);
-      run.emplace_back("waits", waits[i + 1]);
-      run.emplace_back("alone_s", alone_s[i + 1]);
-    }
-  }
-}
-
-/// Several scenarios at the same time, and each by itself.
-int run_beside(const Arguments& arguments, const Hall& hall) {
-  auto answer = run_simulator(hall.job_without(""));
-  if (!answer) return print_error(arguments, answer.error());
-  const auto alone_s = play_alone(hall);
-  if (!alone_s) return print_error(arguments, alone_s.error());
-  if (arguments.has("--json")) {
-    add_beside_json(hall, *alone_s, *answer);
-    print_json(*answer);
-  } else {
-    print_all_runs(hall, *answer, *alone_s, arguments.has("--faults"));
-  }
-  return exit_code_of(*answer);
-}
-
-void print_run(const Value& answer, const std::vector<PlayedTask>& tasks, bool has_faults) {
+void print_run(const Hall& hall, const Value& answer, bool has_faults) {
+  const std::vector<PlayedTask> tasks = played_tasks(answer, hall.scenario);
   print_waits(tasks);
   print_waits_key(tasks);
   const Value& world = *answer.find("world");
@@ -255,23 +227,18 @@ int run_simulate_fleet(const Arguments& arguments) {
     hall.scenario = read_file_scenario(arguments.get("--scenario"), faults);
   }
   hall.beside = read_beside(arguments, faults);
-  if (!hall.beside.empty() && arguments.has("--one-less")) {
-    faults.push_back({"--one-less", "", "is of one scenario", "leave it out, or leave --beside out"});
-  }
   if (!faults_that_stop(faults).empty()) return print_faults(arguments, faults, "nothing was simulated");
   if (const Status read = read_rest(hall, arguments); !read) return print_error(arguments, read.error());
-  if (!hall.beside.empty()) return run_beside(arguments, hall);
   auto answer = run_simulator(hall.job_without(""));
   if (!answer) return print_error(arguments, answer.error());
-  const std::vector<PlayedTask> tasks = played_tasks(*answer, hall.scenario);
+  add_waits(*answer, hall.scenarios());
   const auto one_less = arguments.has("--one-less") ? play_one_less(hall) : std::vector<OneLess>();
   if (arguments.has("--json")) {
-    auto& object = std::get<Value::Object>(answer->is);
-    object.emplace_back("waits", waits_value(tasks));
-    if (!one_less.empty()) object.emplace_back("one_less", one_less_json(one_less));
+    if (!one_less.empty()) std::get<Value::Object>(answer->is).emplace_back("one_less", one_less_json(one_less));
     print_json(*answer);
   } else {
-    print_run(*answer, tasks, arguments.has("--faults"));
+    const bool has_faults = arguments.has("--faults");
+    hall.beside.empty() ? print_run(hall, *answer, has_faults) : print_all_runs(hall, *answer, has_faults);
     if (!one_less.empty()) print_one_less(one_less);
   }
   return exit_code_of(*answer);

@@ -1,6 +1,7 @@
 // Jobs of several runs at once: a hall's scenarios, and counted tasks that are divided.
 #include <doctest/doctest.h>
 
+#include "services/simulator/job/alone.hpp"
 #include "services/simulator/job/job.hpp"
 #include "services/simulator/job/task_times.hpp"
 #include "services/simulator/job/test/refused_job.hpp"
@@ -75,6 +76,39 @@ TEST_CASE("a time may be that of a skill or a task that only another run has") {
   const std::string beside = R"([{"scenario": )" + second + "}]";
   CHECK(world_plan_of(beside_job(beside, R"(, "times": {"pick": 5, "task:go": 2})")).times.size() == 2);
   check_refused(beside_job(beside, R"(, "times": {"fly": 5})"), "times.fly");
+}
+
+TEST_CASE("each run is played by itself, too, if that is asked for: at once, without the others") {
+  const std::string beside = R"([{"scenario": )" + scenario_of("two", kDrive + ", " + kPick) + R"(, "after": 1}])";
+  ConfigFaults faults;
+  const Job job = read_job(beside_job(beside, R"(, "alone": true, "times": {"pick": 5, "drive": 4})"), faults);
+  REQUIRE_MESSAGE(faults.empty(), to_text(faults));
+  CHECK(job.alone);
+  Value answer{Value::Object{{"beside", Value{Value::List{Value{Value::Object{}}}}}}};
+  add_alone(answer, *job.world, {});
+  CHECK(answer.find("alone_s")->number() == doctest::Approx(4).epsilon(0.02));
+  CHECK(answer.find("beside")->list()[0].find("alone_s")->number() == doctest::Approx(5).epsilon(0.02));
+  // Cut off before its end, it has none.
+  ConfigFaults none;
+  const Job cut =
+      read_job(beside_job(beside, R"(, "alone": true, "seconds": 4.5, "times": {"pick": 5, "drive": 4})"), none);
+  answer = Value{Value::Object{{"beside", Value{Value::List{Value{Value::Object{}}}}}}};
+  add_alone(answer, *cut.world, {});
+  CHECK(answer.find("alone_s")->is_number());
+  CHECK(answer.find("beside")->list()[0].find("alone_s")->is_null());
+}
+
+TEST_CASE("a run is asked for alone only beside others") {
+  check_refused(counted_job(R"("robots": 2, "tasks": 2, "alone": true)"), "alone");
+  check_refused(counted_job(R"("fleet": )" + kCartAndArm + R"(, "scenario": )" + scenario_of("one", kDrive) +
+                            R"(, "alone": true)"),
+                "alone");
+}
+
+TEST_CASE("a condition beside the first scenario that no sensor answers is named by its place") {
+  const std::string waits = R"({"id": "go", "robot": "cart", "skill": "drive",
+      "when": {"sensor": "t", "of": "cart", "op": ">", "value": 20, "unit": "degC"}})";
+  check_refused(beside_job(R"([{"scenario": )" + scenario_of("x", waits) + "}]"), "beside[0].scenario");
 }
 
 TEST_CASE("what is wrong with a scenario beside the first one is named by its place") {

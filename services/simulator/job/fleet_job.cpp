@@ -5,6 +5,7 @@
 #include "common/base/ids.hpp"
 #include "common/scenario/candidate_index.hpp"
 #include "common/scenario/definition.hpp"
+#include "common/simulation/job_beside.hpp"
 #include "common/simulation/job_sensors.hpp"
 #include "common/simulation/job_times.hpp"
 #include "proto/body.hpp"
@@ -64,25 +65,12 @@ struct Hall {
 };
 
 /// As `trb scenario run` does it: each by itself, whatever else goes on.
-std::vector<std::string> bound(const Scenario& scenario, Hall& hall, const FileFaults& faults, ConfigFaults& found) {
+std::vector<std::string> bound(const Scenario& scenario, Hall& hall, const std::string& key, const FileFaults& faults,
+                               ConfigFaults& found) {
   check_scenario(scenario, simulation::with_cloud(hall.profiles, hall.sensors), kFile, found);
-  simulation::check_conditions(hall.sensors, scenario, faults);
+  simulation::check_conditions(hall.sensors, scenario, faults, key);
   if (!faults_that_stop(found).empty()) return {};
   return bind_tasks(scenario, hall.candidates, kCloud, kFile, found);
-}
-
-/// A time is of all scenarios that have its skill or task. One that none has is a fault, told with the first.
-void check_times(const WorldPlan& plan, const FileFaults& faults) {
-  auto of_first = plan.times;
-  for (const world::PlannedRun& run : plan.beside) {
-    auto of_run = plan.times;
-    std::erase_if(of_run, [&](const auto& time) { return !simulation::is_time_of(time.first, run.scenario); });
-    simulation::check_times(of_run, run.scenario, faults);
-    for (const auto& [name, time] : of_run) {
-      if (!simulation::is_time_of(name, plan.scenario)) of_first.erase(name);
-    }
-  }
-  simulation::check_times(of_first, plan.scenario, faults);
 }
 
 /// Its faults, by their places in the job.
@@ -93,25 +81,20 @@ void add_faults(const ConfigFaults& found, const std::string& path, const FileFa
   }
 }
 
-void read_run(ObjectReader& reader, Hall& hall, WorldPlan& plan) {
+void read_run(const simulation::JobRun& read, Hall& hall, const FileFaults& faults, WorldPlan& plan) {
   world::PlannedRun run;
-  const Value* scenario = reader.value("scenario", Need::required);
-  run.after_s = reader.number("after", Need::optional, {0, world::kMaxUntil}).value_or(0);
-  reader.refuse_unknown_keys();
-  if (scenario == nullptr) return;
+  run.after_s = read.after_s;
   ConfigFaults found;
-  run.scenario = read_scenario(*scenario, kFile, found);
-  if (faults_that_stop(found).empty()) run.assigned = bound(run.scenario, hall, reader.faults(), found);
-  add_faults(found, reader.path("scenario"), reader.faults());
+  run.scenario = read_scenario(*read.scenario, kFile, found);
+  if (faults_that_stop(found).empty()) run.assigned = bound(run.scenario, hall, read.path, faults, found);
+  add_faults(found, read.path, faults);
   plan.beside.push_back(std::move(run));
 }
 
-void read_beside(ObjectReader& reader, Hall& hall, WorldPlan& plan) {
-  const Value::List* runs = reader.list("beside", Need::optional, kMostBeside);
-  for (std::size_t i = 0; runs != nullptr && i < runs->size(); ++i) {
-    ObjectReader one((*runs)[i], "beside[" + std::to_string(i) + "]", reader.faults());
-    read_run(one, hall, plan);
-  }
+std::vector<const Scenario*> scenarios_of(const WorldPlan& plan) {
+  std::vector<const Scenario*> out{&plan.scenario};
+  for (const world::PlannedRun& run : plan.beside) out.push_back(&run.scenario);
+  return out;
 }
 
 }  // namespace
@@ -130,9 +113,10 @@ void read_fleet(ObjectReader& reader, WorldPlan& plan) {
   if (plan.fleet.empty() && robots != nullptr) reader.faults().add("fleet", "no robot", "add one");
   Hall hall(plan);
   const bool is_read = scenario != nullptr && faults_that_stop(found).empty() && !plan.fleet.empty();
-  if (is_read) plan.assigned = bound(plan.scenario, hall, reader.faults(), found);
-  read_beside(reader, hall, plan);
-  if (is_read && faults_that_stop(found).empty()) check_times(plan, reader.faults());
+  if (is_read) plan.assigned = bound(plan.scenario, hall, kFile, reader.faults(), found);
+  for (const simulation::JobRun& run : simulation::read_beside(reader)) read_run(run, hall, reader.faults(), plan);
+  if (is_read && faults_that_stop(found).empty())
+    simulation::check_times(plan.times, scenarios_of(plan), reader.faults());
   plan.robots = static_cast<std::uint32_t>(plan.fleet.size());
   plan.tasks = static_cast<std::uint32_t>(plan.scenario.tasks.size());
   add_faults(found, "", reader.faults());

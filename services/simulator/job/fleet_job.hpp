@@ -6,8 +6,6 @@
 
 namespace trb::simulator {
 
-constexpr std::size_t kMostBeside = 9;  ///< runs that go on beside the first one
-
 /// Keys, in place of `robots` and `tasks`: `fleet`, [{"id", "profile"}] with what the robots' nodes tell the fleet of
 /// them (NodeProfile as JSON; all robots are taken to be ready); `scenario`, as config/scenarios has it; optional
 /// `times`, {SKILL or "task:ID": seconds, or {"mean", "deviation"}}. Tasks that name no robot are bound as `trb

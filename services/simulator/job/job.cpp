@@ -69,6 +69,7 @@ Job read_job(std::string_view text, ConfigFaults& faults) {
   if (reader.choice("protocol", Need::optional, {"paper", "talkrobots"}).value_or(0) == 1) {
     Job job;
     job.world = read_world(reader);
+    if (json->find("beside") != nullptr) job.alone = reader.boolean("alone", Need::optional).value_or(false);
     job.trace = reader.text("trace", Need::optional, kMaxPath).value_or("");
     reader.refuse_unknown_keys();
     return job;
@@ -81,7 +82,10 @@ Job read_job(std::string_view text, ConfigFaults& faults) {
     into.add("", plan.error().what, plan.error().hint);
     return {};
   }
-  Job job{.plan = std::move(*plan), .world = {}, .trace = reader.text("trace", Need::optional, kMaxPath).value_or("")};
+  Job job{.plan = std::move(*plan),
+          .world = {},
+          .alone = false,
+          .trace = reader.text("trace", Need::optional, kMaxPath).value_or("")};
   read_devices(reader, job.plan);
   read_requests(reader, job.plan);
   read_faults(reader, job.plan);

@@ -14,13 +14,13 @@
 namespace trb::simulator {
 namespace {
 
-/// What plays it again; that it writes a trace is no part of it.
+/// What plays it again; that it writes a trace, or plays its runs alone, too, is no part of it.
 Value played_job(const std::string& text) {
   const auto json = parse_json(text, kJobLimits);
   Value::Object out;
   if (!json || !json->is_object()) return Value{out};
   for (const auto& [key, value] : json->object()) {
-    if (key != "trace" && key != "until_event") out.emplace_back(key, value);
+    if (key != "trace" && key != "until_event" && key != "alone") out.emplace_back(key, value);
   }
   return Value{std::move(out)};
 }
