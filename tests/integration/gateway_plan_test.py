@@ -259,6 +259,36 @@ class Simulations(GatewayCase):
         self.assertEqual({alert["robot"] for alert in world["alerts"]}, {"r0", "r1"})
         self.assertEqual(world["not_reached"], [{"fault": 2, "at": 400}])
 
+    def test_scenarios_at_the_same_time_are_told_each_and_what_they_cost_each_other(self):
+        other = {"name": "once more", "tasks": [THERE]}
+        one = self.result({**TRIED, "beside": [{"scenario": other}, {"scenario": other, "after": 30}]})
+        self.assertEqual(one["state"], "done", one.get("failure"))
+        self.assertEqual((one["scenario"], one["beside"], one["tasks"]), ("there and back", ["once more"] * 2, 5))
+        answer = one["answer"]
+        self.assertNotIn("model", answer)
+        self.assertEqual([run["state"] for run in (answer["world"], *answer["beside"])], ["FINISHED"] * 3)
+        self.assertEqual([run["broken"] for run in (answer["world"], *answer["beside"])], [[]] * 3)
+        self.assertAlmostEqual(answer["beside"][1]["submitted_s"] - answer["world"]["submitted_s"], 30, delta=0.2)
+        self.assertAlmostEqual(answer["alone_s"], 6, delta=1)
+        self.assertAlmostEqual(answer["beside"][0]["alone_s"], 2, delta=0.5)
+        # One robot does all: the first two runs cost each other the time of a task at least.
+        kept = [row for run in (answer, answer["beside"][0]) for row in run["waits"] if row.get("kept_s", 0) > 0.5]
+        self.assertTrue(kept)
+        self.assertFalse([row for row in answer["beside"][1]["waits"] if "kept_s" in row])
+        listed = self.viewer.ask("GET", SIMULATIONS).json["items"][0]
+        self.assertEqual((listed["beside"], "beside" in listed["job"]), (["once more"] * 2, False))
+
+    def test_what_is_wrong_with_a_scenario_at_the_same_time_is_named_by_its_place(self):
+        other = {"name": "once more", "tasks": [THERE]}
+        for beside, pointer in (([{"scenario": {"name": "n", "tasks": [{**THERE, "robot": "nobody"}]}}], "/beside/0/scenario/tasks/0/robot"),
+                                ([{"scenario": other}, {"scenario": other, "after": -1}], "/beside/1/after"),
+                                ([{"after": 2}], "/beside/0/scenario"), ([{"scenario": other}] * 10, "/beside"),
+                                ([{"scenario": other, "trace": "x"}], "/beside/0/trace")):
+            with self.subTest(pointer):
+                answer = self.start({**TRIED, "beside": beside})
+                self.assertEqual(answer.status, 422, answer.bytes)
+                self.assertEqual([fault["pointer"] for fault in answer.json["errors"]], [pointer])
+
     def test_a_gateway_that_is_killed_leaves_no_child(self):
         self.started(LARGE)
         pid = self.wait_simulator()

@@ -5,6 +5,7 @@
 #include "common/fleet/did_you_mean.hpp"
 #include "common/scenario/definition.hpp"
 #include "common/scenario/played_tasks.hpp"
+#include "common/simulation/job_beside.hpp"
 #include "common/simulation/job_sensors.hpp"
 #include "common/simulation/job_times.hpp"
 #include "proto/body.hpp"
@@ -20,17 +21,35 @@ void add_fault(ConfigFaults& faults, const std::string& key, std::string what, s
   faults.push_back({"job", key, std::move(what), std::move(hint), false});
 }
 
-/// By their places in the job.
-void add_prefixed(const ConfigFaults& found, ConfigFaults& faults) {
+/// By their places in the job; `key`: of the scenario.
+void add_prefixed(const ConfigFaults& found, const std::string& key, ConfigFaults& faults) {
   for (const ConfigFault& one : faults_that_stop(found)) {
-    add_fault(faults, one.key.empty() ? kKey : std::string(kKey) + "." + one.key, one.what, one.hint);
+    add_fault(faults, one.key.empty() ? key : key + "." + one.key, one.what, one.hint);
   }
 }
 
-Scenario read_checked(const Value& json, ConfigFaults& faults) {
+/// A scenario of the job, and its key there.
+struct KeyedScenario {
+  std::string key;
+  Scenario scenario;
+};
+
+KeyedScenario read_checked(const Value& json, std::string key, ConfigFaults& faults) {
   ConfigFaults found;
-  Scenario out = read_scenario(json, kKey, found);
-  add_prefixed(found, faults);
+  KeyedScenario out{std::move(key), read_scenario(json, kKey, found)};
+  add_prefixed(found, out.key, faults);
+  return out;
+}
+
+/// The job's own first. What is wrong with the list of those beside it was told before.
+std::vector<KeyedScenario> read_scenarios(const Value& job, ConfigFaults& faults) {
+  std::vector<KeyedScenario> out;
+  out.push_back(read_checked(*job.find(kKey), kKey, faults));
+  ConfigFaults told;
+  ObjectReader reader(job, "", FileFaults("job", told));
+  for (simulation::JobRun& run : simulation::read_beside(reader)) {
+    out.push_back(read_checked(*run.scenario, std::move(run.path), faults));
+  }
   return out;
 }
 
@@ -40,28 +59,43 @@ bool is_without_robot(const KnownNodes& nodes, const std::string& id) {
 }
 
 /// The fleet's own cloud may have another name than the one that is played.
-void check_names(const Scenario& scenario, const KnownNodes& nodes, ConfigFaults& faults) {
-  for (std::size_t i = 0; i < scenario.tasks.size(); ++i) {
-    for (const Condition& condition : scenario.tasks[i].when) {
+void check_names(const KeyedScenario& of, const KnownNodes& nodes, ConfigFaults& faults) {
+  for (std::size_t i = 0; i < of.scenario.tasks.size(); ++i) {
+    for (const Condition& condition : of.scenario.tasks[i].when) {
       if (!is_without_robot(nodes, condition.of)) continue;
       return add_fault(
-          faults, std::string(kKey) + ".tasks[" + std::to_string(i) + "].when.of",
+          faults, of.key + ".tasks[" + std::to_string(i) + "].when.of",
           in_quotes(condition.of) + " has no robot: a simulation has the robots, and a cloud named 'cloud'",
           R"(write "of": "cloud" here, and give that node its sensor in sensor_values)");
     }
   }
 }
 
-/// As the simulator checks it: of the nodes it has the robots and a cloud, and a condition needs a sensor of the job.
-void check_with_sensors(const Value& job, const Scenario& scenario, const KnownNodes& robots, ConfigFaults& faults) {
+/// As the simulator checks them: of the nodes it has the robots and a cloud, and a condition needs a sensor of the job.
+void check_with_sensors(const Value& job, const std::vector<KeyedScenario>& scenarios, const KnownNodes& robots,
+                        ConfigFaults& faults) {
   const FileFaults into("job", faults);
   ObjectReader reader(job, "", into);
   const auto sensors = simulation::read_sensor_values(reader, simulation::JobNodes(robots));
-  ConfigFaults found;
-  check_scenario(scenario, simulation::with_cloud(robots, sensors), kKey, found);
-  add_prefixed(found, faults);
-  simulation::check_conditions(sensors, scenario, into);
-  if (faults.empty()) simulation::check_times(simulation::read_times(reader), scenario, into);
+  const auto nodes = simulation::with_cloud(robots, sensors);
+  std::vector<const Scenario*> all;
+  for (const KeyedScenario& one : scenarios) {
+    ConfigFaults found;
+    check_scenario(one.scenario, nodes, kKey, found);
+    add_prefixed(found, one.key, faults);
+    simulation::check_conditions(sensors, one.scenario, into, one.key);
+    all.push_back(&one.scenario);
+  }
+  if (faults.empty()) simulation::check_times(simulation::read_times(reader), all, into);
+}
+
+/// Together they are no more than the tasks of a counted job.
+void check_together(const std::vector<KeyedScenario>& scenarios, ConfigFaults& faults) {
+  std::size_t tasks = 0;
+  for (const KeyedScenario& one : scenarios) tasks += one.scenario.tasks.size();
+  if (scenarios.size() == 1 || tasks <= static_cast<std::size_t>(kMaxSimulatedTasks)) return;
+  add_fault(faults, "beside", "the scenarios have " + std::to_string(tasks) + " tasks in all",
+            "leave some out: " + std::to_string(kMaxSimulatedTasks) + " are played; trb simulate takes more");
 }
 
 Value::List fleet_of(const KnownNodes& nodes) {
@@ -80,8 +114,10 @@ void check_fleet(const Value::List& fleet, ConfigFaults& faults) {
   }
 }
 
+/// What each of several runs takes by itself is part of their answer.
 std::string input_of(const Value& job, Value::List fleet) {
   Value::Object out = std::get<Value::Object>(job.is);
+  if (job.find("beside") != nullptr) out.emplace_back("alone", Value{true});
   out.emplace_back("fleet", Value{std::move(fleet)});
   return dump_json(Value{std::move(out)});
 }
@@ -101,12 +137,18 @@ SimulationJob scenario_job(const Value& job, const KnownNodes& nodes, ConfigFaul
   Value::List fleet = fleet_of(nodes);
   check_fleet(fleet, faults);
   if (!faults.empty()) return out;
-  out.scenario = read_checked(*job.find(kKey), faults);
-  if (faults.empty()) check_names(*out.scenario, nodes, faults);
-  if (faults.empty()) check_with_sensors(job, *out.scenario, robots_of(nodes), faults);
+  std::vector<KeyedScenario> scenarios = read_scenarios(job, faults);
+  for (const KeyedScenario& one : scenarios) {
+    if (faults.empty()) check_names(one, nodes, faults);
+  }
+  if (faults.empty()) check_with_sensors(job, scenarios, robots_of(nodes), faults);
+  if (faults.empty()) check_together(scenarios, faults);
   if (!faults.empty()) return out;
   out.robots = static_cast<std::int64_t>(fleet.size());
-  out.tasks = static_cast<std::int64_t>(out.scenario->tasks.size());
+  for (KeyedScenario& one : scenarios) {
+    out.tasks += static_cast<std::int64_t>(one.scenario.tasks.size());
+    out.scenarios.push_back(std::move(one.scenario));
+  }
   out.text = dump_json(job);
   out.outline = simulation_outline(job);
   out.input = input_of(job, std::move(fleet));
@@ -117,11 +159,10 @@ SimulationJob scenario_job(const Value& job, const KnownNodes& nodes, ConfigFaul
   return out;
 }
 
-Bytes with_waits(Bytes answer, const Scenario& scenario) {
+Bytes with_waits(Bytes answer, const std::vector<Scenario>& scenarios) {
   auto json = parse_json(answer, {.bytes = kMaxAnswer});
   if (!json || !json->is_object()) return answer;
-  Value waits = waits_value(played_tasks(*json, scenario));
-  std::get<Value::Object>(json->is).emplace_back("waits", std::move(waits));
+  add_waits(*json, scenarios);
   return dump_json(*json);
 }
 

@@ -3,6 +3,7 @@
 
 #include <map>
 #include <string>
+#include <vector>
 
 #include "common/base/bytes.hpp"
 #include "proto/bodies/link.hpp"
@@ -16,12 +17,13 @@ using KnownNodes = std::map<std::string, NodeProfile>;
 /// Those with a robot.
 KnownNodes robots_of(const KnownNodes& nodes);
 
-/// Of a job that has passed check_simulation_job, with a `scenario`: what trb-simulator is to play. The scenario is
-/// checked as that program checks it: with the robots, a cloud named "cloud", and the job's sensors and times; its own
-/// faults' keys begin with "scenario".
+/// Of a job that has passed check_simulation_job, with a `scenario`: what trb-simulator is to play. Its scenarios
+/// are checked as that program checks them: with the robots, a cloud named "cloud", and the job's sensors and times;
+/// the faults' keys begin with "scenario" or "beside[0].scenario". With others beside it each is played alone, too.
 SimulationJob scenario_job(const Value& job, const KnownNodes& nodes, ConfigFaults& faults);
 
-/// The simulator's answer, and in it `waits`: what each task of the scenario waited for, and the critical path.
-Bytes with_waits(Bytes answer, const Scenario& scenario);
+/// The simulator's answer, and in it `waits`: what each task of the scenario waited for, and the critical path; so in
+/// each of its `beside`.
+Bytes with_waits(Bytes answer, const std::vector<Scenario>& scenarios);
 
 }  // namespace trb::gateway

@@ -134,6 +134,93 @@ TEST_CASE("a time that no task of the scenario has is named") {
   CHECK(first[0].key == "scenario.tasks[0].skill");
 }
 
+namespace {
+
+std::string scenario_text(const std::string& name, std::size_t tasks) {
+  std::string out;
+  for (std::size_t i = 0; i < tasks; ++i) {
+    out += (i == 0 ? "" : ", ") + (R"({"id": "t)" + std::to_string(i) + R"(", "robot": "cart", "skill": "go_to"})");
+  }
+  return R"({"name": ")" + name + R"(", "tasks": [)" + out + "]}";
+}
+
+std::string with_beside(const std::string& beside, const std::string& more = "") {
+  return R"({"protocol": "talkrobots", "scenario": )" + scenario_text("one", 1) + R"(, "beside": [)" + beside + "]" +
+         more + "}";
+}
+
+}  // namespace
+
+TEST_CASE("scenarios beside the first one are played with it, and each alone; a list has none of them") {
+  const std::string text = with_beside(R"({"scenario": )" + scenario_text("two", 3) +
+                                       R"(, "after": 20}, {"scenario": )" + scenario_text("three", 1) + "}");
+  ConfigFaults faults;
+  const SimulationJob job = scenario_job(*parse_json(text), hall(), faults);
+  REQUIRE_MESSAGE(faults.empty(), to_text(faults));
+  REQUIRE(job.scenarios.size() == 3);
+  CHECK(job.scenarios[2].name == "three");
+  CHECK(job.tasks == 5);
+  CHECK(*parse_json(job.text) == *parse_json(text));
+  CHECK(job.outline == R"({"protocol":"talkrobots"})");
+  const Value input = *parse_json(job.input);
+  CHECK(*input.find("beside") == *parse_json(text)->find("beside"));
+  CHECK(input.find("alone")->boolean());
+  CHECK(parse_json(scenario_job(*parse_json(kRight), hall(), faults).input)->find("alone") == nullptr);
+  CHECK(simulation_in_words(job) == "scenario 'one' and 2 beside it, 2 robots, 5 tasks");
+}
+
+TEST_CASE("what is wrong with a scenario beside the first one is named by its place") {
+  const std::string good = R"({"scenario": )" + scenario_text("two", 1) + "}, ";
+  struct Case {
+    std::string task;
+    const char* key;
+  };
+  for (const Case& one :
+       {Case{R"({"id": "go", "robot": "nobody", "skill": "go_to"})", "beside[1].scenario.tasks[0].robot"},
+        Case{R"({"id": "go", "robot": "cart", "skill": "fly"})", "beside[1].scenario.tasks[0].skill"},
+        Case{R"({"id": "go", "robot": "cart", "skill": "go_to", "when": {"sensor": "t", "of": "cart", "op": ">",
+                 "value": 20, "unit": "degC"}})",
+             "beside[1].scenario"},
+        Case{R"(7)", "beside[1].scenario.tasks[0]"}}) {
+    CAPTURE(one.task);
+    const ConfigFaults faults =
+        faults_of(with_beside(good + R"({"scenario": {"name": "n", "tasks": [)" + one.task + "]}}"), hall());
+    REQUIRE_FALSE(faults.empty());
+    CHECK(faults[0].key.starts_with(one.key));
+    CHECK_FALSE(faults[0].hint.empty());
+  }
+}
+
+TEST_CASE("the scenarios of a job have no more tasks in all than a counted job") {
+  const ConfigFaults faults = faults_of(with_beside(R"({"scenario": )" + scenario_text("two", 1000) + "}"), hall());
+  REQUIRE(faults.size() == 1);
+  CHECK(faults[0].key == "beside");
+  CHECK(faults[0].what == "the scenarios have 1001 tasks in all");
+  CHECK(faults_of(with_beside(R"({"scenario": )" + scenario_text("two", 999) + "}"), hall()).empty());
+}
+
+TEST_CASE("a time is of all scenarios that have its skill or task; one that none has is named") {
+  const std::string two = R"({"scenario": )" + scenario_text("two", 2) + "}";
+  CHECK(faults_of(with_beside(two, R"(, "times": {"go_to": 2, "task:t1": 4})"), hall()).empty());
+  const ConfigFaults wrong = faults_of(with_beside(two, R"(, "times": {"task:t2": 4})"), hall());
+  REQUIRE(wrong.size() == 1);
+  CHECK(wrong[0].key == "times.task:t2");
+}
+
+TEST_CASE("the answer has the waits of every run") {
+  ConfigFaults faults;
+  const Scenario scenario = read_scenario(*parse_json(scenario_text("one", 1)), "scenario", faults);
+  const Value answer = *parse_json(with_waits(R"({"world": {"submitted_s": 1},
+      "tasks": [{"id": "t0", "robot": "cart", "begin_s": 1, "end_s": 4}],
+      "beside": [{"submitted_s": 1, "tasks": [{"id": "t0", "robot": "cart", "begin_s": 4, "end_s": 7}]}]})",
+                                              {scenario, scenario}));
+  CHECK(answer.find("waits")->list()[0].find("kept_s") == nullptr);
+  const Value::List& waits = answer.find("beside")->list()[0].find("waits")->list();
+  REQUIRE(waits.size() == 1);
+  CHECK(waits[0].find("waited_for_run")->integer() == 0);
+  CHECK(waits[0].find("kept_s")->number() == doctest::Approx(3));
+}
+
 TEST_CASE("what is no scenario is refused") {
   for (const char* text : {"7", "[]", "null", "{}", R"({"name": "n"})", R"({"name": "n", "tasks": []})"}) {
     CAPTURE(text);
@@ -167,13 +254,13 @@ TEST_CASE("the answer has what each task waited for; what is none stays as it is
   const Value answer = *parse_json(with_waits(R"({"seconds": 9, "tasks": [
       {"id": "go", "robot": "cart", "begin_s": 1, "end_s": 4},
       {"id": "back", "robot": "arm", "begin_s": 4.1, "end_s": 7}]})",
-                                              scenario));
+                                              {scenario}));
   CHECK(answer.find("seconds")->integer() == 9);
   const Value::List& waits = answer.find("waits")->list();
   REQUIRE(waits.size() == 2);
   CHECK(waits[0].find("waited_for")->text().empty());
   CHECK(waits[1].find("waited_for")->text() == "go");
   CHECK(waits[1].find("critical")->boolean());
-  CHECK(with_waits("no JSON", scenario) == "no JSON");
-  CHECK(with_waits("[]", scenario) == "[]");
+  CHECK(with_waits("no JSON", {scenario}) == "no JSON");
+  CHECK(with_waits("[]", {scenario}) == "[]");
 }

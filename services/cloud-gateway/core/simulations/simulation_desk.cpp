@@ -62,7 +62,7 @@ void SimulationDesk::on_gone(Result<Bytes> answer, Now now) {
   Simulation* one = running();
   if (one == nullptr) return;  // it was cancelled, or has failed already
   if (answer) {
-    one->answer = one->job.scenario ? with_waits(std::move(*answer), *one->job.scenario) : std::move(*answer);
+    one->answer = one->job.scenarios.empty() ? std::move(*answer) : with_waits(std::move(*answer), one->job.scenarios);
   } else {
     one->failure = answer.error();
   }

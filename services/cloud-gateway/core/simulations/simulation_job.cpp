@@ -6,6 +6,7 @@
 
 #include "common/fleet/did_you_mean.hpp"
 #include "common/fleet/object_reader.hpp"
+#include "common/simulation/job_beside.hpp"
 #include "common/simulation/job_faults.hpp"
 #include "common/simulation/job_link.hpp"
 #include "common/simulation/job_sensors.hpp"
@@ -43,6 +44,7 @@ void check_scenario_keys(ObjectReader& reader) {
     reader.faults().add(key, "the fleet and the scenario say it", "leave it out, or leave scenario out");
   }
   simulation::read_times(reader);
+  simulation::read_beside(reader);
 }
 
 /// What is wrong with their number is told already.
@@ -75,7 +77,7 @@ bool is_of_real_cores(const Value& job) {
 
 /// `job` without what a list of simulations has no room for.
 Value::Object outline_of(const Value::Object& job) {
-  constexpr std::array<std::string_view, 5> kLong{"scenario", "sensor_values", "times", "delays_s", "nodes"};
+  constexpr std::array<std::string_view, 6> kLong{"scenario", "beside", "sensor_values", "times", "delays_s", "nodes"};
   Value::Object out;
   for (const auto& [key, value] : job) {
     if (std::ranges::find(kLong, key) != kLong.end()) continue;
@@ -120,8 +122,9 @@ SimulationJob counted_job(const Value& job) {
 
 std::string simulation_in_words(const SimulationJob& job) {
   std::string what = "paper";
-  if (job.scenario) {
-    what = "scenario " + in_quotes(job.scenario->name);
+  if (!job.scenarios.empty()) {
+    what = "scenario " + in_quotes(job.scenarios.front().name);
+    if (job.scenarios.size() > 1) what += " and " + std::to_string(job.scenarios.size() - 1) + " beside it";
   } else if (is_of_real_cores(*parse_json(job.text))) {
     what = "talkrobots";
   }

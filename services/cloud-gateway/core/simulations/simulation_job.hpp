@@ -3,8 +3,8 @@
 
 #include <cstdint>
 #include <map>
-#include <optional>
 #include <string>
+#include <vector>
 
 #include "common/base/config_fault.hpp"
 #include "proto/bodies/link.hpp"
@@ -27,7 +27,7 @@ struct SimulationJob {
   std::string input;    ///< of trb-simulator
   std::int64_t robots = 0;
   std::int64_t tasks = 0;
-  std::optional<Scenario> scenario{};  ///< nullopt: tasks of no scenario
+  std::vector<Scenario> scenarios{};  ///< the job's own, then those beside it; empty: tasks of no scenario
 };
 
 /// Every fault is added, by its key. What goes wrong, the network and the sensors are read as `trb simulate` reads its
@@ -35,13 +35,14 @@ struct SimulationJob {
 /// go. What a `scenario` says is scenario_job()'s to check.
 void check_simulation_job(const Value& job, const std::map<std::string, NodeProfile>& robots, ConfigFaults& faults);
 
-/// Of a job that has passed: without its scenario, sensor_values, times, measured delays and the nodes of partitions.
+/// Of a job that has passed: without its scenarios, sensor_values, times, measured delays and the nodes of partitions.
 std::string simulation_outline(const Value& job);
 
 /// Of a job that has passed, without a scenario.
 SimulationJob counted_job(const Value& job);
 
-/// "paper, 5 robots, 9 tasks"; "scenario 'NAME', 5 robots, 9 tasks": for the audit log.
+/// "paper, 5 robots, 9 tasks"; "scenario 'NAME', 5 robots, 9 tasks"; "scenario 'NAME' and 2 beside it, ...": for the
+/// audit log.
 std::string simulation_in_words(const SimulationJob& job);
 
 }  // namespace trb::gateway

@@ -15,6 +15,12 @@ std::string json_failure(const Error& error) {
   return out.text("hint", error.hint).done();
 }
 
+std::string names_of_others(const std::vector<Scenario>& scenarios) {
+  Value::List out;
+  for (std::size_t i = 1; i < scenarios.size(); ++i) out.push_back(Value{scenarios[i].name});
+  return dump_json(Value{std::move(out)});
+}
+
 /// `job`: as it was asked for, or in a list without its scenario.
 JsonObject json_simulation(const Simulation& one, const std::string& job) {
   JsonObject out;
@@ -26,7 +32,9 @@ JsonObject json_simulation(const Simulation& one, const std::string& job) {
   out.raw("progress", progress.done()).raw("job", job);
   out.number("robots", static_cast<std::uint64_t>(one.job.robots));
   out.number("tasks", static_cast<std::uint64_t>(one.job.tasks));
-  if (one.job.scenario) out.text("scenario", one.job.scenario->name);
+  const std::vector<Scenario>& scenarios = one.job.scenarios;
+  if (!scenarios.empty()) out.text("scenario", scenarios.front().name);
+  if (scenarios.size() > 1) out.raw("beside", names_of_others(scenarios));
   if (one.failure) out.raw("failure", json_failure(*one.failure));
   return out;
 }

@@ -61,6 +61,7 @@ void read_simulation(const Value& json) {
   if (!faults.empty()) return check_problem(faults_reply(faults));
   require(json.find("trace") == nullptr, "no job writes a file");
   require(json.find("fleet") == nullptr, "the fleet is the gateway's to name");
+  require(json.find("alone") == nullptr, "what is played besides is the gateway's to say");
   if (json.find("scenario") == nullptr) {
     return require(!simulation_in_words(counted_job(json)).empty(), "a job that is taken can be told");
   }
@@ -78,6 +79,8 @@ std::vector<Bytes> seeds() {
       R"({"minutes": 1e3, "weights": [1, "2"], "verdict": "Accept", "robot": 7, "stands": "yes"})",
       R"({"scenario": {"name": "n", "tasks": [{"id": "go", "robot": "a", "skill": "go_to", "data": {"place": "dock"}}]}})",
       R"({"name": "n", "tasks": [{"id": "go", "robot": "a", "skill": "s", "after": ["go"]}]})",
+      R"({"protocol": "talkrobots", "scenario": {"name": "n", "tasks": [{"id": "go", "robot": "a", "skill": "s"}]}, "beside": [
+          {"scenario": {"name": "m", "tasks": [{"id": "go", "robot": "a", "skill": "s"}]}, "after": 2.5}], "times": {"s": 2}})",
       R"({"protocol": "talkrobots", "robots": 5, "tasks": 9, "seed": 1, "faults": [{"at": 2, "kind": "cut", "node": "r1"}]})",
       R"({"protocol": "talkrobots", "robots": 2, "tasks": 2, "link": {"delays_s": [0.1, 0.4], "loss": 0.01}, "relays": ["cloud"],
           "faults": [{"kind": "partition", "nodes": ["r1"]}, {"kind": "clock", "node": "r0", "is_1970": true},
