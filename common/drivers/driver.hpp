@@ -145,9 +145,9 @@ class Driver {
   /// True if the robot reports when a command of that subtype is over.
   [[nodiscard]] virtual bool tells_end(std::string_view subtype) const = 0;
   [[nodiscard]] virtual const RobotValue* value(std::string_view name) const = 0;
-  /// True if what is heard of the robot after a command was handed over may have left it before it had the command: it
-  /// speaks by itself, and does not show that it has it.
-  [[nodiscard]] virtual bool values_lag() const { return false; }
+  /// True if what is heard of the robot after a command of that subtype was handed over may have left it before it had
+  /// the command: it speaks by itself, and does not show that it has it.
+  [[nodiscard]] virtual bool values_lag(std::string_view /*subtype*/) const { return false; }
   /// True if requests are answered from value(), without a request to the robot.
   [[nodiscard]] virtual bool answers_from_values() const { return false; }
   /// For a mode that receives a request's values only after subscribing: from now on value() has them, until unwatch().

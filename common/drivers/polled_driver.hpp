@@ -33,7 +33,7 @@ class PolledDriver : public CommandsDriver<Words> {
   }
   [[nodiscard]] bool answers_from_values() const override { return true; }
   /// A program that samples its inputs, or plans first, shows its new state some time after it has the command.
-  [[nodiscard]] bool values_lag() const override { return true; }
+  [[nodiscard]] bool values_lag(std::string_view) const override { return true; }
   [[nodiscard]] std::optional<Error> problem(std::string_view name) const override {
     return poll_.problem(this->name_of_value(name));
   }

@@ -17,7 +17,7 @@ class LinesDriver : public Driver {
   [[nodiscard]] bool knows(MessageType, std::string_view) const override { return true; }
   [[nodiscard]] bool tells_end(std::string_view) const override { return true; }
   [[nodiscard]] const RobotValue* value(std::string_view) const override { return nullptr; }
-  [[nodiscard]] bool values_lag() const override { return !acknowledges(); }
+  [[nodiscard]] bool values_lag(std::string_view) const override { return !acknowledges(); }
 
   Result<Progress> hand_over(const Handover& message, Now now, const DriverOut& out) override;
   void forget(Token token, Now now, const DriverOut& out) override;

@@ -28,7 +28,7 @@ class RosDriver : public CommandsDriver<std::vector<RosMessage>> {
   [[nodiscard]] bool online() const override { return up_; }
   [[nodiscard]] bool tells_end(std::string_view) const override { return false; }
   [[nodiscard]] const RobotValue* value(std::string_view name) const override { return find_value(values_, name); }
-  [[nodiscard]] bool values_lag() const override { return true; }
+  [[nodiscard]] bool values_lag(std::string_view) const override { return true; }
 
   Result<Progress> hand_over(const Handover& message, Now now, const DriverOut& out) override;
   void watch(std::string_view subtype, const DriverOut& out) override;

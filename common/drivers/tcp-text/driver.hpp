@@ -26,6 +26,8 @@ class TcpTextDriver : public CommandsDriver<TcpCommand> {
 
   [[nodiscard]] bool online() const override { return command_up_ && (!has_monitor_ || heard_); }
   [[nodiscard]] bool tells_end(std::string_view subtype) const override;
+  /// Nothing shows when the controller has words that are no program; of a program the start is told.
+  [[nodiscard]] bool values_lag(std::string_view subtype) const override { return !tells_end(subtype); }
   [[nodiscard]] const RobotValue* value(std::string_view name) const override {
     return find_value(values_, name_of_value(name));
   }

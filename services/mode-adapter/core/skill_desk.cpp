@@ -248,7 +248,8 @@ void SkillDesk::on_information(const Driver* mode, std::string_view subtype, Byt
 }
 
 bool SkillDesk::state_lags() const {
-  return running_->skill->end.kind == EndKind::state && running_->mode->values_lag();
+  const Skill& skill = *running_->skill;
+  return skill.end.kind == EndKind::state && running_->mode->values_lag(skill.subtype);
 }
 
 void SkillDesk::on_lagging_state(const std::vector<double>& numbers, Now now, Outbox& out) {

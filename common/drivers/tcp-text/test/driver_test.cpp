@@ -184,3 +184,18 @@ TEST_CASE("an operator's program does not take the arm away from a skill") {
   CHECK(fixture.one<Outcome>().outcome == TaskOutcome::finished);
   CHECK(fixture.answer(fixture.command("move", kUpright)).empty());
 }
+
+TEST_CASE("the state of before ends no skill whose command is no program: nothing shows when the robot has it") {
+  Settings settings = unwrapped();
+  settings.commands.commands["move"] = "load {data}\nplay";
+  settings.description.skills[0].end.kind = EndKind::state;
+  settings.description.skills[0].end.state = "program_running";
+  UrFixture fixture(settings);
+  fixture.deliver(MessageType::command, order("reach", R"({"joints": [0,0,0,0,0,0]})"), "ur3");
+  fixture.live(0.5, {.running = false});  // it has not loaded the program yet
+  CHECK(fixture.told<Outcome>().empty());
+  fixture.live(1, {.running = true});
+  CHECK(fixture.told<Outcome>().empty());
+  fixture.live(0.1, {.running = false});
+  CHECK(fixture.one<Outcome>().outcome == TaskOutcome::finished);
+}
