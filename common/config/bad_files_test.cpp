@@ -293,8 +293,6 @@ TEST_CASE("commands.json: values") {
        {"commands.json", R"("go":)", R"("goo":)", "ur.commands.go", "skill 'go' sends it"},
        {"commands.json", R"("go":)", R"("go": 1, "go2":)", "ur.commands.go", "whole number"},
        {"commands.json", R"("stop": "stop program")", R"("stop": "stop prgram")", "ur.commands.stop", "'stop prgram'"},
-       {"commands.json", R"("monitor": {"protocol": "ur-primary", "port": 30001},)", "", "ur.requests",
-        "no monitor is configured"},
        {"commands.json", R"("ur":)", R"("kuka":)", "ur", "needs the vendor's words"}});
 }
 

@@ -97,6 +97,8 @@ VendorCommands read_vendor(const Value& json, const std::string& name, const Tra
   const auto languages = known.all_of(&Transport::languages, {"plain"});
   vendor.language = read_name(reader, "language", Need::optional, known, languages, "plain");
   vendor.wrap = read_name(reader, "wrap", Need::optional, known, known.all_of(&Transport::wraps, {""}));
+  const Value* wrap = reader.value("wrap", Need::optional);
+  if (wrap != nullptr && wrap->is_text()) vendor.wrap = wrap->text();  // a bad one counts as given, too
   vendor.monitor = read_monitor(reader, known);
   vendor.values = read_words(reader, "values");
   vendor.commands = read_words(reader, "commands");
