@@ -15,7 +15,9 @@ class KnownAddresses {
  public:
   explicit KnownAddresses(const PeerTable& table) : table_(table) {}
 
-  void on_change(Now now) { next_ = now.mono + kStorePause; }
+  void on_change(Now now) {
+    if (!next_) next_ = now.mono + kStorePause;
+  }
   void tick(Now now, Effects& out);
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const { return next_; }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "common/base/gives_way.hpp"
 #include "common/base/saturate.hpp"
 #include "services/router/core/shared_keys.hpp"
 
@@ -15,16 +16,19 @@ constexpr std::int64_t kClockApart = 60'000'000'000;
 void LinkErrors::note(std::string_view peer, std::string_view address, std::string_view code, std::string_view text,
                       Now now) {
   const auto key = std::make_tuple(std::string(peer), std::string(address), std::string(code));
-  if (rows_.count(key) == 0 && rows_.size() >= kMaxLinkErrors) forget_oldest();
+  if (rows_.count(key) == 0 && rows_.size() >= kMaxLinkErrors) make_room(peer);
   Row& row = rows_[key];
   row.text = text;
   row.last = now.mono;
   ++row.count;
 }
 
-void LinkErrors::forget_oldest() {
-  rows_.erase(std::min_element(rows_.begin(), rows_.end(),
-                               [](const auto& a, const auto& b) { return a.second.last < b.second.last; }));
+/// A peer that is at ever new addresses has a row for each: it pushes out its own.
+void LinkErrors::make_room(std::string_view peer) {
+  const auto peer_of = [](const auto& row) -> const std::string& { return std::get<0>(row.first); };
+  const std::string of = gives_way(rows_, peer, peer_of);
+  const auto rank = [&](const auto& row) { return std::pair(peer_of(row) != of, row.second.last); };
+  rows_.erase(std::ranges::min_element(rows_, {}, rank));
 }
 
 void LinkErrors::note_link(LinkId id, std::string_view code, std::string_view text, Now now) {

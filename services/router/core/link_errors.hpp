@@ -12,7 +12,7 @@
 
 namespace trb::router {
 
-constexpr std::size_t kMaxLinkErrors = 256;  ///< the oldest is removed
+constexpr std::size_t kMaxLinkErrors = 256;  ///< the oldest of the peer that has most is removed
 
 class LinkErrors {
  public:
@@ -39,7 +39,7 @@ class LinkErrors {
     std::uint64_t count = 0;
     MonotonicTime last;
   };
-  void forget_oldest();
+  void make_room(std::string_view peer);
 
   const PeerTable& table_;
   std::map<std::tuple<std::string, std::string, std::string>, Row> rows_;  ///< by peer, address, code

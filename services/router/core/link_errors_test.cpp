@@ -251,6 +251,19 @@ TEST_CASE("troubles are bounded, and the oldest gives way") {
   CHECK(table.errors.back().address == "host:44");
 }
 
+TEST_CASE("a peer with ever new addresses pushes out its own troubles, and nobody else's") {
+  const PeerTable none{RouterConfig{}};
+  LinkErrors errors{none};
+  errors.note("bee", "", "clock_off", "", Now{{1}, {}});
+  errors.note("", "", "unknown_peer_key", "", Now{{2}, {}});
+  for (int i = 0; i < 1000; ++i) errors.note("evil", "10.0.0.9:" + std::to_string(i), "failed", "", Now{{i + 3}, {}});
+  const LinkErrorTable table = errors.table("ant", MonotonicTime{2000});
+  CHECK(table.errors.size() == kMaxLinkErrors);
+  CHECK(table.errors.front().address == "10.0.0.9:999");
+  CHECK(has_error(table, "bee", "clock_off"));
+  CHECK(has_error(table, "", "unknown_peer_key"));
+}
+
 TEST_CASE("a router sends back what it is asked to echo") {
   TestFleet fleet;
   TestNode& ant = fleet.start("ant", {.beacon = false});

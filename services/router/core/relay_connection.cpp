@@ -66,6 +66,7 @@ RelayConnection::Received RelayConnection::on_alive(const RelayAlive& alive, std
   if (!same_boot) out.lost = restart(boot, count);
   echo_ = alive.nonce;
   since_ = std::max(since_.value_or(nonce->sent), nonce->sent);
+  last_sign_ = *since_;
   unanswered_ = 0;
   knows_us_ = alive.heard_boot == own_boot_;
   if (out.new_boot || !knows_us_) send_by(now);

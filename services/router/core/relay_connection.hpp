@@ -87,7 +87,7 @@ class RelayConnection {
   [[nodiscard]] bool proven() const { return since_.has_value(); }
   [[nodiscard]] bool open() const { return since_.has_value() && knows_us_; }
   /// When the peer was last known to be there.
-  [[nodiscard]] MonotonicTime last_sign() const { return since_.value_or(MonotonicTime{}); }
+  [[nodiscard]] MonotonicTime last_sign() const { return last_sign_; }
   [[nodiscard]] std::uint64_t boot() const { return boot_; }
 
   // ---- time
@@ -125,6 +125,7 @@ class RelayConnection {
   std::size_t untold_ = 0;        ///< taken, and not yet confirmed to the sender
   std::uint32_t unanswered_ = 0;  ///< messages sent since a nonce came back
   std::optional<MonotonicTime> since_;
+  MonotonicTime last_sign_{};  ///< stays when `since_` is over
   std::optional<MonotonicTime> next_alive_;
   MonotonicTime last_alive_{};
   Duration wait_{};

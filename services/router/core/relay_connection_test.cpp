@@ -102,6 +102,7 @@ TEST_CASE("words that were held back prove life at the time of what they repeat,
   CHECK(two.to_ant(held).fresh);
   CHECK(two.ant.last_sign() == said);
   CHECK(two.ant.lapse(said + Seconds(10)));
+  CHECK(two.ant.last_sign() == said);  // also once it is over
 
   TwoEnds late;
   late.greet();

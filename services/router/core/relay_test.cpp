@@ -36,6 +36,17 @@ TEST_CASE("the relay's end is a lease, then the peer is expired; a link of one's
   CHECK(lost.ant->count("peer_expired") == 2);
 }
 
+TEST_CASE("who falls silent behind a relay was last heard when it said its last word") {
+  Triangle three;
+  three.fleet.run(Seconds(20));
+  three.fleet.meddle = [](const std::string& from, LinkId, std::uint64_t&, Message&) { return from != "bee"; };
+  three.fleet.run(Seconds(11));
+  const Route* bee = Triangle::route(*three.ant, "bee", three.fleet);
+  CHECK(bee->state == "OFFLINE");
+  CHECK(bee->last_heard_s > 9);
+  CHECK(bee->last_heard_s < 14);
+}
+
 TEST_CASE("one seed is enough to find a fleet: the relay tells whom it reaches, and they dial each other") {
   TestFleet fleet;
   fleet.start("cloud", {.beacon = false, .relay = true});

@@ -39,6 +39,18 @@ TEST_CASE("addresses are written down five seconds after a change, of those that
   CHECK_FALSE(known.next_deadline());
 }
 
+TEST_CASE("a peer that is elsewhere again and again does not keep the others' addresses from being written down") {
+  Parts parts;
+  KnownAddresses known(parts.table);
+  parts.link_with(parts.bee);
+  parts.table.find("bee")->address = "10.0.0.2:45000";
+  for (int second = 0; second < 60; ++second, parts.pass(std::chrono::seconds(1))) {
+    known.on_change(parts.now);
+    known.tick(parts.now, parts.out);
+  }
+  CHECK(parts.all<StorePeers>().size() == 60 / 6);  // the first change behind a write is written 5 s later
+}
+
 TEST_CASE("this node moves once, and says what it waits for while it is nowhere") {
   Parts parts;
   CHECK(parts.node.move_to("", "no cable"));
