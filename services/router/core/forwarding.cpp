@@ -209,9 +209,11 @@ void Forwarding::on_undelivered(LinkId id, const HeaderView& header, Errc reason
   if (auto nack = at_.messages.nack_elsewhere(header, reason, out)) out.add(LinkSend{id, std::move(*nack)});
 }
 
-void Forwarding::on_own_unsent(const Message& message, Errc reason, Effects& out) {
-  if (message.subtype != Relayed::kSubtype)
+void Forwarding::on_own_unsent(const Message& message, Errc reason, Now now, Effects& out) {
+  if (message.subtype != Relayed::kSubtype) {
+    at_.tell_again.on_unsent(message, now);
     return counters_.count(reason == Errc::queue_full ? "dropped.queue_full" : "dropped.closed_link");
+  }
   out.count("dropped." + std::string(errc_name(reason)));
   const auto body = decode<Relayed>(message.data);
   const auto inner = body ? decode<RelayedFrame>(body->record.payload.bytes) : Result<RelayedFrame>(body.error());

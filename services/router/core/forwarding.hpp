@@ -42,8 +42,8 @@ class Forwarding {
   /// The bus or a link did not take a frame: its sender, on the own bus or behind the link, gets a Nack.
   void on_unsent(ConnectionId from, const HeaderView& header, Errc reason, Effects& out);
   void on_undelivered(LinkId link, const HeaderView& header, Errc reason, Effects& out);
-  /// A message that the router made (LinkSend) or relays did not leave.
-  void on_own_unsent(const Message& message, Errc reason, Effects& out);
+  /// A message that the router made (LinkSend) or relays did not leave; it is told again if it must not be lost.
+  void on_own_unsent(const Message& message, Errc reason, Now now, Effects& out);
 
   /// The held frames of this link, in order: their senders get Nacks, if they can be reached.
   void on_returned(const ReturnHeld& of, const std::vector<HeaderView>& held, Effects& out);

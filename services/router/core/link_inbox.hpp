@@ -8,6 +8,7 @@
 #include "services/router/core/lane_table.hpp"
 #include "services/router/core/reachable_peers.hpp"
 #include "services/router/core/routing.hpp"
+#include "services/router/core/tell_again.hpp"
 
 namespace trb::router {
 
@@ -29,6 +30,7 @@ struct LinkParts {
   TrustUpdates& updates;
   RelayRoutes& relays;
   ReachablePeers& reachable;
+  TellAgain& tell_again;
   Answers& answers;
   Invitations& invitations;
   MessageRouting& routing;

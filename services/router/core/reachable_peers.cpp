@@ -44,6 +44,13 @@ void ReachablePeers::notify_all(const Link& to, Effects& out) {
   notify(to, all, out);
 }
 
+void ReachablePeers::notify_anew(const Link& to, Effects& out) {
+  if (!node_.relays()) return;
+  std::set<std::string> all;
+  for (const auto& [id, peer] : table_.peers()) all.insert(id);
+  notify(to, all, out);
+}
+
 void ReachablePeers::tick(Now now, Effects& out) {
   if (!next_ || now.mono < *next_) return;
   next_.reset();

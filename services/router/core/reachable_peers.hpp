@@ -28,6 +28,8 @@ class ReachablePeers {
   void on_change(const std::string& peer, Now now);
   /// Notifies a new link of all peers.
   void notify_all(const Link& to, Effects& out);
+  /// The same once more, with those that are not reached: of some the peer was not told.
+  void notify_anew(const Link& to, Effects& out);
   /// Passes on what the peer of this link has wrapped for another one.
   void pass_on(const Link& link, const Message& message, const Relayed& body, const RelayedFrame& inner, Now now,
                Effects& out);

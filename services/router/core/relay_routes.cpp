@@ -195,19 +195,24 @@ void RelayRoutes::send(const std::string& to, const Message& message, Now now, E
 void RelayRoutes::not_sent(std::string_view target, std::uint64_t count, Errc reason, Effects& out) {
   const Peer* peer = table_.find(target);
   if (peer == nullptr) return;
-  if (const auto question = routes_.row(*peer).connection.withdraw(count)) notify_lost(*question, reason, out);
+  RelayRoute& route = routes_.row(*peer);
+  if (const auto question = route.connection.withdraw(count)) return notify_lost(*question, reason, out);
+  if (reason == Errc::queue_full) route.told_profile = 0;  // it may have been this node's profile
 }
 
 void RelayRoutes::on_refused(const Link& relay, const RelayRefused& told, Effects& out) {
   const Peer* peer = table_.find(told.target);
   if (peer == nullptr || !relay.relay) return out.count("refused.not_permitted");
   RelayRoute& route = routes_.row(*peer);
+  const bool full = told.reason == errc_name(Errc::queue_full);
   const Unconfirmed* asked = route.connection.find(told.count);
-  if (asked == nullptr) return;
+  if (asked == nullptr) {
+    if (full && route.relays.contains(relay.peer)) route.told_profile = 0;  // as in not_sent()
+    return;
+  }
   // Only the relay that carries the message may report it.
   if (asked->relay != relay.peer) return out.count("refused.not_permitted");
   const auto question = route.connection.withdraw(told.count);
-  const bool full = told.reason == errc_name(Errc::queue_full);
   if (!full) change_carrier(route);
   notify_lost(*question, full ? Errc::queue_full : Errc::peer_unreachable, out);
 }

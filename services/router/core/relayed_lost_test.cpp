@@ -64,7 +64,7 @@ TEST_CASE("what finds the relay's queue full, or this node's own, is told to who
   Triangle three;
   const Relaying relaying = three.wrap(three.command(*three.ant));
   Effects effects;
-  three.cloud.core->forwarding().on_own_unsent(relaying.message, Errc::queue_full, effects);
+  three.cloud.core->forwarding().on_own_unsent(relaying.message, Errc::queue_full, three.fleet.now, effects);
   REQUIRE(effects.list.size() == 1);
   CHECK(std::get<LinkSend>(effects.list[0]).link == three.cloud.link_to("ant"));
   three.fleet.carry_out(three.cloud, effects);
@@ -73,7 +73,7 @@ TEST_CASE("what finds the relay's queue full, or this node's own, is told to who
 
   const Relaying own = three.wrap(three.command(*three.ant));
   Effects stuck;
-  three.ant->core->forwarding().on_own_unsent(own.message, Errc::queue_full, stuck);
+  three.ant->core->forwarding().on_own_unsent(own.message, Errc::queue_full, three.fleet.now, stuck);
   three.fleet.carry_out(*three.ant, stuck);
   three.fleet.run(Seconds(4));
   CHECK(three.nacks(*three.ant) == std::vector<std::string>{"queue_full", "queue_full"});
@@ -81,7 +81,7 @@ TEST_CASE("what finds the relay's queue full, or this node's own, is told to who
   Message nonsense = relaying.message;
   nonsense.data = "nothing";
   Effects none;
-  three.cloud.core->forwarding().on_own_unsent(nonsense, Errc::queue_full, none);
+  three.cloud.core->forwarding().on_own_unsent(nonsense, Errc::queue_full, three.fleet.now, none);
   CHECK(none.list.empty());
 }
 

@@ -185,7 +185,7 @@ TEST_CASE(
   const auto stuck = [&](TestNode& node, const SignedRecord& record) {
     Effects effects;
     node.core->forwarding().on_own_unsent(make_message(MessageType::information, node.id, "bee", Relayed{record}),
-                                          Errc::queue_full, effects);
+                                          Errc::queue_full, three.fleet.now, effects);
     return effects.list.size();
   };
   SignedRecord nobodys = three.signed_by_ant(for_dog);

@@ -5,8 +5,8 @@ namespace trb::router {
 RouterCore::RouterCore(RouterConfig config) : node_(std::move(config)), table_(node_.config()) {}
 
 LinkParts RouterCore::parts() {
-  return {node_,  table_, trust_,     admission_, messages_, bus_,       seals_,   links_,       errors_, profile_,
-          lanes_, known_, handshake_, updates_,   relays_,   reachable_, answers_, invitations_, routing_};
+  return {node_,  table_, trust_,     admission_, messages_, bus_,       seals_,      links_,   errors_,      profile_,
+          lanes_, known_, handshake_, updates_,   relays_,   reachable_, tell_again_, answers_, invitations_, routing_};
 }
 
 void RouterCore::start(Now now, Effects& out) {
@@ -66,7 +66,7 @@ std::optional<MonotonicTime> RouterCore::next_deadline() const {
   for (const auto& due :
        {membership_.next_deadline(), seals_.next_deadline(), links_.next_deadline(), beacons_.next_deadline(),
         admission_.next_deadline(), known_.next_deadline(), updates_.next_deadline(), reachable_.next_deadline(),
-        relays_.next_deadline(), lanes_.next_deadline(), invitations_.next_deadline()}) {
+        relays_.next_deadline(), lanes_.next_deadline(), invitations_.next_deadline(), tell_again_.next_deadline()}) {
     next = earlier(next, due);
   }
   return next;
@@ -83,6 +83,7 @@ void RouterCore::tick(Now now, Effects& out) {
   known_.tick(now, out);
   updates_.tick(now, out);
   reachable_.tick(now, out);
+  tell_again_.tick(now, out);
   relays_.tick(now, out);
   profile_.tick(reporters_heard(), now, out);
   lanes_.tick(now, out);

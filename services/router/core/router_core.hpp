@@ -19,6 +19,7 @@
 #include "services/router/core/reachable_peers.hpp"
 #include "services/router/core/relay_routes.hpp"
 #include "services/router/core/routing.hpp"
+#include "services/router/core/tell_again.hpp"
 #include "services/router/core/trust_updates.hpp"
 
 namespace trb::router {
@@ -81,6 +82,7 @@ class RouterCore final : private LinkWatcher {
   Beacons beacons_{node_, table_, trust_, links_, errors_};
   Membership membership_{node_, table_, trust_, links_, beacons_, admission_, errors_};
   TrustUpdates updates_{node_, table_, trust_, membership_, messages_, bus_};
+  TellAgain tell_again_{table_, profile_, updates_, reachable_};
   RelayRoutes relays_{node_, table_, trust_, messages_, bus_, profile_, links_};
   Handshake handshake_{node_, table_, admission_, trust_, messages_, seals_, links_, errors_, profile_};
   Answers answers_{node_, table_, bus_, relays_, profile_, counters_, errors_, membership_, updates_};

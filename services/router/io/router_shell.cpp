@@ -180,7 +180,7 @@ void RouterShell::look(Now now) {
 void RouterShell::report_unsent() {
   for (const auto& [message, reason] : links_.take_unsent()) {
     Effects effects;
-    core_.forwarding().on_own_unsent(message, reason, effects);
+    core_.forwarding().on_own_unsent(message, reason, read_clocks(), effects);
     carry_out(effects);
   }
 }

@@ -190,7 +190,7 @@ void RouterProcess::carry_out(router::Dial& dial) {
 void RouterProcess::carry_out(router::LinkSend& own) {
   if (send(own.link, own.message.subtype, encode_frame(own.message))) return;
   Effects effects;
-  core_.forwarding().on_own_unsent(own.message, Errc::peer_unreachable, effects);
+  core_.forwarding().on_own_unsent(own.message, Errc::peer_unreachable, clock_.now(), effects);
   carry_out(effects);
 }
 
