@@ -24,6 +24,7 @@ struct BusSend {
 struct LinkSend {
   LinkId link = 0;
   Message message;
+  std::string peer{};  ///< whose message this node relays; empty: it is its own
 };
 struct Dial {
   LinkId link = 0;

@@ -80,7 +80,7 @@ void ReachablePeers::pass_on(const Link& link, const Message& message, const Rel
   passed.source = node_.id();
   passed.target = inner.target;
   passed.id = messages_.next_id();
-  out.add(LinkSend{target->link, std::move(passed)});
+  out.add(LinkSend{target->link, std::move(passed), link.peer});
 }
 
 void ReachablePeers::refuse(const Link& to, const RelayedFrame& inner, Errc reason, Effects& out) {

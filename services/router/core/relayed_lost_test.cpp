@@ -60,6 +60,21 @@ TEST_CASE("a cut that comes and goes: what is sent meanwhile arrives once or not
   CHECK(three.bee->count("refused.relayed_replayed") == 0);
 }
 
+TEST_CASE("a relay passes a message on as its sender's, who has a share of the link; its own are its own") {
+  Triangle three;
+  const Relaying relaying = three.wrap(three.command(*three.ant));
+  Effects effects;
+  three.cloud.core->inbox().on_message(three.cloud.link_to("ant"), three.ant->keys.link.public_key, relaying.message,
+                                       99, three.fleet.now, effects);
+  REQUIRE(effects.list.size() == 1);
+  CHECK(std::get<LinkSend>(effects.list[0]).link == three.cloud.link_to("bee"));
+  CHECK(std::get<LinkSend>(effects.list[0]).peer == "ant");
+  Effects refused;
+  three.cloud.core->forwarding().on_own_unsent(relaying.message, Errc::queue_full, three.fleet.now, refused);
+  REQUIRE(refused.list.size() == 1);
+  CHECK(std::get<LinkSend>(refused.list[0]).peer.empty());
+}
+
 TEST_CASE("what finds the relay's queue full, or this node's own, is told to who sent it, once") {
   Triangle three;
   const Relaying relaying = three.wrap(three.command(*three.ant));

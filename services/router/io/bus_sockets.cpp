@@ -134,12 +134,10 @@ ConnectionId BusSockets::connection_of(const Server& server, BytesView routing_i
 ConnectionId BusSockets::add_connection(Server& server, BytesView routing_id, const std::string& name) {
   const ConnectionId id = ++next_connection_;
   server.connections.emplace(Bytes(routing_id), id);
-  connections_[id] = {&server,
-                      Bytes(routing_id),
-                      name,
-                      shell_.new_budget(),
-                      std::make_unique<WaitingFrames>(ShellContext::kDestinationBytes),
-                      nullptr};
+  connections_[id] = {
+      &server, Bytes(routing_id), name,
+      std::make_unique<SharedQueue>(shell_.new_budget(), ShellContext::kDestinationBytes, WaitingFrames::kMost),
+      nullptr};
   return id;
 }
 
@@ -221,30 +219,17 @@ void BusSockets::forget_connection(ConnectionId connection, Effects& effects) {
   connections_.erase(at);
 }
 
-SendResult BusSockets::send(ConnectionId to, Frame&& frame) {
-  const auto at = connections_.find(to);
-  if (at == connections_.end()) return SendResult::unroutable;
-  const Connection& connection = at->second;
-  const SendResult result = send_within(connection.budget, frame, [&](Frame&& one) {
-    return connection.server->socket.send_to(connection.routing_id, std::move(one));
-  });
-  if (result == SendResult::unroutable) forget_unroutable(to);
-  return result;
-}
-
 SendResult BusSockets::send_of(std::string_view peer, ConnectionId to, Frame&& frame) {
-  if (peer == shell_.core().config().id) return send(to, std::move(frame));
   const auto at = connections_.find(to);
   if (at == connections_.end()) return SendResult::unroutable;
   const Connection& connection = at->second;
-  if (!connection.waiting->has_room(peer, frame.size())) {
+  if (peer == shell_.core().config().id) peer = {};
+  if (!peer.empty() && !connection.queue->has_share(peer, frame.size())) {
     shell_.count("dropped.peer_share");
     return SendResult::full;
   }
-  const SendResult result = send_within(connection.budget, frame, [&](Frame&& one) {
-    return connection.waiting->send(peer, one, [&](Frame&& marked) {
-      return connection.server->socket.send_to(connection.routing_id, std::move(marked));
-    });
+  const SendResult result = connection.queue->send(peer, frame, [&](Frame&& one) {
+    return connection.server->socket.send_to(connection.routing_id, std::move(one));
   });
   if (result == SendResult::unroutable) forget_unroutable(to);
   return result;

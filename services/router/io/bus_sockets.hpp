@@ -6,11 +6,11 @@
 #include <string>
 
 #include "services/router/io/sent_counter.hpp"
+#include "services/router/io/shared_queue.hpp"
 #include "services/router/io/shell_context.hpp"
 #include "services/router/io/shell_options.hpp"
 #include "services/router/io/tap.hpp"
 #include "services/router/io/tcp_bus_guard.hpp"
-#include "services/router/io/waiting_frames.hpp"
 
 namespace trb::router {
 
@@ -27,7 +27,7 @@ class BusSockets {
   /// ZAP's question, for a bus over TCP.
   bool admit(BytesView key) { return guard_ != nullptr && guard_->admit(key); }
   /// `unroutable`: that connection is gone, and the core was notified.
-  SendResult send(ConnectionId to, Frame&& frame);
+  SendResult send(ConnectionId to, Frame&& frame) { return send_of({}, to, std::move(frame)); }
   /// The same for a peer's frame: `full` also if that peer has its share of what waits for this connection.
   SendResult send_of(std::string_view peer, ConnectionId to, Frame&& frame);
   /// Now and then, of a bus over TCP: ends connections on which messages without a last part pile up.
@@ -46,8 +46,7 @@ class BusSockets {
     Server* server = nullptr;
     Bytes routing_id;
     std::string name;  ///< the service it proves
-    std::shared_ptr<ByteBudget> budget;
-    std::unique_ptr<WaitingFrames> waiting;       ///< of peers
+    std::unique_ptr<SharedQueue> queue;
     std::shared_ptr<IncompleteBytes> incomplete;  ///< on a bus over TCP
   };
 

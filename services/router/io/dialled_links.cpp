@@ -40,7 +40,7 @@ Status DialledLinks::open(const Dial& dial, const std::string& scope, const std:
   if (!made) return made.error();
   const LinkId link = dial.link;
   Dialled dialled;
-  dialled.budget = shell_.new_budget();
+  dialled.queue = new_link_queue(shell_);
   dialled.name = name;
   const Status added = dialled_.add(link, std::move(dialled), std::move(*made),
                                     [this, link](LinkEvent event, int fd) { on_event(link, event, fd); });
@@ -75,14 +75,20 @@ void DialledLinks::close(LinkId link) {
 std::optional<bool> DialledLinks::has_room(LinkId link, std::size_t bytes) const {
   const Dialled* dialled = dialled_.find(link);
   if (dialled == nullptr) return std::nullopt;
-  return dialled->budget->has_room(bytes);
+  return dialled->queue->has_room(bytes);
 }
 
-std::optional<SendResult> DialledLinks::send(LinkId link, Frame&& frame) {
+std::optional<bool> DialledLinks::has_share(LinkId link, std::string_view peer, std::size_t bytes) {
+  const Dialled* dialled = dialled_.find(link);
+  if (dialled == nullptr) return std::nullopt;
+  return dialled->queue->has_share(peer, bytes);
+}
+
+std::optional<SendResult> DialledLinks::send(LinkId link, Frame&& frame, std::string_view peer) {
   const Dialled* dialled = dialled_.find(link);
   if (dialled == nullptr) return std::nullopt;
   Socket& socket = *dialled->socket;
-  return send_within(dialled->budget, frame, [&](Frame&& one) { return socket.send(std::move(one)); });
+  return dialled->queue->send(peer, frame, [&](Frame&& one) { return socket.send(std::move(one)); });
 }
 
 void DialledLinks::drain(LinkId link) {

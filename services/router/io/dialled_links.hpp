@@ -4,9 +4,11 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "services/router/io/dialled_sockets.hpp"
 #include "services/router/io/resolver.hpp"
+#include "services/router/io/shared_queue.hpp"
 
 namespace trb::router {
 
@@ -29,11 +31,14 @@ class DialledLinks {
 
   /// Nothing if no such link was dialled.
   [[nodiscard]] std::optional<bool> has_room(LinkId link, std::size_t bytes) const;
-  std::optional<SendResult> send(LinkId link, Frame&& frame);
+  /// The same for a frame of this peer that this node relays.
+  [[nodiscard]] std::optional<bool> has_share(LinkId link, std::string_view peer, std::size_t bytes);
+  /// `peer`: whose frame this node relays.
+  std::optional<SendResult> send(LinkId link, Frame&& frame, std::string_view peer = {});
 
  private:
   struct Dialled : DialledSocket {
-    std::shared_ptr<ByteBudget> budget;
+    std::unique_ptr<SharedQueue> queue;
     std::string name;  ///< of a seed that was resolved
   };
 

@@ -71,7 +71,7 @@ Status InboxSocket::open(const std::string& endpoint) {
 }
 
 void InboxSocket::accept(LinkId link) {
-  accepted_[link] = {origin_.routing_id, origin_.user, origin_.pending, shell_.new_budget(),
+  accepted_[link] = {origin_.routing_id, origin_.user, origin_.pending, new_link_queue(shell_),
                      guard_.carries(origin_.pending)};
   guard_.linked(origin_.pending);
 }
@@ -96,15 +96,21 @@ void InboxSocket::close_link(LinkId link) {
 std::optional<bool> InboxSocket::has_room(LinkId link, std::size_t bytes) const {
   const auto at = accepted_.find(link);
   if (at == accepted_.end()) return std::nullopt;
-  return at->second.budget->has_room(bytes);
+  return at->second.queue->has_room(bytes);
 }
 
-SendResult InboxSocket::send(LinkId link, Frame&& frame) {
+std::optional<bool> InboxSocket::has_share(LinkId link, std::string_view peer, std::size_t bytes) {
+  const auto at = accepted_.find(link);
+  if (at == accepted_.end()) return std::nullopt;
+  return at->second.queue->has_share(peer, bytes);
+}
+
+SendResult InboxSocket::send(LinkId link, Frame&& frame, std::string_view peer) {
   const auto at = accepted_.find(link);
   if (at == accepted_.end()) return SendResult::unroutable;
   const Accepted& accepted = at->second;
-  return send_within(accepted.budget, frame,
-                     [&](Frame&& one) { return socket_->send_to(accepted.routing_id, std::move(one)); });
+  return accepted.queue->send(peer, frame,
+                              [&](Frame&& one) { return socket_->send_to(accepted.routing_id, std::move(one)); });
 }
 
 void InboxSocket::drain() {

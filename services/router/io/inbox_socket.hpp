@@ -5,8 +5,10 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "services/router/io/inbox_guard.hpp"
+#include "services/router/io/shared_queue.hpp"
 #include "services/router/io/shell_context.hpp"
 
 namespace trb::router {
@@ -44,15 +46,17 @@ class InboxSocket {
 
   /// Nothing if no such link was accepted here.
   [[nodiscard]] std::optional<bool> has_room(LinkId link, std::size_t bytes) const;
-  /// `unroutable`: there is no such link, or its connection is gone.
-  SendResult send(LinkId link, Frame&& frame);
+  /// The same for a frame of this peer that this node relays.
+  [[nodiscard]] std::optional<bool> has_share(LinkId link, std::string_view peer, std::size_t bytes);
+  /// `unroutable`: there is no such link, or its connection is gone. `peer`: whose frame this node relays.
+  SendResult send(LinkId link, Frame&& frame, std::string_view peer = {});
 
  private:
   struct Accepted {
     Bytes routing_id;
     Bytes user;  ///< User-Id: the key, in hexadecimal
     PendingConnectionId pending = 0;
-    std::shared_ptr<ByteBudget> budget;
+    std::unique_ptr<SharedQueue> queue;
     std::shared_ptr<IncompleteBytes> incomplete;
   };
   /// Where the frame now being handled came from, for accept() and refuse().

@@ -13,14 +13,24 @@ bool LinkSender::has_room(LinkId link, std::size_t bytes) const {
   return inbox_.has_room(link, bytes).value_or(true);
 }
 
-SendResult LinkSender::send(LinkId link, Frame&& frame) {
-  if (!has_room(link, frame.size())) return SendResult::full;
-  const Outgoing outgoing =
-      shell_.core().seals().send(link, static_cast<char*>(frame.data()), frame.size(), read_clocks());
-  return send(link, outgoing, std::move(frame));
+bool LinkSender::has_share(LinkId link, std::string_view peer, std::size_t bytes) {
+  if (peer.empty()) return true;
+  if (const auto share = dialled_.has_share(link, peer, bytes)) return *share;
+  return inbox_.has_share(link, peer, bytes).value_or(true);
 }
 
-SendResult LinkSender::send(LinkId link, const Outgoing& outgoing, Frame&& frame) {
+SendResult LinkSender::send(LinkId link, Frame&& frame, std::string_view peer) {
+  if (!has_room(link, frame.size())) return SendResult::full;
+  if (!has_share(link, peer, frame.size())) {
+    shell_.count("dropped.peer_share");
+    return SendResult::full;
+  }
+  const Outgoing outgoing =
+      shell_.core().seals().send(link, static_cast<char*>(frame.data()), frame.size(), read_clocks());
+  return send(link, outgoing, std::move(frame), peer);
+}
+
+SendResult LinkSender::send(LinkId link, const Outgoing& outgoing, Frame&& frame, std::string_view peer) {
   if (!outgoing.known) return SendResult::unroutable;
   if (!outgoing.before.empty()) {
     if (const SendResult result = put_seal(link, outgoing.before); result != SendResult::sent) {
@@ -28,7 +38,7 @@ SendResult LinkSender::send(LinkId link, const Outgoing& outgoing, Frame&& frame
       return result;
     }
   }
-  const SendResult result = put(link, std::move(frame));
+  const SendResult result = put(link, std::move(frame), peer);
   if (result != SendResult::sent) {
     shell_.core().seals().not_sent(link, Unsent::frame);
   } else if (!outgoing.behind.empty() && put_seal(link, outgoing.behind) != SendResult::sent) {
@@ -37,9 +47,9 @@ SendResult LinkSender::send(LinkId link, const Outgoing& outgoing, Frame&& frame
   return result;
 }
 
-void LinkSender::send_own(LinkId link, Message message, BytesView frame) {
+void LinkSender::send_own(LinkId link, Message message, BytesView frame, std::string_view peer) {
   tap_.show('>', frame);
-  const SendResult result = send(link, to_frame(frame));
+  const SendResult result = send(link, to_frame(frame), peer);
   if (result == SendResult::sent) return;
   if (result == SendResult::unroutable) lose(link);
   unsent_.emplace_back(std::move(message), why_unsent(result));
@@ -57,10 +67,10 @@ std::optional<LinkId> LinkSender::take_lost() {
   return link;
 }
 
-SendResult LinkSender::put(LinkId link, Frame&& frame) {
-  if (const auto result = dialled_.send(link, std::move(frame))) return *result;
-  return inbox_.send(link,
-                     std::move(frame));  // NOLINT(bugprone-use-after-move): who has no such link has taken nothing
+SendResult LinkSender::put(LinkId link, Frame&& frame, std::string_view peer) {
+  if (const auto result = dialled_.send(link, std::move(frame), peer)) return *result;
+  // NOLINTNEXTLINE(bugprone-use-after-move): who has no such link has taken nothing
+  return inbox_.send(link, std::move(frame), peer);
 }
 
 SendResult LinkSender::put_seal(LinkId link, BytesView seal) {

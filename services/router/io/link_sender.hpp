@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -19,12 +20,12 @@ class LinkSender {
 
   /// Is there room for a frame of this size? For small ones always.
   [[nodiscard]] bool has_room(LinkId link, std::size_t bytes) const;
-  /// Numbers the frame now.
-  SendResult send(LinkId link, Frame&& frame);
+  /// Numbers the frame now. `peer`: whose frame this node relays, who has a share of the link's queue.
+  SendResult send(LinkId link, Frame&& frame, std::string_view peer = {});
   /// The frame is numbered already; its seals go with it.
-  SendResult send(LinkId link, const Outgoing& outgoing, Frame&& frame);
-  /// A message that the router made; if it did not leave, take_unsent() returns it.
-  void send_own(LinkId link, Message message, BytesView frame);
+  SendResult send(LinkId link, const Outgoing& outgoing, Frame&& frame, std::string_view peer = {});
+  /// A message that the router made or, of `peer`, passes on; if it did not leave, take_unsent() returns it.
+  void send_own(LinkId link, Message message, BytesView frame, std::string_view peer = {});
   /// Seals what is unsealed on this link now.
   void send_seal(LinkId link);
 
@@ -35,7 +36,8 @@ class LinkSender {
   std::vector<std::pair<Message, Errc>> take_unsent() { return std::exchange(unsent_, {}); }
 
  private:
-  SendResult put(LinkId link, Frame&& frame);
+  bool has_share(LinkId link, std::string_view peer, std::size_t bytes);
+  SendResult put(LinkId link, Frame&& frame, std::string_view peer = {});
   SendResult put_seal(LinkId link, BytesView seal);
 
   ShellContext& shell_;

@@ -150,7 +150,8 @@ void RouterShell::carry_out(BusSend& send) {
 
 void RouterShell::carry_out(LinkSend& send) {
   sent_.count(send.message.subtype);
-  if (const auto frame = encode_own(shell_, send.message)) links_.send_own(send.link, std::move(send.message), *frame);
+  if (const auto frame = encode_own(shell_, send.message))
+    links_.send_own(send.link, std::move(send.message), *frame, send.peer);
 }
 
 void RouterShell::carry_out(Dial& dial) {

@@ -54,7 +54,7 @@ bool WaitingFrames::has_room(std::string_view peer, std::size_t bytes) {
   const auto of = loads_.find(peer);
   const Load mine = of == loads_.end() ? Load{} : of->second;
   bytes = counted(bytes);
-  return waiting_.size() + mine.frames < kMost && (bytes == 0 || bytes_ + mine.bytes + bytes <= most_bytes_);
+  return waiting_.size() + mine.frames < most_frames_ && (bytes == 0 || bytes_ + mine.bytes + bytes <= most_bytes_);
 }
 
 std::size_t WaitingFrames::count() {

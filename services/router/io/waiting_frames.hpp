@@ -1,4 +1,5 @@
-// Whose frames wait for one service of the node: no peer may take the others' places in its queue.
+// Whose frames wait for one receiver, a service of the node or a link: no peer may take the others' places in its
+// queue.
 #pragma once
 
 #include <atomic>
@@ -23,7 +24,7 @@ class WaitingFrames {
   static constexpr std::size_t kMost = kBusHighWaterMark / 2;
   static constexpr std::size_t kEach = 32;  ///< small frames, and one has a mark; larger ones all have
 
-  explicit WaitingFrames(std::size_t bytes) : most_bytes_(bytes) {}
+  explicit WaitingFrames(std::size_t bytes, std::size_t frames = kMost) : most_bytes_(bytes), most_frames_(frames) {}
 
   /// Nobody may have more waiting than is left for the others, in frames and in bytes (of frames of kCountedFrame).
   [[nodiscard]] bool has_room(std::string_view peer, std::size_t bytes);
@@ -74,6 +75,7 @@ class WaitingFrames {
   void drop_gone();
 
   const std::size_t most_bytes_;
+  const std::size_t most_frames_;
   std::shared_ptr<Gone> gone_ = std::make_shared<Gone>(0);
   std::uint64_t sent_ = 0;       ///< the number of the last one
   std::size_t unmarked_ = 0;     ///< since the last mark

@@ -1,9 +1,11 @@
-// Whose frames wait for a service: what one peer leaves to the others, and what is gone.
+// Whose frames wait for a service, or on a link: what one peer leaves to the others, and what is gone.
 #include "services/router/io/waiting_frames.hpp"
 
 #include <doctest/doctest.h>
 
 #include <deque>
+
+#include "services/router/io/shared_queue.hpp"
 
 using namespace trb;
 using namespace trb::router;
@@ -114,4 +116,38 @@ TEST_CASE("a peer's name that is gone with its frame is not read any more") {
   }
   CHECK_FALSE(queue.waiting.has_room("bee", 60));
   CHECK(queue.waiting.has_room("cat", 60));
+}
+
+TEST_CASE("on a link that a member has a relay flood there is room for others, and for what the relay says itself") {
+  SharedQueue queue(std::make_shared<ByteBudget>(8 * kKilo * kKilo), 4 * kKilo * kKilo, 500);
+  std::deque<Frame> frames;
+  const auto send = [&](std::string_view peer, std::size_t size) {
+    Frame frame = to_frame(Bytes(size, 'x'));
+    return queue.send(peer, frame, [&](Frame&& one) {
+      if (frames.size() == 1000) return SendResult::full;
+      frames.push_back(std::move(one));
+      return SendResult::sent;
+    });
+  };
+  const auto flood = [&](std::string_view peer, std::size_t size) {
+    std::size_t sent = 0;
+    while (send(peer, size) == SendResult::sent) ++sent;
+    return sent;
+  };
+  SUBCASE("with small messages") {
+    CHECK(flood("evil", 60) == 250);
+    CHECK_FALSE(queue.has_share("evil", 60));
+    CHECK(flood("bee", 60) == 125);
+    CHECK(flood({}, 60) == 625);
+  }
+  SUBCASE("with large ones") {
+    CHECK(flood("evil", kKilo * kKilo) == 2);
+    CHECK_FALSE(queue.has_share("evil", kKilo * kKilo));
+    CHECK(queue.has_share("evil", 60));
+    CHECK(flood("bee", kKilo * kKilo) == 1);
+    CHECK(flood({}, kKilo * kKilo) == 5);
+    CHECK_FALSE(queue.has_room(kKilo * kKilo));
+  }
+  frames.clear();
+  CHECK(queue.has_share("evil", 60));
 }
