@@ -70,6 +70,11 @@ Status InboxSocket::open(const std::string& endpoint) {
   return endpoint.empty() ? Status(Done{}) : socket.bind(endpoint);
 }
 
+Status InboxSocket::bind(const std::string& endpoint) {
+  monitor_->catch_up();  // it is an event, too, and must find room
+  return socket_->bind(endpoint);
+}
+
 void InboxSocket::accept(LinkId link) {
   accepted_[link] = {origin_.routing_id, origin_.user, origin_.pending, new_link_queue(shell_),
                      guard_.carries(origin_.pending)};

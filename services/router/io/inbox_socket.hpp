@@ -31,7 +31,7 @@ class InboxSocket {
   void close();
   [[nodiscard]] bool is_open() const { return socket_.has_value(); }
   /// Binds a second endpoint while it is open. Errors: io_error naming it.
-  Status bind(const std::string& endpoint) { return socket_->bind(endpoint); }
+  Status bind(const std::string& endpoint);
   void unbind(const std::string& endpoint) { socket_->unbind(endpoint); }
 
   /// The connection whose frame is being handled is this link from now on.

@@ -89,6 +89,7 @@ void LaneServer::also_at(const std::string& host) {
   if (!also_.empty()) socket_->unbind(also_);
   also_.clear();
   if (endpoint.empty()) return;
+  monitor_->catch_up();  // as at the inbox
   if (Status bound = socket_->bind(endpoint); !bound) return owner_.warn("cannot_bind", bound.error().text());
   also_ = endpoint;
 }
