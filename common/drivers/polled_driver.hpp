@@ -133,6 +133,7 @@ class PolledDriver : public CommandsDriver<Words> {
     if (job.done < job.steps.size() && (!job.refused || stops)) return;
     Job over = queue_.pop();
     if (!over.refused) return on_done(over, now, out);
+    if (!stops) queue_.keep_rest(over, 1);
     on_refused(std::move(over), now, out);
   }
   /// The robot has taken all of it.
@@ -140,6 +141,7 @@ class PolledDriver : public CommandsDriver<Words> {
   void on_refused(Job job, Now now, const DriverOut& out) {
     const Error error = refusal_of(job);
     if (job.purpose == Purpose::command) return out.emit(Refused{job.token, error});
+    if (job.purpose == Purpose::tidy) return out.refuse("robot_error", error.text());
     if (Queue::stops(job) && waits_until_free(job, now)) return queue_.add_urgent(again(job, kBusy, now, out));
     if (!job.told) report_refusal(job, error, out);
     if (job.purpose != Purpose::stop || !fenced_ || queue_.will_stop()) return;

@@ -13,8 +13,8 @@
 
 namespace trb::drivers {
 
-/// `resume`: the release that follows a halt.
-enum class Purpose : std::uint8_t { command, halt, stop, release, resume };
+/// `resume`: the release that follows a halt; `tidy`: the steps of a refused or dropped job that are sent in any case.
+enum class Purpose : std::uint8_t { command, halt, stop, release, resume, tidy };
 
 /// Whose answer is awaited. A job that was dropped meanwhile leaves `nobody`: its answer is received and ignored.
 enum class Awaits : std::uint8_t { nothing = 0, poll, job, nobody };
@@ -26,8 +26,10 @@ enum class Awaits : std::uint8_t { nothing = 0, poll, job, nobody };
 /// --------------|----------------------------------|--------------------------
 /// forget        | goes on                          | dropped; with steps done: goes on
 /// halt          | dropped, its answer is nobody's  | dropped
-/// drop_for_stop | as halt; a stop goes on          | dropped; a stop stays
+/// drop_for_stop | as halt; a stop goes on          | dropped; a stop and a tidy stay
 /// hold          | -                                | as if it were not there, unless it stops or halts
+///
+/// What is dropped when some of it was sent leaves a tidy, if it has steps for one.
 template <class Step>
 class RequestQueue {
  public:
@@ -131,18 +133,36 @@ class RequestQueue {
     const bool under_way = awaits_ == Awaits::job && at == jobs_.begin();
     const bool begun = under_way || at->done > 0;
     if (under_way) awaits_ = Awaits::nobody;
+    Job job = std::move(*at);
     jobs_.erase(at);
+    if (begun) keep_rest(std::move(job), under_way ? 1 : 0);
     return begun;
   }
   /// Returns the dropped commands.
   Jobs drop_for_stop() {
-    if (awaits_ == Awaits::job && jobs_.front().purpose != Purpose::stop) awaits_ = Awaits::nobody;
+    const bool interrupts = awaits_ == Awaits::job && jobs_.front().purpose != Purpose::stop;
+    if (interrupts) awaits_ = Awaits::nobody;
+    const bool begun = !jobs_.empty() && !stops(jobs_.front()) && (interrupts || jobs_.front().done > 0);
+    std::optional<Job> first = begun ? std::optional(jobs_.front()) : std::nullopt;
     Jobs dropped;
     for (Job& job : jobs_) {
       if (job.purpose == Purpose::command) dropped.push_back(std::move(job));
     }
-    std::erase_if(jobs_, [](const Job& job) { return job.purpose != Purpose::stop; });
+    if (begun && first->purpose == Purpose::tidy) jobs_.pop_front();
+    std::erase_if(jobs_, [](const Job& job) { return job.purpose != Purpose::stop && job.purpose != Purpose::tidy; });
+    if (begun) keep_rest(std::move(*first), interrupts ? 1 : 0);
     return dropped;
+  }
+  /// Of a job that is given up after `done` and `sent` steps: those that are sent in any case. They go before the
+  /// commands.
+  void keep_rest(Job job, std::size_t sent) {
+    job.steps.erase(job.steps.begin(), job.steps.begin() + static_cast<std::ptrdiff_t>(job.done + sent));
+    std::erase_if(job.steps, [](const Step& step) { return !is_always(step); });
+    if (job.steps.empty()) return;
+    Job tidy;
+    tidy.purpose = Purpose::tidy;
+    tidy.steps = std::move(job.steps);
+    add_urgent(std::move(tidy));
   }
   /// Returns all jobs; no answer is awaited any more.
   Jobs clear() {
@@ -152,6 +172,10 @@ class RequestQueue {
   }
 
  private:
+  static bool is_always(const Step& step) {
+    if constexpr (requires { step.always(); }) return step.always();
+    return false;
+  }
   typename Jobs::iterator join(Token ticket, bool (*joins)(const Job&)) {
     const auto at = std::find_if(waiting(), jobs_.end(), joins);
     if (at != jobs_.end()) at->token = ticket;

@@ -13,6 +13,19 @@ Queue::Job job(Token token, Purpose purpose = Purpose::command) {
   return {purpose, token, false, {1, 2}, 0};
 }
 
+/// A step that is sent in any case, or not.
+struct Line {
+  int number = 0;
+  bool in_any_case = false;
+  [[nodiscard]] bool always() const { return in_any_case; }
+};
+using Lines = RequestQueue<Line>;
+
+/// Three steps, the last of which is sent in any case.
+Lines::Job three(Token token, Purpose purpose = Purpose::command) {
+  return {purpose, token, false, {{1}, {2}, {3, true}}, 0};
+}
+
 /// Two jobs, of which the first is sent.
 Queue with_one_sent() {
   Queue queue;
@@ -136,4 +149,44 @@ TEST_CASE("while it is held, only stops and halts go; the values are polled") {
   CHECK(queue.pop().token == 3);
   queue.hold(false);
   CHECK(queue.next(true) == Awaits::job);
+}
+
+TEST_CASE("what is dropped half way leaves the steps that are sent in any case, behind the stop and before the rest") {
+  Lines queue;
+  queue.add(three(1));
+  queue.add(three(2));
+  queue.sent(Awaits::job);
+  CHECK(queue.drop_for_stop().size() == 2);
+  queue.add_urgent(three(7, Purpose::stop));
+  queue.add(three(3));
+  queue.answered();
+  CHECK(queue.pop().purpose == Purpose::stop);
+  queue.drop_for_stop();  // a second stop does not drop it
+  const auto tidy = queue.pop();
+  CHECK(tidy.purpose == Purpose::tidy);
+  REQUIRE(tidy.steps.size() == 1);
+  CHECK(tidy.steps[0].number == 3);
+  CHECK(queue.clear().empty());
+}
+
+TEST_CASE("what was not begun, or has been sent to its end, leaves nothing; a halted one leaves its steps") {
+  Lines queue;
+  queue.add(three(1));
+  queue.drop_for_stop();
+  CHECK(queue.clear().empty());
+  queue.add(three(2));
+  queue.front().done = 2;
+  queue.sent(Awaits::job);  // the last step
+  queue.drop_for_stop();
+  CHECK(queue.clear().empty());
+  queue.add(three(3));
+  queue.front().done = 1;
+  CHECK(queue.halt(3));
+  queue.add_urgent(three(4, Purpose::halt));
+  CHECK(queue.pop().purpose == Purpose::halt);
+  CHECK(queue.pop().purpose == Purpose::tidy);
+  queue.keep_rest(three(5), 1);
+  queue.sent(Awaits::job);
+  queue.drop_for_stop();  // its only step is under way
+  CHECK(queue.clear().empty());
 }
