@@ -1,35 +1,15 @@
 #include "services/virtual-robots/mir/virtual_mir.hpp"
 
-#include <boost/asio/buffer.hpp>
-#include <boost/beast/http/message.hpp>
-#include <boost/beast/http/parser.hpp>
-#include <boost/beast/http/string_body.hpp>
-
 #include "services/virtual-robots/support/text.hpp"
 
 namespace trb::virtual_robots::mir {
-
-namespace http = boost::beast::http;
-
-struct VirtualMir::Intake {
-  std::unique_ptr<http::request_parser<http::string_body>> parser;
-
-  Intake() { restart(); }
-  void restart() {
-    parser = std::make_unique<http::request_parser<http::string_body>>();
-    parser->eager(true);
-    parser->body_limit(65536);
-  }
-};
 
 VirtualMir::VirtualMir(const Settings& settings)
     : clock_(settings.speed),
       robot_(settings.robot),
       rest_(robot_, settings.user.empty() ? "" : authorization_of(settings.user, settings.password)),
-      server_(settings.where, 16),
+      server_(settings.where, [this](const HttpRequest& request) { return answer(request); }),
       console_(settings.control) {}
-
-VirtualMir::~VirtualMir() = default;
 
 void VirtualMir::run(const Fd& end) {
   console_.announce(std::to_string(server_.port()));
@@ -38,8 +18,7 @@ void VirtualMir::run(const Fd& end) {
     server_.add_to_poll(polled);
     if (!Console::wait(polled, clock_.deadline(robot_.next_deadline()))) return;
     robot_.advance(clock_.now());
-    server_.serve(polled, [this](TcpServer::Client& client) { take(client); });
-    std::erase_if(intakes_, [this](const auto& one) { return server_.find(one.first) == nullptr; });
+    server_.serve(polled);
     for (const std::string& line : console_.read(polled)) take_line(line);
     robot_.advance(clock_.now());
     for (const std::string& event : robot_.take_events()) print_line(event);
@@ -47,33 +26,9 @@ void VirtualMir::run(const Fd& end) {
   }
 }
 
-void VirtualMir::take(TcpServer::Client& client) {
-  auto& intake = intakes_[client.id];
-  if (!intake) intake = std::make_unique<Intake>();
-  while (!client.input.empty()) {
-    auto& parser = *intake->parser;
-    boost::system::error_code problem;
-    const std::size_t taken = parser.put(boost::asio::buffer(client.input.data(), client.input.size()), problem);
-    client.input.erase(0, taken);
-    if (problem && problem != http::error::need_more) return client.drop("no_http");
-    if (!parser.is_done()) {
-      if (taken == 0 || problem) return;
-      continue;
-    }
-    const auto& request = parser.get();
-    const bool stays = parser.keep_alive();
-    const Answer answer = rest_.answer(std::string(request.method_string()), std::string(request.target()),
-                                       std::string(request[http::field::authorization]), request.body());
-    http::status_class const of = http::to_status_class(answer.status);
-    std::string head = "HTTP/1.1 " + std::to_string(answer.status) + " " +
-                       std::string(http::obsolete_reason(http::int_to_status(answer.status))) + "\r\n";
-    if (!answer.body.empty()) head += "Content-Type: application/json\r\n";
-    if (answer.status != 204) head += "Content-Length: " + std::to_string(answer.body.size()) + "\r\n";
-    server_.send(client, head + (stays ? "" : "Connection: close\r\n") + "\r\n" + answer.body);
-    if (of != http::status_class::successful) print_line("refused " + std::to_string(answer.status));
-    intake->restart();
-    if (!stays) return client.drop("closed");
-  }
+HttpReply VirtualMir::answer(const HttpRequest& request) {
+  Answer given = rest_.answer(request.method, request.target, request.header("authorization"), request.body);
+  return {given.status, std::move(given.body)};
 }
 
 void VirtualMir::take_line(const std::string& line) {

@@ -1,15 +1,13 @@
 #pragma once
 
-#include <map>
-#include <memory>
 #include <optional>
 #include <string>
 
 #include "services/virtual-robots/mir/rest.hpp"
 #include "services/virtual-robots/mir/robot.hpp"
 #include "services/virtual-robots/support/console.hpp"
+#include "services/virtual-robots/support/http_server.hpp"
 #include "services/virtual-robots/support/robot_clock.hpp"
-#include "services/virtual-robots/support/tcp_server.hpp"
 
 namespace trb::virtual_robots::mir {
 
@@ -26,21 +24,18 @@ struct Settings {
 class VirtualMir {
  public:
   explicit VirtualMir(const Settings& settings);
-  ~VirtualMir();
 
   /** Runs until `end` becomes readable. */
   void run(const Fd& end);
 
  private:
-  struct Intake;
-  void take(TcpServer::Client& client);
+  HttpReply answer(const HttpRequest& request);
   void take_line(const std::string& line);
 
   RobotClock clock_;
   Robot robot_;
   Rest rest_;
-  TcpServer server_;
-  std::map<std::uint64_t, std::unique_ptr<Intake>> intakes_;  ///< by client
+  HttpServer server_;
   Console console_;
 };
 
