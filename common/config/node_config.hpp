@@ -63,8 +63,9 @@ struct VendorCommands {
   std::map<std::string, std::string> values;    ///< name -> where the robot reports it, in the transport's notation
   std::map<std::string, std::string> requests;  ///< subtype -> a name that the monitor reports, for example "joints"
   std::optional<Monitor> monitor;
-  std::optional<std::uint16_t> data_port;  ///< of a connection for measured data, beside the monitor's
-  std::map<std::string, double> numbers;   ///< further keys of the transport's own, as far as given
+  std::optional<std::uint16_t> data_port;                 ///< of a connection for measured data, beside the monitor's
+  std::map<std::string, double> numbers;                  ///< further keys of the transport's own, as far as given
+  std::map<std::string, std::vector<std::string>> texts;  ///< the same of its texts and lists of texts
 };
 
 class Transports;

@@ -35,10 +35,9 @@ Result<std::string> header_of(std::string text) {
   const std::string scheme = text.substr(0, blank);
   const std::string secret = blank == std::string::npos ? "" : text.substr(blank + 1);
   const bool one_line = std::ranges::all_of(secret, [](char c) { return c > ' ' && c < '\x7f'; });
-  if (scheme == "basic" && !secret.empty() && secret.find(':') != std::string::npos &&
-      secret.find('\n') == std::string::npos) {
-    return "Basic " + base64(secret);
-  }
+  const bool is_pair = secret.find(':') != std::string::npos && secret.find('\n') == std::string::npos;
+  if (scheme == "basic" && is_pair) return "Basic " + base64(secret);
+  if (scheme == "digest" && is_pair && secret.front() != ':') return "Digest " + secret;
   if (scheme == "bearer" && !secret.empty() && one_line) return "Bearer " + secret;
   return fail(Errc::malformed, "is no sign-in", kLine);
 }

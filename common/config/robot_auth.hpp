@@ -10,17 +10,19 @@ namespace trb {
 
 /// What the file holds. A MiR takes the hash in the password's place, and refuses the password itself.
 inline constexpr const char* kSignInLine =
-    "one line: basic USER:PASSWORD, or bearer TOKEN; for a MiR the SHA-256 of the password in its place: echo -n "
+    "one line: basic USER:PASSWORD, digest USER:PASSWORD, or bearer TOKEN; for a MiR the SHA-256 of the password in "
+    "its place: echo -n "
     "PASSWORD | sha256sum";
 /// What a robot's answer 401 or 403 is called, so that a person is given kSignInCure wherever it is shown.
 inline constexpr const char* kSignInRefused = "refuses the sign-in";
 inline constexpr const char* kSignInCure =
     "write keys/robot.auth in the node's folder, mode 0600, with a user of the robot that has the right: basic "
-    "USER:PASSWORD, or bearer TOKEN; for a MiR the SHA-256 of the password in its place: echo -n PASSWORD | sha256sum; "
-    "then trb reload NODE_DIR";
+    "USER:PASSWORD, digest USER:PASSWORD (if the robot asks for Digest), or bearer TOKEN; for a MiR the SHA-256 of the "
+    "password in its place: echo -n PASSWORD | sha256sum; then trb reload NODE_DIR";
 
-/// "basic USER:PASSWORD" or "bearer TOKEN" as the value of HTTP's Authorization header (RFC 7617, RFC 6750); empty
-/// without the file. Errors: not_permitted (others may read it), malformed, io_error; each names the path.
+/// "basic USER:PASSWORD" or "bearer TOKEN" as the value of HTTP's Authorization header (RFC 7617, RFC 6750); "digest
+/// USER:PASSWORD" as "Digest USER:PASSWORD", from which each request's value is made (RFC 7616); empty without the
+/// file. Errors: not_permitted (others may read it), malformed, io_error; each names the path.
 Result<std::string> read_robot_auth(const std::string& node_dir);
 
 /// What read_robot_auth finds wrong, as a fault of the node's folder.

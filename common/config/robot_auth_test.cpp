@@ -21,7 +21,9 @@ TEST_CASE("how the node signs in at its robot is a secret of one line") {
   };
   CHECK(*with("basic Aladdin:open sesame\n") == "Basic QWxhZGRpbjpvcGVuIHNlc2FtZQ==");  // RFC 7617, section 2
   CHECK(*with("bearer mF_9.B5f-4.1JqM") == "Bearer mF_9.B5f-4.1JqM");
-  for (const char* bad : {"", "basic", "basic nobody", "bearer ", "bearer a b", "digest a:b", "basic a:b\r\nX: y\nz"}) {
+  CHECK(*with("digest Default User:robotics\n") == "Digest Default User:robotics");
+  for (const char* bad : {"", "basic", "basic nobody", "bearer ", "bearer a b", "digest a", "digest :b", "ntlm a:b",
+                          "digest a:b\nc", "basic a:b\r\nX: y\nz"}) {
     CAPTURE(bad);
     CHECK(with(bad).error().code == Errc::malformed);
   }

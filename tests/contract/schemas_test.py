@@ -52,6 +52,13 @@ CLOUD_NODE = {
     "bus": "tcp://10.0.0.1:46000",
 }
 
+SESSIONS = {
+    "abb-rws": {
+        "transport": "http-json", "port": 80, "body": "form", "cookies": True, "sign_out": "GET /logout",
+        "headers": {"_comment": "of its own", "X-Key": "1"}, "commands": {"stop": "POST /stop a=b"},
+    },
+}
+
 FAULTY = {
     "maker": "M",
     "model": "m",
@@ -96,6 +103,11 @@ BAD = [
     ("commands", "commands.json", ["ur", "unit"], 1),
     ("commands", "commands.json", ["plc", "unit"], 250),
     ("commands", "commands.json", ["plc", "poll_s"], 0),
+    ("commands", "commands.json", ["plc", "cookies"], True),
+    ("commands", SESSIONS, ["abb-rws", "body"], "xml"),
+    ("commands", SESSIONS, ["abb-rws", "cookies"], 1),
+    ("commands", SESSIONS, ["abb-rws", "headers", "A b"], "1"),
+    ("commands", SESSIONS, ["abb-rws", "headers", "X-Key"], 1),
     ("places", "places.json", ["places", "dock", "x"], None),
     ("places", "places.json", ["places", "Dock"], {"x": 0, "y": 0}),
     ("robot", FIELD + "ridgeback.json", ["skills", "go_to", "end"], None),
@@ -234,6 +246,7 @@ def main():
     for what, node in (("a robot's node", ROBOT_NODE), ("a cloud node", CLOUD_NODE)):
         expect_good("node", what, node)
     expect_good("robot", "a robot with faults", FAULTY)
+    expect_good("commands", "a robot with sessions", SESSIONS)
     for case in BAD:
         expect_bad(*case)
     known = {f"{name}.schema.json" for name in (*SHIPPED, "node")}

@@ -7,12 +7,8 @@
 namespace trb::drivers {
 
 void check_http_json(const NodeConfig& config, const FileFaults& faults);
-void read_http_json_keys(ObjectReader& vendor, VendorCommands& into);
 
 namespace {
-
-constexpr Range kPoll{0.05, 60, false};
-constexpr Range kTimeout{0.1, 30, false};
 
 /// A text becomes the number that TEXT=NUMBER gives it, and no other.
 std::optional<Error> never(const VendorCommands& vendor, const WaitedValue& one) {
@@ -41,13 +37,6 @@ void check_http_json(const NodeConfig& config, const FileFaults& faults) {
   read_http_commands(config.commands, config.description, VendorFaults(config.framework, faults));
   check.check_names();
   check.check_waited([&](const WaitedValue& one) { return never(config.commands, one); });
-}
-
-void read_http_json_keys(ObjectReader& vendor, VendorCommands& into) {
-  if (const auto poll_s = vendor.number("poll_s", Need::optional, kPoll)) into.numbers["poll_s"] = *poll_s;
-  if (const auto timeout_s = vendor.number("timeout_s", Need::optional, kTimeout))
-    into.numbers["timeout_s"] = *timeout_s;
-  read_hold_key(vendor, into);
 }
 
 }  // namespace trb::drivers

@@ -2,6 +2,7 @@
 
 #include <set>
 
+#include "common/drivers/http-json/keys.hpp"
 #include "common/fleet/did_you_mean.hpp"
 
 namespace trb::drivers {
@@ -10,11 +11,12 @@ namespace {
 /// One vendor's part of commands.json.
 class Reader {
  public:
-  explicit Reader(const VendorFaults& faults) : faults_(faults) {}
+  Reader(const VendorCommands& vendor, const VendorFaults& faults) : body_(http_body(vendor)), faults_(faults) {}
 
   HttpCommands read(const VendorCommands& vendor) {
     for (const auto& [subtype, words] : vendor.commands) command(subtype, words);
     for (const auto& [name, words] : vendor.values) value(name, words);
+    sign_out(http_sign_out(vendor));
     for (const auto& [subtype, lines] : out_.commands) {
       for (const HttpCall& one : lines) check_names("commands." + subtype, one.path);
     }
@@ -24,14 +26,13 @@ class Reader {
  private:
   void command(const std::string& subtype, const std::string& words) {
     const std::string key = "commands." + subtype;
-    auto read = read_http_calls(words);
+    auto read = read_http_calls(words, body_);
     if (!read) return faults_.add(key, read.error());
     if (read->empty() && !words.empty()) faults_.add(key, "is blank", "write METHOD PATH [JSON], a line each");
     for (const HttpCall& one : *read) {
       if (!one.remembers.empty()) remembered_.insert(one.remembers);
-      const bool fills = one.body && !one.body->fill("", json_literal).ok();
-      if (fills && (subtype == "stop" || subtype == "release")) {
-        faults_.add(key, "needs data, and a " + subtype + " has none", "write the JSON itself");
+      if (needs_data(one) && (subtype == "stop" || subtype == "release")) {
+        faults_.add(key, "needs data, and a " + subtype + " has none", "write the values themselves");
       }
     }
     out_.commands.emplace(subtype, std::move(*read));
@@ -41,7 +42,25 @@ class Reader {
     auto read = read_http_question(words);
     if (!read) return faults_.add("values." + name, read.error());
     check_names("values." + name, read->path);
+    if (read->path.needs_data()) {
+      faults_.add("values." + name, "needs data, and a value has none",
+                  "write the path itself, or <NAME> for what a command's answer tells");
+    }
     out_.values.emplace(name, std::move(*read));
+  }
+
+  void sign_out(const std::string& words) {
+    if (words.empty()) return;
+    auto read = read_http_calls(words, body_);
+    if (!read) return faults_.add("sign_out", read.error());
+    if (read->size() != 1 || needs_data(read->front()) || !read->front().path.names().empty()) {
+      return faults_.add("sign_out", "is not one request without data", "write it as \"GET /logout\"");
+    }
+    out_.sign_out = std::move(read->front());
+  }
+
+  [[nodiscard]] bool needs_data(const HttpCall& one) const {
+    return one.path.needs_data() || (one.body && !one.body->fill("", http_literal(body_)).ok());
   }
 
   /// Some command's answer must provide what a path needs.
@@ -54,6 +73,7 @@ class Reader {
     }
   }
 
+  HttpBody body_;
   const VendorFaults& faults_;
   HttpCommands out_;
   std::set<std::string> remembered_;
@@ -62,7 +82,7 @@ class Reader {
 }  // namespace
 
 HttpCommands read_http_commands(const VendorCommands& vendor, const Description&, const VendorFaults& faults) {
-  return Reader(faults).read(vendor);
+  return Reader(vendor, faults).read(vendor);
 }
 
 }  // namespace trb::drivers

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "common/config/robot_auth.hpp"
+#include "common/drivers/http-json/keys.hpp"
 
 namespace trb::drivers {
 namespace {
@@ -40,8 +41,9 @@ HttpJsonDriver::HttpJsonDriver(const DriverSettings& settings, HttpCommands comm
                     .answered = "it had answered",
                     .step = "request",
                     .well = "answered well"}),
-      host_(settings.host),
-      authorization_(settings.authorization),
+      session_(settings),
+      body_(http_body(settings.commands)),
+      sign_out_(std::move(commands.sign_out)),
       timeout_(seconds(http_timing(settings.commands).timeout_s)) {
   commands_ = std::move(commands.commands);
 }
@@ -51,9 +53,13 @@ Result<std::vector<HttpStep>> HttpJsonDriver::fill(std::string_view subtype, Byt
   if (found == commands_.end()) return fail(Errc::unknown_subtype, "commands.json has no such command");
   std::vector<HttpStep> out;
   for (const HttpCall& words : found->second) {
-    const auto body = words.body ? words.body->fill(data, json_literal) : Result<std::string>(std::string());
-    if (!body) return fail(body.error().code, text_of(words) + ": " + body.error().what, body.error().hint);
-    out.push_back({words, *body});
+    auto path = words.path.with(data);
+    const auto body = words.body ? words.body->fill(data, http_literal(body_)) : Result<std::string>(std::string());
+    if (!path || !body) {
+      const Error& why = path ? body.error() : path.error();
+      return fail(why.code, text_of(words) + ": " + why.what, why.hint);
+    }
+    out.push_back({words, std::move(*path), *body});
   }
   return out;
 }
@@ -74,7 +80,7 @@ void HttpJsonDriver::pump(Now now, const DriverOut& out) {
 void HttpJsonDriver::begin_step(Now now, const DriverOut& out) {
   const Job& job = queue_.front();
   const HttpStep& step = job.steps[job.done];
-  const auto target = step.words.path.fill(remembered_);
+  const auto target = step.path.fill(remembered_);
   if (target) return send({step.words.method, *target, step.body}, Awaits::job, now, out);
   on_step_over(fail(target.error().code, text_of(step.words) + ": " + target.error().what, target.error().hint), false,
                now, out);
@@ -83,7 +89,7 @@ void HttpJsonDriver::begin_step(Now now, const DriverOut& out) {
 void HttpJsonDriver::send(const HttpRequest& request, Awaits whose, Now now, const DriverOut& out) {
   queue_.sent(whose);
   sent_at_ = now.mono;
-  out.robot.write(Channel::command, encode(request, host_, authorization_));
+  out.robot.write(Channel::command, session_.encode(request));
 }
 
 void HttpJsonDriver::on_up(Channel channel, Now now, const DriverOut& out) {
@@ -112,11 +118,18 @@ void HttpJsonDriver::on_answer(const HttpAnswer& answer, Now now, const DriverOu
   const Awaits whose = queue_.answered();
   unanswered_ = 0;
   if (whose == Awaits::nothing) return out.refuse("bad_packet", "an answer that nobody has asked for");
-  if (whose == Awaits::poll) on_poll(answer, now, out);
-  if (whose == Awaits::job) on_step(answer, now, out);
-  look_at_link(whose, answer, out);
-  if (!answer.closes || !up_) return;
-  // Nothing more is sent on it; the shell dials anew.
+  if (session_.asks_for_sign_in(answer)) {
+    out.out.count("to_robot.sign_in");  // the request is still the next one of its round or its command
+  } else {
+    if (whose == Awaits::poll) on_poll(answer, now, out);
+    if (whose == Awaits::job) on_step(answer, now, out);
+    look_at_link(whose, answer, out);
+  }
+  if (answer.closes && up_) end_connection(now, out);
+}
+
+/// Nothing more is sent on it; the shell dials anew.
+void HttpJsonDriver::end_connection(Now now, const DriverOut& out) {
   up_ = false;
   lost_at_ = now.mono;
   lost_why_ = "the robot ends each connection";
@@ -178,6 +191,7 @@ void HttpJsonDriver::on_done(const Job& job, Now now, const DriverOut& out) {
   if (job.purpose == Purpose::stop) out.emit(Stopped{job.token});
   if (job.purpose == Purpose::halt) on_halt_taken(job.token, now, out);
   if (Queue::stops(job)) return out.emit(refused_turn_over(true));
+  if (job.purpose == Purpose::tidy) return;
   if (job.purpose != Purpose::command) return on_released(job, out);
   out.emit(HandedOver{job.token});
   if (job.skill) out.emit(Ended{job.token, true, {}});
@@ -209,7 +223,7 @@ void HttpJsonDriver::on_lost_job(const std::string& reason, Now now, const Drive
                           "the connection was lost before the answer to " + text_of(job.steps[job.done].words) +
                               ", and nobody knows whether it was taken: " + reason,
                           "look at the robot before you send it again");
-  if (job.purpose == Purpose::command) return on_step_over(lost, false, now, out);
+  if (job.purpose == Purpose::command || job.purpose == Purpose::tidy) return on_step_over(lost, false, now, out);
   // Stopping or releasing twice does no harm: it stays, and is sent first on the next connection.
   out.out.count(Queue::stops(job) ? "to_robot.stop_again" : "to_robot.release_again");
   if (++job.lost != kLostOften) return;
@@ -226,6 +240,13 @@ void HttpJsonDriver::go_offline(const std::string& reason, const DriverOut& out)
                                      "look at its power and network, then send it again")});
   }
   out.emit(LinkDown{reason});
+}
+
+void HttpJsonDriver::leave(Now, const DriverOut& out) {
+  if (!up_ || !heard_ || !sign_out_) return;
+  out.robot.write(Channel::command,
+                  session_.encode({sign_out_->method, *sign_out_->path.fill({}),
+                                   sign_out_->body ? *sign_out_->body->fill("", http_literal(body_)) : std::string()}));
 }
 
 void HttpJsonDriver::tick(Now now, const DriverOut& out) {

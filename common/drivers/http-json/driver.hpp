@@ -8,19 +8,25 @@
 
 #include "common/drivers/http-json/commands.hpp"
 #include "common/drivers/http-json/poll.hpp"
+#include "common/drivers/http-json/session.hpp"
 #include "common/drivers/http-json/wire.hpp"
 #include "common/drivers/polled_driver.hpp"
 
 namespace trb::drivers {
 
+/// With its placeholders filled.
 struct HttpStep {
   HttpCall words;
-  std::string body;  ///< with its placeholders filled
+  HttpPath path;
+  std::string body;
+
+  [[nodiscard]] bool always() const { return words.always; }
 };
 
 /// event               | nothing under way        | a command's request        | a value's
 /// --------------------|--------------------------|----------------------------|---------------------------
 /// answer 2xx          | counted, ignored         | the next one, or done      | the value
+/// 401, asks anew      | -                        | sent again                 | sent again
 /// another answer      | counted, ignored         | Refused, with its words    | why the value is not told
 /// no answer in time   | -                        | as the connection's end    | the connection is closed
 /// connection ends     | dialled again, and said  | Refused: nobody knows      | asked for again
@@ -37,11 +43,14 @@ class HttpJsonDriver : public PolledDriver<std::vector<HttpCall>, HttpStep, Http
   [[nodiscard]] bool online() const override { return heard_; }
   /// An answer to each request of a halt, on one of three connections, and to the request that is under way; then the
   /// halt is held.
-  [[nodiscard]] Duration silence_bound() const override { return kMostRequests * timeout_ + halt_time(); }
+  [[nodiscard]] Duration silence_bound() const override {
+    return kMostRequests * session_.requests_for_one() * timeout_ + halt_time();
+  }
 
   void on_up(Channel channel, Now now, const DriverOut& out) override;
   void on_down(Channel channel, const std::string& reason, Now now, const DriverOut& out) override;
   void on_bytes(Channel channel, BytesView bytes, Now now, const DriverOut& out) override;
+  void leave(Now now, const DriverOut& out) override;
   void tick(Now now, const DriverOut& out) override;
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const override;
 
@@ -56,6 +65,7 @@ class HttpJsonDriver : public PolledDriver<std::vector<HttpCall>, HttpStep, Http
   void send(const HttpRequest& request, Awaits whose, Now now, const DriverOut& out);
   void on_answer(const HttpAnswer& answer, Now now, const DriverOut& out);
   void on_poll(const HttpAnswer& answer, Now now, const DriverOut& out);
+  void end_connection(Now now, const DriverOut& out);
   void look_at_link(Awaits whose, const HttpAnswer& answer, const DriverOut& out);
   void lose_sign_in(std::string reason, const DriverOut& out);
   [[nodiscard]] Error offline_error() const override;
@@ -66,8 +76,9 @@ class HttpJsonDriver : public PolledDriver<std::vector<HttpCall>, HttpStep, Http
   void on_unanswered(const std::string& reason, Now now, const DriverOut& out);
   void go_offline(const std::string& reason, const DriverOut& out);
 
-  std::string host_;
-  std::string authorization_;
+  HttpSession session_;
+  HttpBody body_;
+  std::optional<HttpCall> sign_out_;
   Duration timeout_;
 
   MonotonicTime sent_at_{};

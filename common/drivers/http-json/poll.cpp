@@ -1,11 +1,28 @@
 #include "common/drivers/http-json/poll.hpp"
 
 #include <algorithm>
+#include <cmath>
 
+#include "common/base/number_text.hpp"
 #include "common/config/robot_auth.hpp"
+#include "common/drivers/http-json/session.hpp"
 
 namespace trb::drivers {
 namespace {
+
+/// A text is a number where "number" stands behind its pointer; finite, and whole texts only.
+std::optional<double> number_in(const Value& value) {
+  if (value.is_number()) return value.number();
+  const auto number = value.is_text() ? parse_number<double>(value.text()) : std::nullopt;
+  return number && std::isfinite(*number) ? number : std::nullopt;
+}
+
+/// "-2" is told as a whole number.
+Value value_of(double number) {
+  constexpr double kExact = 1e15;
+  const bool whole = std::abs(number) < kExact && std::trunc(number) == number;
+  return whole ? Value{static_cast<std::int64_t>(number)} : Value{number};
+}
 
 /// A number, true and false as 1 and 0, or a text that has a number.
 std::optional<double> number_of(const Value& value, const HttpQuestion::Part& part) {
@@ -16,13 +33,30 @@ std::optional<double> number_of(const Value& value, const HttpQuestion::Part& pa
   return at == part.numbers.end() ? std::nullopt : std::optional(at->second);
 }
 
+/// Adds what stands at the pointer. Errors: robot_error.
+Status add_part(const Value& json, const HttpQuestion::Part& part, RobotValue& value, Value::List& all) {
+  const Value* at = find_by_pointer(json, part.pointer);
+  if (at == nullptr)
+    return fail(Errc::robot_error, "the answer has no " + part.pointer, "correct the pointer in commands.json");
+  const auto number = part.is_number ? number_in(*at) : number_of(*at, part);
+  if (part.is_number && !number) {
+    return fail(Errc::robot_error, "what stands at " + part.pointer + " is no number",
+                "correct the pointer in commands.json, or remove \"number\"");
+  }
+  if (number) value.numbers.push_back(*number);
+  all.push_back(part.is_number ? value_of(*number) : *at);
+  return Done{};
+}
+
 }  // namespace
 
 Error http_refusal(const std::string& what, const HttpAnswer& answer) {
   constexpr std::size_t kMost = 160;
   const bool refuses_sign_in = answer.status == 401 || answer.status == 403;
   std::string text = what + " was answered with " + std::to_string(answer.status);
+  const std::string asked = refuses_sign_in ? asked_schemes(answer) : "";
   if (refuses_sign_in) text += std::string(", the robot ") + kSignInRefused;
+  if (!asked.empty()) text += " and asks for " + asked;
   if (!answer.body.empty()) text += ": " + cut_utf8(answer.body, kMost);
   if (refuses_sign_in) return fail(Errc::robot_error, text, kSignInCure);
   return fail(Errc::robot_error, text, "compare commands.json with the maker's description of the interface");
@@ -68,15 +102,10 @@ void HttpPoll::take(const std::string& name, const std::vector<HttpQuestion::Par
   RobotValue value{{}, "", now.mono};
   Value::List all;
   for (const HttpQuestion::Part& part : parts) {
-    const Value* at = find_by_pointer(*json, part.pointer);
-    if (at == nullptr) {
-      return lose(
-          name,
-          fail(Errc::robot_error, name + ": the answer has no " + part.pointer, "correct the pointer in commands.json"),
-          changes);
+    if (const Status added = add_part(*json, part, value, all); !added) {
+      const Error& why = added.error();
+      return lose(name, fail(why.code, name + ": " + why.what, why.hint), changes);
     }
-    if (const auto number = number_of(*at, part)) value.numbers.push_back(*number);
-    all.push_back(*at);
   }
   // A text without a number would shift the numbers after it to another index.
   if (value.numbers.size() != parts.size()) value.numbers.clear();

@@ -1,11 +1,11 @@
 // A robot with HTTP and JSON.
 #include "common/drivers/http-json/driver.hpp"
+#include "common/drivers/http-json/keys.hpp"
 #include "common/drivers/registry.hpp"
 
 namespace trb::drivers {
 
 void check_http_json(const NodeConfig& config, const FileFaults& faults);  // check.cpp
-void read_http_json_keys(ObjectReader& vendor, VendorCommands& into);      // check.cpp
 
 DriverRow http_json_row() {
   return {

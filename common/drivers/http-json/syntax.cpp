@@ -5,6 +5,7 @@
 #include <charconv>
 
 #include "common/drivers/text/next_word.hpp"
+#include "common/drivers/text/number_text.hpp"
 
 namespace trb::drivers {
 namespace {
@@ -44,6 +45,36 @@ std::string escaped(std::string_view text) {
   return out;
 }
 
+/// A number, true or false, or a text. Errors: bad_value.
+Result<std::string> plain_text(const Value& value) {
+  if (value.is_text()) return value.text();
+  if (value.is_number()) return value.is_integer() ? std::to_string(value.integer()) : number_text(value.number());
+  if (value.is_bool()) return std::string(value.boolean() ? "true" : "false");
+  return fail(Errc::bad_value, "a list or an object stands where one value belongs",
+              "give a number, true or false, or a \"text\"");
+}
+
+Result<std::string> form_literal(const Value& value) {
+  const auto text = plain_text(value);
+  return text ? Result<std::string>(escaped(*text)) : text;
+}
+
+/// A server may take %2F for /, and an empty part, "." and ".." for other paths.
+Result<std::string> path_literal(const Value& value) {
+  const auto text = plain_text(value);
+  if (!text) return text;
+  if (text->empty() || *text == "." || *text == ".." || text->find_first_of("/\\") != std::string::npos) {
+    return fail(Errc::not_escapable, "'" + text->substr(0, 60) + "' would lead to another path",
+                "give a name or a number: no /, not \".\" or \"..\", and not an empty text");
+  }
+  return escaped(*text);
+}
+
+bool is_hole(std::string_view inside) {
+  return inside == "data" ||
+         (!inside.empty() && inside.size() <= 2 && inside.find_first_not_of("0123456789") == std::string_view::npos);
+}
+
 /// Removes "-> NAME POINTER" from the end of the line.
 Status take_memory(std::string_view& line, HttpCall& words) {
   constexpr std::string_view kArrow = " -> ";
@@ -61,8 +92,22 @@ Status take_memory(std::string_view& line, HttpCall& words) {
   return Done{};
 }
 
+/// "NAME=VALUE&NAME=VALUE".
+Status check_form(std::string_view form) {
+  constexpr std::string_view kOthers = "-._~*+%=&{}[]!$'(),:;@/?";
+  const auto fits = [&](char c) { return is_letter_or_digit(c) || kOthers.find(c) != std::string_view::npos; };
+  const auto bad = std::ranges::find_if_not(form, fits);
+  if (bad != form.end()) {
+    return fail(Errc::bad_value, "the body: '" + std::string(1, *bad) + "' may not stand in a form",
+                "write it as %XX, and the form as NAME=VALUE&NAME=VALUE");
+  }
+  if (form.find('=') != std::string_view::npos) return Done{};
+  return fail(Errc::bad_value, "the body: '" + std::string(form.substr(0, 60)) + "' is no form",
+              "write it as NAME=VALUE&NAME=VALUE");
+}
+
 /// A body that is valid JSON whatever is filled in.
-Status check_body(const VendorTemplate& body) {
+Status check_json(const VendorTemplate& body) {
   std::string zeros = "[0";
   for (std::size_t i = 1; i < std::max<std::size_t>(body.items(), 1); ++i) zeros += ",0";
   const auto filled = body.fill(zeros + "]", json_literal);
@@ -71,8 +116,12 @@ Status check_body(const VendorTemplate& body) {
   return Done{};
 }
 
-Result<HttpCall> read_line(std::string_view line) {
+Result<HttpCall> read_line(std::string_view line, HttpBody body) {
+  constexpr std::string_view kAlways = "always ";
   HttpCall words;
+  line.remove_prefix(std::min(line.find_first_not_of(' '), line.size()));
+  words.always = line.starts_with(kAlways);
+  if (words.always) line.remove_prefix(kAlways.size());
   if (Status kept = take_memory(line, words); !kept) return kept.error();
   words.method = next_word(line);
   if (std::ranges::find(kMethods, words.method) == kMethods.end()) {
@@ -84,7 +133,7 @@ Result<HttpCall> read_line(std::string_view line) {
   words.path = std::move(*path);
   if (line.empty()) return words;
   words.body = VendorTemplate(line);
-  if (Status good = check_body(*words.body); !good) return good.error();
+  if (Status good = body == HttpBody::json ? check_json(*words.body) : check_form(line); !good) return good.error();
   return words;
 }
 
@@ -95,9 +144,12 @@ Status read_number_of_text(std::string_view word, std::vector<HttpQuestion::Part
   const char* const end = word.data() + word.size();
   const char* const begin = equals == std::string_view::npos ? end : word.data() + equals + 1;
   const auto read = std::from_chars(begin, end, number);
-  if (parts.empty() || equals == 0 || begin == end || read.ec != std::errc() || read.ptr != end) {
-    return fail(Errc::bad_value, "'" + std::string(word.substr(0, 60)) + "' is neither a pointer nor TEXT=NUMBER",
-                kQuestion);
+  if (parts.empty() || parts.back().is_number || equals == 0 || begin == end || read.ec != std::errc() ||
+      read.ptr != end) {
+    return fail(
+        Errc::bad_value,
+        "'" + std::string(word.substr(0, 60)) + "' is neither a pointer, nor \"number\" or TEXT=NUMBER behind one",
+        kQuestion);
   }
   auto& numbers = parts.back().numbers;
   numbers[std::string(word.substr(0, equals))] = number;
@@ -122,10 +174,24 @@ Result<HttpPath> HttpPath::read(std::string_view text) {
       if (end == std::string_view::npos || !is_name(text.substr(i + 1, end - i - 1)))
         return bad("has a < without a name and >", "write it as <mission>");
       i = end;
+    } else if (text[i] == '{') {
+      const std::size_t end = text.find('}', i);
+      if (end == std::string_view::npos || !is_hole(text.substr(i + 1, end - i - 1)))
+        return bad("has a { that is no placeholder", "write it as {0} or {data}");
+      i = end;
     } else if (!is_letter_or_digit(text[i]) && kOthers.find(text[i]) == std::string_view::npos) {
       return bad("has a character that no path may have", "write it as %XX");
     }
   }
+  return out;
+}
+
+Result<HttpPath> HttpPath::with(BytesView data) const {
+  if (!needs_data()) return *this;
+  auto filled = VendorTemplate(text_).fill(data, path_literal);
+  if (!filled) return filled.error();
+  HttpPath out;
+  out.text_ = std::move(*filled);
   return out;
 }
 
@@ -156,14 +222,18 @@ Result<std::string> HttpPath::fill(const Remembered& known) const {
   return out;
 }
 
-Result<std::vector<HttpCall>> read_http_calls(std::string_view text) {
+Literal http_literal(HttpBody body) {
+  return body == HttpBody::json ? json_literal : form_literal;
+}
+
+Result<std::vector<HttpCall>> read_http_calls(std::string_view text, HttpBody body) {
   std::vector<HttpCall> out;
   while (!text.empty()) {
     const std::size_t end = std::min(text.find('\n'), text.size());
     const std::string_view line = text.substr(0, end);
     text.remove_prefix(std::min(end + 1, text.size()));
     if (line.find_first_not_of(' ') == std::string_view::npos) continue;
-    auto words = read_line(line);
+    auto words = read_line(line, body);
     if (!words) return words.error();
     out.push_back(std::move(*words));
   }
@@ -179,7 +249,9 @@ Result<HttpQuestion> read_http_question(std::string_view text) {
   while (!text.empty()) {
     const std::string_view word = next_word(text);
     if (is_pointer(word)) {
-      question.parts.push_back({std::string(word), {}});
+      question.parts.push_back({std::string(word)});
+    } else if (word == "number" && !question.parts.empty() && question.parts.back().numbers.empty()) {
+      question.parts.back().is_number = true;
     } else if (const Status read = read_number_of_text(word, question.parts); !read) {
       return read.error();
     }
@@ -211,13 +283,6 @@ const Value* find_by_pointer(const Value& json, std::string_view pointer) {
     }
   }
   return at;
-}
-
-HttpTiming http_timing(const VendorCommands& vendor) {
-  HttpTiming timing;
-  if (const auto at = vendor.numbers.find("poll_s"); at != vendor.numbers.end()) timing.poll_s = at->second;
-  if (const auto at = vendor.numbers.find("timeout_s"); at != vendor.numbers.end()) timing.timeout_s = at->second;
-  return timing;
 }
 
 }  // namespace trb::drivers

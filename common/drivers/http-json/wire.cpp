@@ -12,6 +12,17 @@ namespace http = boost::beast::http;
 
 constexpr std::string_view kLastChunk = "0\r\n\r\n";
 
+namespace {
+
+std::vector<std::string> values_of(const http::fields& fields, http::field name) {
+  std::vector<std::string> out;
+  const auto [begin, end] = fields.equal_range(name);
+  for (auto at = begin; at != end; ++at) out.emplace_back(at->value());
+  return out;
+}
+
+}  // namespace
+
 struct HttpReader::Parser {
   http::response_parser<http::string_body> of;
 
@@ -22,14 +33,11 @@ struct HttpReader::Parser {
   }
 };
 
-Bytes encode(const HttpRequest& request, const std::string& host, const std::string& authorization) {
-  Bytes out = request.method + " " + request.target + " HTTP/1.1\r\nHost: " + host + "\r\nAccept: application/json\r\n";
-  if (!authorization.empty()) out += "Authorization: " + authorization + "\r\n";
-  if (!request.body.empty()) {
-    out += "Content-Type: application/json\r\nContent-Length: " + std::to_string(request.body.size()) + "\r\n";
-  } else if (request.method != "GET") {
-    out += "Content-Length: 0\r\n";
-  }
+Bytes encode(const HttpRequest& request, const HttpFields& fields) {
+  Bytes out = request.method + " " + request.target + " HTTP/1.1\r\n";
+  for (const auto& [name, value] : fields) out.append(name).append(": ").append(value).append("\r\n");
+  if (!request.body.empty() || request.method != "GET")
+    out += "Content-Length: " + std::to_string(request.body.size()) + "\r\n";
   return out + "\r\n" + request.body;
 }
 
@@ -83,7 +91,9 @@ void HttpReader::take(std::vector<HttpAnswer>& out) {
   auto message = parser_->of.release();
   const unsigned status = message.result_int();
   parser_ = std::make_unique<Parser>();
-  if (status >= 200) out.push_back({status, std::move(message.body()), closes});  // 1xx: the answer follows
+  if (status < 200) return;  // the answer follows
+  out.push_back({status, std::move(message.body()), closes, values_of(message, http::field::www_authenticate),
+                 values_of(message, http::field::set_cookie)});
 }
 
 }  // namespace trb::drivers

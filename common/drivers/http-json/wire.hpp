@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/base/bytes.hpp"
@@ -13,16 +14,20 @@ namespace trb::drivers {
 struct HttpRequest {
   std::string method;
   std::string target;
-  std::string body;  ///< JSON; empty: none
+  std::string body;  ///< empty: none
 };
 
-/// `authorization` is the header's value, empty: none. It is never logged.
-Bytes encode(const HttpRequest& request, const std::string& host, const std::string& authorization);
+using HttpFields = std::vector<std::pair<std::string, std::string>>;
+
+/// `fields` of the header; they may be secret, and are never logged.
+Bytes encode(const HttpRequest& request, const HttpFields& fields);
 
 struct HttpAnswer {
   unsigned status = 0;
   std::string body;
-  bool closes = false;  ///< the robot closes the connection after it
+  bool closes = false;                    ///< the robot closes the connection after it
+  std::vector<std::string> challenges{};  ///< WWW-Authenticate
+  std::vector<std::string> cookies{};     ///< Set-Cookie
 
   [[nodiscard]] bool good() const { return status >= 200 && status < 300; }
 };

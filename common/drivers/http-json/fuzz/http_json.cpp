@@ -1,5 +1,7 @@
 // What a robot with a REST interface answers: whole and in pieces, and the driver behind, with commands and a stop
 // under way.
+#include "common/drivers/http-json/cookies.hpp"
+#include "common/drivers/http-json/digest.hpp"
 #include "common/drivers/http-json/syntax.hpp"
 #include "common/drivers/http-json/wire.hpp"
 #include "tests/fuzz/adapter_under_test.hpp"
@@ -18,18 +20,33 @@ Settings settings() {
   return out;
 }
 
+/// The same with a sign-in by Digest, cookies and forms.
+Settings with_sessions() {
+  Settings out = settings();
+  out.authorization = "Digest nobody:geheim";
+  out.commands.numbers["cookies"] = 1;
+  out.commands.texts = {{"body", {"form"}}, {"headers", {"X-Key:1"}}};
+  out.commands.commands = {
+      {"go", "POST /q/{data} id={data} -> q /id\nGET /q/<q>\nalways PUT /s"}, {"stop", "PUT /s a=b"}, {"release", ""}};
+  out.commands.values["joints"] = "GET /s /x number /y number";
+  return out;
+}
+
 /// Every byte that goes to the robot is a request, and there is one at a time.
 void check_writes(const RobotOutbox& out) {
   for (const RobotWrite& write : out.writes) {
     const bool line =
         write.bytes.starts_with("GET /") || write.bytes.starts_with("POST /") || write.bytes.starts_with("PUT /");
-    require(line && write.bytes.find("\r\n\r\n") != Bytes::npos, "what is written is a request");
+    const std::size_t head = write.bytes.find("\r\n\r\n");
+    require(line && head != Bytes::npos, "what is written is a request");
+    require(write.bytes.find("\r\n\r\n", head + 1) == Bytes::npos, "no text ends a header");
+    require(write.bytes.find("geheim") == Bytes::npos, "a password is never written");
   }
   require(out.writes.size() <= 1 || out.closes.size() + 1 >= out.writes.size(), "one request at a time");
 }
 
-void converse(BytesView input) {
-  AdapterUnderTest adapter(settings());
+void converse(BytesView input, Settings how) {
+  AdapterUnderTest adapter(std::move(how));
   adapter.connect(Channel::command);
   adapter.hear(Channel::command, "HTTP/1.1 200 OK\r\nContent-Length: 2\r\n\r\n{}");
   adapter.order({MessageType::command, "operator", "mir", 1, 0, 0, 5000, Opaque{"go", "1"}});
@@ -62,8 +79,14 @@ std::vector<Bytes> seeds() {
       "HTTP/1.1 201 Created\r\nContent-Length: 9\r\n\r\n{\"id\": 7}HTTP/1.1 200 OK\r\nContent-Length: "
       "17\r\n\r\n{\"state\": \"Done\"}",
       "HTTP/1.1 200 OK\r\nTransfer-Encoding: chunked\r\n\r\n4\r\n{\"x\"\r\n4\r\n: 1}\r\n0\r\n\r\n",
-      "HTTP/1.1 200 OK\r\nTransfer-Encoding: chunked\r\n\r\n0\r\n\r\n", "HTTP/1.0 404 Not Found\r\n\r\n{}",
-      "HTTP/1.1 204 No Content\r\nConnection: close\r\n\r\n"};
+      "HTTP/1.1 200 OK\r\nTransfer-Encoding: chunked\r\n\r\n0\r\n\r\n",
+      "HTTP/1.0 404 Not Found\r\n\r\n{}",
+      "HTTP/1.1 204 No Content\r\nConnection: close\r\n\r\n",
+      "HTTP/1.1 401 X\r\nWWW-Authenticate: Digest realm=\"a\\\"b\", qop=\"auth,auth-int\", nonce=\"n\", "
+      "algorithm=SHA-256, Basic\r\n"
+      "Set-Cookie: -http-session-=1::x; path=/\r\nContent-Length: 0\r\n\r\nHTTP/1.1 200 OK\r\nContent-Length: "
+      "20\r\n\r\n"
+      "{\"x\": \"1\",\"y\":\"-2e1\"}"};
 }
 
 void run(BytesView input) {
@@ -83,11 +106,23 @@ void run(BytesView input) {
       require(pieces[i].body.size() <= HttpReader::kMaxBody, "a body is bounded");
     }
   }
+  DigestSignIn sign_in("nobody:geheim", 1);
+  const std::string value(input.substr(0, 2000));
+  if (sign_in.on_refused({value})) {
+    const std::string answer = sign_in.authorize("GET", "/s");
+    require(answer.starts_with("Digest username=\"nobody\", ") && answer.size() < 6000, "a challenge is answered");
+  }
+  CookieJar jar;
+  jar.take({value, value});
+  require(jar.size() <= 1 && jar.header().find_first_of("\r\n") == std::string::npos, "a cookie ends no header");
+  const auto form = read_http_calls(std::string(input), HttpBody::form);
+  require(form.ok() || !form.error().what.empty(), "a refused line says why");
   const auto words = read_http_calls(std::string(input));
   require(words.ok() || !words.error().what.empty(), "a refused line says why");
   const auto question = read_http_question(std::string(input));
   require(question.ok() || !question.error().what.empty(), "a refused value says why");
-  converse(input);
+  converse(input, settings());
+  converse(input, with_sessions());
 }
 
 }  // namespace trb::fuzz

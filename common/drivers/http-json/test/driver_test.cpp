@@ -80,6 +80,15 @@ TEST_CASE("http: what the robot refuses is told with its words; a sign-in that i
   CHECK(fixture.answer(fixture.send(MessageType::request, "battery", "")).starts_with("nack"));
 }
 
+TEST_CASE("http: a refused sign-in tells which one the robot asks for, and how it is written") {
+  OnlineMir fixture;
+  const auto id = fixture.command("tidy", "");
+  fixture.answer_with(401, "", "WWW-Authenticate: Digest realm=\"r\", nonce=\"n\", qop=\"auth\"\r\n");
+  const Nack nack = fixture.nack_of(id);
+  CHECK(nack.what.find("the robot refuses the sign-in and asks for Digest") != std::string::npos);
+  CHECK(nack.hint.find("digest USER:PASSWORD (if the robot asks for Digest)") != std::string::npos);
+}
+
 TEST_CASE("http: a robot that refuses the sign-in is not there, and is again once it accepts it") {
   MirFixture fixture;
   fixture.up(Channel::command);

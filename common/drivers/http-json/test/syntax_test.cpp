@@ -24,15 +24,17 @@ TEST_CASE("a line of a command is a method, a path, a body and what its answer t
 }
 
 TEST_CASE("what is no line of a command is refused with what is wrong") {
-  for (const auto& [line, what] :
-       std::map<std::string, std::string>{{"FETCH /x", "is no method"},
-                                          {"GET status", "is no path"},
-                                          {"GET /a<b", "has a < without a name"},
-                                          {"GET /a\"b", "has a character"},
-                                          {"PUT /x {\"a\": }", "the body"},
-                                          {"PUT /x {\"a\": {0}", "the body"},
-                                          {"POST /x {} -> id", "names nothing to keep"},
-                                          {"POST /x {} -> a b c", "names nothing to keep"}}) {
+  for (const auto& [line, what] : std::map<std::string, std::string>{{"FETCH /x", "is no method"},
+                                                                     {"GET status", "is no path"},
+                                                                     {"GET /a<b", "has a < without a name"},
+                                                                     {"GET /a\"b", "has a character"},
+                                                                     {"PUT /x {\"a\": }", "the body"},
+                                                                     {"PUT /x {\"a\": {0}", "the body"},
+                                                                     {"POST /x {} -> id", "names nothing to keep"},
+                                                                     {"POST /x {} -> a b c", "names nothing to keep"},
+                                                                     {"GET /a/{b}", "has a { that is no placeholder"},
+                                                                     {"GET /a/{0", "has a { that is no placeholder"},
+                                                                     {"always", "is no method"}}) {
     const std::string given = line;
     CAPTURE(given);
     const auto words = read_http_calls(line);
@@ -42,14 +44,41 @@ TEST_CASE("what is no line of a command is refused with what is wrong") {
   }
 }
 
+TEST_CASE("a line may be sent always, take data into its path, and have a form as its body") {
+  const auto words = read_http_calls("always POST /go/{0}/<q>?n={1} a={0}&b=%22{1}%22 -> q /id", HttpBody::form);
+  REQUIRE(words.ok());
+  const HttpCall& one = words->front();
+  CHECK(one.always);
+  CHECK(one.remembers == "q");
+  CHECK(one.path.needs_data());
+  const auto path = one.path.with(R"(["a <b>", 2.5])");
+  REQUIRE(path.ok());
+  CHECK(*path->fill({{"q", "7"}}) == "/go/a%20%3Cb%3E/7?n=2.5");
+  CHECK(*one.body->fill(R"(["x&y", true])", http_literal(HttpBody::form)) == "a=x%26y&b=%22true%22");
+  CHECK(one.path.with("[\"..\", 1]").error().code == Errc::not_escapable);
+  CHECK(one.path.with("[1]").error().code == Errc::bad_value);
+  CHECK_FALSE((*read_http_calls("GET /always/x"))[0].always);
+  for (const char* bad : {"POST /x {\"a\": 1}", "POST /x a=b c", "POST /x ab", "POST /x a=\"b\""}) {
+    const auto refused = read_http_calls(bad, HttpBody::form);
+    REQUIRE_MESSAGE(!refused.ok(), bad);
+    CHECK(refused.error().what.starts_with("the body: '"));
+    CHECK(refused.error().hint.find("NAME=VALUE&NAME=VALUE") != std::string::npos);
+  }
+}
+
 TEST_CASE("a value is where an answer says it, and what number a text is") {
   const auto question = read_http_question("GET /queue/<mission> /state Pending=0 Done=2.5 /x");
   REQUIRE(question.ok());
   REQUIRE(question->parts.size() == 2);
   CHECK(question->parts[0].numbers.at("Done") == 2.5);
   CHECK(question->parts[1].pointer == "/x");
-  for (const char* bad :
-       {"", "PUT /x /y", "GET /x", "GET /x state", "GET /x Done=1 /y", "GET /x /y Done=", "GET /x /y =1"}) {
+  const auto joints = read_http_question("GET /joints /1 number /2 number /3 A=1");
+  REQUIRE(joints.ok());
+  CHECK(joints->parts[0].is_number);
+  CHECK(joints->parts[1].is_number);
+  CHECK_FALSE(joints->parts[2].is_number);
+  for (const char* bad : {"", "PUT /x /y", "GET /x", "GET /x state", "GET /x Done=1 /y", "GET /x /y Done=",
+                          "GET /x /y =1", "GET /x number /y", "GET /x /y A=1 number", "GET /x /y number A=1"}) {
     CAPTURE(bad);
     CHECK_FALSE(read_http_question(bad).ok());
   }
@@ -86,6 +115,41 @@ TEST_CASE("commands.json of such a robot is checked: each fault names its key an
         "ur.values.joints: 'joints' is no path\n"
         "ur.values.robot_mode: needs <mod>, which no command's answer tells\n"
         "ur.requests.position: 'joint' is no name of \"values\"\n");
+}
+
+TEST_CASE("what a robot with sessions needs is checked: each fault names its key and the cure") {
+  const NodeFolder folder("ur");
+  const auto faults_of = [&](const std::string& words) {
+    folder.write("commands.json",
+                 R"({"ur": {"transport": "http-json", "port": 80, "values": {"joints": "GET /j /0"},)" + words + "}}");
+    std::string text;
+    for (const ConfigFault& fault : without_keys(folder.check().faults))
+      text += fault.key + ": " + fault.what + "; " + fault.hint + "\n";
+    return text;
+  };
+  const std::string words = R"("commands": {"go": "POST /go/{0} a={0}", "stop": "POST /stop a=b"})";
+  CHECK(faults_of(words + R"(, "body": "form", "cookies": true, "sign_out": "GET /logout",
+    "headers": {"Accept": "application/hal+json;v=2.0", "X-Key": "1"})") == "");
+  CHECK(faults_of(words).starts_with("ur.commands.go: the body: "));
+  CHECK(faults_of(words + R"(, "body": "xml")").starts_with("ur.body: "));
+  CHECK(faults_of(words + R"(, "body": "form", "cookies": "yes")").starts_with("ur.cookies: "));
+  CHECK(faults_of(words + R"(, "body": "form", "sign_out": "GET /a\nGET /b")") ==
+        "ur.sign_out: is not one request without data; write it as \"GET /logout\"\n");
+  CHECK(faults_of(words + R"(, "body": "form", "sign_out": "GET /a/{0}")").starts_with("ur.sign_out: is not one"));
+  CHECK(
+      faults_of(words + R"(, "body": "form", "sign_out": "logout")").starts_with("ur.sign_out: 'logout' is no method"));
+  CHECK(faults_of(words + R"(, "body": "form", "headers": {"authorization": "x", "A b": "y", "C": "a\r\nD: e"})") ==
+        "ur.headers.authorization: is a header that the node itself writes; remove it; the sign-in is in "
+        "keys/robot.auth, and \"cookies\": true keeps cookies\n"
+        "ur.headers.A b: 'A b' is no name of a header; use letters, digits and -\n"
+        "ur.headers.C: has a line end or another character that no header may have; write one line of printable "
+        "characters\n");
+  CHECK(faults_of(R"("body": "form", "commands": {"go": "POST /go", "stop": "POST /stop/{0}"})") ==
+        "ur.commands.stop: needs data, and a stop has none; write the values themselves\n");
+  CHECK(faults_of(words + R"(, "body": "form", "requests": {"joints": "joints"})") == "");
+  folder.write("commands.json", R"({"ur": {"transport": "http-json", "port": 80, "commands": {"go": "PUT /go", "stop":
+    "PUT /s"}, "values": {"joints": "GET /{0} /x"}}})");
+  CHECK(without_keys(folder.check().faults)[0].what == "needs data, and a value has none");
 }
 
 TEST_CASE("an end or a fault that waits for a number that no text of the value gets") {

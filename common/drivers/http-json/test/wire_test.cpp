@@ -74,7 +74,20 @@ TEST_CASE("what is no HTTP, and what is too large, is refused") {
 }
 
 TEST_CASE("a request has a length if it has a body or may have one") {
-  CHECK(encode(HttpRequest{"GET", "/a", ""}, "h", "") ==
+  const HttpFields fields{{"Host", "h"}, {"Accept", "application/json"}};
+  CHECK(encode(HttpRequest{"GET", "/a", ""}, fields) ==
         "GET /a HTTP/1.1\r\nHost: h\r\nAccept: application/json\r\n\r\n");
-  CHECK(encode(HttpRequest{"DELETE", "/a", ""}, "h", "").ends_with("\r\nContent-Length: 0\r\n\r\n"));
+  CHECK(encode(HttpRequest{"DELETE", "/a", ""}, fields).ends_with("\r\nContent-Length: 0\r\n\r\n"));
+  CHECK(encode(HttpRequest{"PUT", "/a", "{}"}, fields).ends_with("\r\nContent-Length: 2\r\n\r\n{}"));
+}
+
+TEST_CASE("an answer keeps its challenges and its cookies, each as often as it has one") {
+  HttpReader reader;
+  const auto got = reader.add(
+      "HTTP/1.1 401 X\r\nWWW-Authenticate: Basic realm=\"a\"\r\nwww-authenticate: Digest nonce=\"b\"\r\n"
+      "Set-Cookie: a=1; path=/\r\nSet-Cookie: b=2\r\nContent-Length: 0\r\n\r\n");
+  REQUIRE(got.ok());
+  REQUIRE(got->size() == 1);
+  CHECK(got->front().challenges == std::vector<std::string>{"Basic realm=\"a\"", "Digest nonce=\"b\""});
+  CHECK(got->front().cookies == std::vector<std::string>{"a=1; path=/", "b=2"});
 }
