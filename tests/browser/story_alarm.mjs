@@ -48,14 +48,30 @@ async function shelve(olga) {
   const { page } = olga;
   await press(page.getByRole('button', { name: 'Shelve', exact: true }));
   const dialog = page.getByRole('dialog');
+  await dialog.getByRole('heading', { name: /^Shelve/ }).waitFor();
+  if (await dialog.getByRole('button', { name: /Stop all/ }).evaluate((one) => one === document.activeElement)) olga.faults.push('a second Enter would stop the hall');
   await dialog.getByLabel('For how long').selectOption('60');
   await look(olga, 'alert-shelve');
   await press(dialog.getByRole('button', { name: 'Shelve', exact: true }));
   await dialog.locator('input:invalid').waitFor();
   await dialog.getByLabel('Reason').fill('the wheel comes at noon');
+  await refusedInSight(olga, dialog);
   await press(dialog.getByRole('button', { name: 'Shelve', exact: true }));
   await dialog.waitFor({ state: 'detached' });
   await page.locator('main', { hasText: 'shelved by olga until' }).getByText('the wheel comes at noon').waitFor();
+}
+
+/** What is refused is told in the dialog: behind it nobody could read or close it. */
+async function refusedInSight(olga, dialog) {
+  const detail = 'vic has shelved it already';
+  olga.expected.push(/status of 409 .*\/shelve$/);
+  await olga.page.route('**/shelve', (route) => route.fulfill({ status: 409, contentType: 'application/problem+json', json: { title: 'Conflict', status: 409, detail } }));
+  await press(dialog.getByRole('button', { name: 'Shelve', exact: true }));
+  const told = dialog.locator('.toast', { hasText: detail });
+  await told.getByRole('button', { name: 'Close' }).click();
+  await told.waitFor({ state: 'detached' });
+  await olga.page.unroute('**/shelve');
+  olga.expected.pop();
 }
 
 /** What is open does not lie above the stop, nor above what became of it. */
