@@ -1,6 +1,6 @@
 import { expect, it } from 'vitest';
 import type { RobotContent, RobotOrder, Row } from '../api/types';
-import { StopCourse } from './stop_course';
+import { namesBy, StopCourse } from './stop_course';
 
 const order = (robot: string, state: RobotOrder['state'] = 'confirmed'): RobotOrder => ({ robot, state, text: '' });
 const row = (node: string, fenced: boolean, live: Row['live'] = 'live') => ({ node, live, content: { fenced } }) as Row<RobotContent>;
@@ -54,4 +54,9 @@ it('waits for no robot that has left the fleet', () => {
   stop.see([row('a', true), row('b', true)], 0, true);
   stop.see([row('a', false)], 1000, true);
   expect(stop.since.isOver).toBe(true);
+});
+
+it('names once what is said of many', () => {
+  const robots = [order('a', 'sent'), order('b', 'unreachable'), order('c'), order('d', 'sent')];
+  expect(namesBy(robots, (one) => (one.state === 'confirmed' ? '' : one.state))).toEqual([['sent', 'a, d'], ['unreachable', 'b']]);
 });

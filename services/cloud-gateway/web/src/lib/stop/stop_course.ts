@@ -4,6 +4,13 @@ import type { RobotContent, RobotOrder, Row } from '../api/types';
 /** A row shows within this that its robot was stopped. */
 const SHOWN_MS = 10000;
 
+/** Their names by what `of` says of each; of whom it says nothing is left out. */
+export function namesBy(robots: readonly RobotOrder[], of: (one: RobotOrder) => string): [string, string][] {
+  const names = new Map<string, string[]>();
+  for (const one of robots.filter((one) => of(one) !== '')) names.set(of(one), [...(names.get(of(one)) ?? []), one.robot]);
+  return [...names].map(([said, who]) => [said, who.join(', ')]);
+}
+
 export interface StopSince {
   /** They have not confirmed it, and no row has shown them as stopped since. */
   open: RobotOrder[];

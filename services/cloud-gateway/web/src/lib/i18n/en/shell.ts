@@ -19,6 +19,8 @@ export const shell = {
     needsOperator: 'Needs the role operator',
     needsAdmin: 'Needs the role admin',
     read: 'Read again',
+    days: '{days} d',
+    zone: 'Times are those of this browser: {zone}',
   },
   shell: {
     more: 'More views',
@@ -64,7 +66,8 @@ export const shell = {
     hint: 'Stops every robot. Key: Shift+Esc. Not a safety function: use the emergency stops.',
     sending: 'Stopping all …',
     done: 'Stopped: {count} of {all} have confirmed, at {time}.',
-    some: 'NOT all have confirmed the stop of {time}: {robots}.',
+    some: 'NOT all have confirmed the stop of {time}: {count} of {all} {count|is|are} missing.',
+    who: '{why}: {robots}',
     unproved: 'Not proved: {robots}.',
     partly: 'Released since: {count} of {all}.',
     released: 'The stop of {time} is over: {all|the|all} {all} {all|robot is|robots are} released and can move.',

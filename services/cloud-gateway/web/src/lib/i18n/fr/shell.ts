@@ -21,6 +21,8 @@ export const shell: Pick<Words, 'common' | 'shell' | 'stop' | 'signIn' | 'notice
     needsOperator: 'Demande le rôle opérateur',
     needsAdmin: 'Demande le rôle administrateur',
     read: 'Relire',
+    days: '{days} j',
+    zone: 'Les heures sont celles de ce navigateur : {zone}',
   },
   shell: {
     more: 'Autres vues',
@@ -66,7 +68,8 @@ export const shell: Pick<Words, 'common' | 'shell' | 'stop' | 'signIn' | 'notice
     hint: 'Arrête tous les robots. Touche : Maj+Échap. Pas une fonction de sécurité : utilisez les arrêts d’urgence.',
     sending: 'Arrêt de tous …',
     done: 'Arrêtés : {count} sur {all} ont confirmé, à {time}.',
-    some: 'Tous n’ont PAS confirmé l’arrêt de {time} : {robots}.',
+    some: 'Tous n’ont PAS confirmé l’arrêt de {time} : {count} sur {all} {count|manque|manquent}.',
+    who: '{why} : {robots}',
     unproved: 'Non prouvé : {robots}.',
     partly: 'Libérés depuis : {count} sur {all}.',
     released: 'L’arrêt de {time} est levé : {all|le|les} {all} {all|robot est libéré et peut|robots sont libérés et peuvent} bouger.',
