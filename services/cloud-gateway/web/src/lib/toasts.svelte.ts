@@ -1,10 +1,10 @@
-/** Short messages about what somebody did, for 6 s. Faults stay while their view is shown, or until they are closed. */
+/** Short messages about what somebody did, for 6 s, or while it is under way. Faults stay while their view is shown, or until they are closed. */
 import { Problem } from './api/client';
 import { t } from './i18n/i18n.svelte';
 
 export interface Toast {
   id: number;
-  kind: 'done' | 'fault';
+  kind: 'done' | 'fault' | 'busy';
   text: string;
   hints: string[];
   /** Only who closes it ends it: it must not be missed. */
@@ -19,6 +19,11 @@ const READ_MS = 6000;
 class Toasts {
   list = $state<Toast[]>([]);
   private last = 0;
+
+  /** Is under way; who has asked for it closes it. */
+  busy(text: string): number {
+    return this.add('busy', text, [], true);
+  }
 
   done(text: string): void {
     const id = this.add('done', text, [], false);

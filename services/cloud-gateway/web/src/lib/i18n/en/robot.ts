@@ -17,6 +17,7 @@ export const robot = {
     done_repaired: 'reported as repaired',
     done_retired: 'out of service',
     done_returned: 'back in service',
+    sent: '{robot}: “{order}” is sent, no answer yet',
     notConfirmed: '{robot}: {state}',
     reason: 'Reason',
     whole: 'whole robot',

@@ -19,6 +19,7 @@ export const robot: Pick<Words, 'robot'> = {
     done_repaired: 'déclaré réparé',
     done_retired: 'hors service',
     done_returned: 'remis en service',
+    sent: '{robot} : « {order} » est envoyé, pas encore de réponse',
     notConfirmed: '{robot} : {state}',
     reason: 'Raison',
     whole: 'tout le robot',
