@@ -37,6 +37,11 @@ function measured(width) {
   const out = beside(document.documentElement) ? ['some of it lies beside the screen'] : [];
   if ([...document.querySelectorAll('header nav')].some(beside)) out.push('the navigation lies beside its place');
   if (width < 500) {
+    const pressed = 'button, summary, select, input:not([type=checkbox], [type=radio], [type=file]), .target';
+    for (const one of document.querySelectorAll(`:is(header, main, dialog[open]) :is(${pressed})`)) {
+      const { height } = one.getBoundingClientRect();
+      if (one.checkVisibility() && height > 0 && height < 43.5) out.push(`it is ${Math.round(height)} px high, too small for a thumb: ${(one.getAttribute('aria-label') ?? one.textContent).trim().slice(0, 60)}`);
+    }
     for (const one of document.querySelectorAll('main [role=region], dialog[open] [role=region]')) {
       if (beside(one) && !one.querySelector('.graph')) out.push(`it scrolls sideways: ${one.getAttribute('aria-label')}`);
     }

@@ -8,6 +8,7 @@ import { certificateEnds } from './story_certificate.mjs';
 import { signsIn } from './story_sign_in.mjs';
 import { drives, leavesDriven } from './story_control.mjs';
 import { hostileTexts } from './story_hostile.mjs';
+import { manyRobots } from './story_many.mjs';
 import { paper } from './story_paper.mjs';
 import { plans } from './story_plan.mjs';
 import { refusedAndAsked } from './story_refused.mjs';
@@ -34,6 +35,7 @@ const stories = [
   ['every view in French', everyViewInFrench],
   ['every control of every view is reached by Tab, and shows the focus', keyboardAlone],
   ['Shift+Esc stops all, in every view; that all are released is said', stopsAll],
+  ['forty more robots with long names: no state is out of sight, and who has not confirmed a stop is told on a phone, too', manyRobots],
   ['hostile texts of robots, sensors, scenarios, users, messages are shown as text', hostileTexts],
   ['who tells of alerts and runs is silent: no view says that there is none', sourcesSilent],
   ['the gateway is killed: the page says so within 3 s, and is back by itself within 3 s', connectionLost],

@@ -16,6 +16,13 @@ function compare(a: Cell, b: Cell): number {
   return names.compare(String(a), String(b));
 }
 
+/** Letters without a place where a line may be broken: what has more would push the columns beside it out of sight. */
+const LONG = 20;
+
+export function hasLongWord(cell: Cell): boolean {
+  return typeof cell === 'string' && cell.split(/[\s-]+/).some((word) => word.length > LONG);
+}
+
 /** Stable; what has no value comes last in both directions. */
 export function sorted<Item>(items: Item[], column: Column<Item>, isDown: boolean): Item[] {
   return items
