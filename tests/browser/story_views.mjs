@@ -47,10 +47,20 @@ export async function everyViewInFrench(browser, settings, people) {
   const person = await admin(browser, settings, people);
   await person.page.evaluate(() => localStorage.setItem('trb.language', 'fr'));
   await person.page.reload();
+  await navigationIsOneLine(person);
   const views = await inEachView(person, (_, name) => look(person, `${name}-fr`, { short: true }));
   const lang = await person.page.evaluate(() => document.documentElement.lang);
   if (lang !== 'fr') person.faults.push(`the document says that its language is "${lang}"`);
   return `${views.length} views`;
+}
+
+async function navigationIsOneLine({ page, faults }) {
+  await page.waitForSelector('header nav');
+  for (const width of [1280, 1366, 1440, 1536, 1920]) {
+    await page.setViewportSize({ width, height: 800 });
+    const tops = await page.$$eval('header nav a', (links) => new Set(links.map((link) => link.offsetTop)).size);
+    if (tops > 1) faults.push(`at ${width} px the navigation has ${tops} lines`);
+  }
 }
 
 export async function keyboardAlone(browser, settings, people) {

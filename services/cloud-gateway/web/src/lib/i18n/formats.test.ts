@@ -22,6 +22,18 @@ it.each([
   expect(speech.formatDate(new Date(2027, 10, 28).getTime())).toBe('28/11/2027');
 });
 
+it('writes an age in days from the second one on', () => {
+  speech.speech.choose('en');
+  expect([59, 3599, 47 * 3600, 48 * 3600, 226 * 3600].map(speech.formatAge)).toEqual(['59 s', '60 min', '47 h', '2 d', '9 d']);
+  speech.speech.choose('fr');
+  expect(speech.formatAge(226 * 3600)).toBe('9 j');
+});
+
+it('names the zone of its times', () => {
+  const at = (minutes: number) => speech.zoneOf({ getTimezoneOffset: () => minutes } as Date).split(', ')[1];
+  expect([0, -60, 210, -330].map(at)).toEqual(['UTC+0', 'UTC+1', 'UTC−3:30', 'UTC+5:30']);
+});
+
 it('says one of a thing as one', async () => {
   await import('./late_words');
   speech.speech.choose('en');

@@ -80,11 +80,12 @@ function formatOf(name: string, options: Intl.NumberFormatOptions): Intl.NumberF
   return format;
 }
 
-/** 4 s, 12 min, 3 h. */
+/** 4 s, 12 min, 3 h, 5 d. */
 export function formatAge(seconds: number): string {
   if (seconds < 60) return `${Math.round(seconds)} s`;
   if (seconds < 3600) return `${Math.round(seconds / 60)} min`;
-  return `${Math.round(seconds / 3600)} h`;
+  const hours = Math.round(seconds / 3600);
+  return hours < 48 ? `${hours} h` : t('common.days', { days: Math.floor(seconds / 86400) });
 }
 
 /** Dates have the order of the browser's country, in the chosen language: 11/28 is no date in England. Without one the day comes first. */
@@ -110,6 +111,14 @@ export function formatTime(time: number | string): string {
   const hour = formatHour(date);
   const isToday = date.toDateString() === new Date().toDateString();
   return isToday ? hour : `${formatDate(date.getTime())} ${hour}`;
+}
+
+/** In which zone all times are: Europe/Paris, UTC+1. */
+export function zoneOf(date: Date): string {
+  const east = -date.getTimezoneOffset();
+  const [hours, minutes] = [Math.floor(Math.abs(east) / 60), Math.abs(east) % 60];
+  const offset = `UTC${east < 0 ? '−' : '+'}${hours}${minutes === 0 ? '' : `:${minutes}`}`;
+  return `${new Intl.DateTimeFormat().resolvedOptions().timeZone}, ${offset}`;
 }
 
 /** A text of a robot or a service, with the times in it as all others of the view: they write them in UTC. */

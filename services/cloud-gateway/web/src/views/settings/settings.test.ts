@@ -1,5 +1,5 @@
 import { expect, it } from 'vitest';
-import { criteriaOf, formOfPolicy, minimumsOf, numberOf, policyOf, rowsOfCriteria, rowsOfMinimums, twice, withNewBounds, withNewCriteria, type Criteria } from './settings';
+import { criteriaOf, formOfPolicy, minimumsOf, numberOf, policyOf, rowsOfCriteria, rowsOfMinimums, twice, unitOf, withNewBounds, withNewCriteria, withUnit, type Criteria } from './settings';
 
 const criteria = {
   criteria: {
@@ -58,4 +58,8 @@ it('keeps typed minimums of criteria that are still there', () => {
   const fewer = rowsOfMinimums({ criteria: { battery: { weight: 1 }, distance: { weight: 1 }, load: { weight: 1, unit: 'kg' } } } as unknown as Criteria, { battery: { at_least: 10 } });
   expect(withNewCriteria(typed, old, fewer)!.map((row) => [row.name, row.atLeast, row.atMost])).toEqual([['battery', '10', ''], ['distance', '', '40'], ['load', '', '']]);
   expect(withNewCriteria(typed, old, rowsOfMinimums(criteria, { distance: { at_most: 9 } }))).toBeNull();
+});
+
+it('names the unit of a best value', () => {
+  expect(rowsOfCriteria(criteria).map((row) => withUnit('Best value', unitOf(row)))).toEqual(['Best value (%)', 'Best value (m)', 'Best value (kg)']);
 });

@@ -42,6 +42,16 @@ export interface MinimumRow {
 const PAPER = ['battery', 'distance', 'availability'];
 const PAPER_UNITS: Record<string, string> = { battery: '%', distance: 'm', availability: '' };
 
+/** In which unit its best and worst values are. */
+export function unitOf({ name, isOwn, unit }: CriterionRow): string {
+  return isOwn ? unit : (PAPER_UNITS[name] ?? '');
+}
+
+/** `Best value (m)`. */
+export function withUnit(label: string, unit: string): string {
+  return unit === '' ? label : `${label} (${unit})`;
+}
+
 /** Also with a comma, as people write it; nothing typed is nothing. What is no number stays text: the gateway says so. */
 export function numberOf(text: string): number | string | undefined {
   const plain = text.trim().replace(',', '.');

@@ -11,6 +11,7 @@ export const users = {
     since: 'Since',
     orders: 'Orders',
     password: 'Password',
+    ownPasswordHint: '12 characters at least.',
     passwordHint: '12 characters at least. Who gets it has to take another one at the first sign-in.',
     newPassword: 'New password',
     disabled: 'locked',

@@ -13,6 +13,7 @@ export const users: Pick<Words, 'users'> = {
     since: 'Depuis',
     orders: 'Ordres',
     password: 'Mot de passe',
+    ownPasswordHint: '12 caractères au moins.',
     passwordHint: '12 caractères au moins. Qui le reçoit doit en choisir un autre à la première connexion.',
     newPassword: 'Nouveau mot de passe',
     disabled: 'bloqué',
