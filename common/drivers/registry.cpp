@@ -8,6 +8,7 @@
   ROW(udp_at_row)        \
   ROW(modbus_row)        \
   ROW(http_json_row)     \
+  ROW(tcp_dialogue_row)  \
   ROW(lines_row)         \
   ROW(rapid_row)         \
   ROW(c3_row)            \

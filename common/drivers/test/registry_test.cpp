@@ -31,7 +31,8 @@ TEST_CASE("words that cannot be read make no driver, and the error names their k
                                          {"udp-at", "FLY"},
                                          {"arcos", "FLY"},
                                          {"modbus", "speed = 1"},
-                                         {"http-json", "FETCH /status"}}) {
+                                         {"http-json", "FETCH /status"},
+                                         {"tcp-dialogue", "go -> *"}}) {
     const DriverRow* row = find_driver(bad.transport);
     REQUIRE(row != nullptr);
     const auto made = row->make(settings(bad));
