@@ -75,7 +75,7 @@ TEST_CASE("every shipped description is good") {
     CHECK_MESSAGE(faults.empty(), to_text(faults));
     ++count;
   }
-  CHECK(count == 12);
+  CHECK(count == 13);
 }
 
 TEST_CASE("the conveyor's registers and its description fit each other") {
@@ -88,6 +88,12 @@ TEST_CASE("the shipped MiR is ready to be spoken to by HTTP") {
   const NodeCheck check = check_shipped("mir", "mir", "robots/mir100.json");
   CHECK_MESSAGE(without_keys(check.faults).empty(), to_text(check.faults));
   CHECK(check.config.commands.transport == "http-json");
+}
+
+TEST_CASE("the shipped Dobot is ready to be spoken to in text") {
+  const NodeCheck check = check_shipped("arm", "dobot", "robots/dobot-cr5.json");
+  CHECK_MESSAGE(without_keys(check.faults).empty(), to_text(check.faults));
+  CHECK(check.config.commands.transport == "tcp-dialogue");
 }
 
 TEST_CASE("the paper's scenario can be done by the shipped robots, and by robots that speak in fields") {

@@ -202,7 +202,8 @@ std::vector<Command> node_new_commands() {
         "Makes the folder of a robot's or a cloud node: files that trb check passes once it has a certificate, each "
         "value\n"
         "with a line that says where to find it, and the node's keys. What is missing is asked for at a terminal.",
-        {"--robot NAME|its name in the fleet", "--like KIND|ur, abb, kuka, pioneer, drone, mir, plc, ros or fields",
+        {"--robot NAME|its name in the fleet",
+         "--like KIND|ur, abb, kuka, pioneer, drone, mir, dobot, plc, ros or fields",
          "--address HOST|the robot's IPv4 address", "--network NAME|interface or address on the fleet's network",
          "--interface NAME|interface or address towards the robot (by this computer's routes)",
          "--cloud NAME|a cloud node of this name, instead of a robot's",

@@ -8,7 +8,7 @@ namespace trb::cli {
 namespace {
 
 // Where the address stands: the makers' manuals (PolyScope 3 and 5, FlexPendant of RobotWare 6, smartHMI of KSS 8,
-// AR.Drone SDK 2, Pioneer 3 operations manual, MiR REST API 2).
+// AR.Drone SDK 2, Pioneer 3 operations manual, MiR REST API 2, Dobot's TCP/IP protocol 4).
 constexpr RobotKind kKinds[] = {
     {"ur", "Universal Robots", "ur", "ur3.json", "teach pendant: Setup Robot (or Settings > System), Network",
      "remote control, where PolyScope has that switch; port 30002 is open as delivered"},
@@ -23,6 +23,8 @@ constexpr RobotKind kKinds[] = {
      "this computer in the drone's Wi-Fi"},
     {"mir", "Mobile Industrial Robots", "mir", "mir100.json", "the robot's own page: Setup, Wi-Fi or Network",
      "a user of its REST interface, in keys/robot.auth (mode 0600): basic USER:SHA-256 of the password"},
+    {"dobot", "Dobot", "dobot", "dobot-cr5.json", "DobotStudio Pro: the controller's address; 192.168.5.1 as delivered",
+     "the remote control mode TCP/IP, set in DobotStudio Pro; port 29999"},
     {"plc", "any with Modbus/TCP", "plc", "conveyor.json",
      "the PLC's engineering tool: the Modbus/TCP server's address",
      "the registers as commands.json has them, or the other way round"},
