@@ -192,6 +192,14 @@ class Orders:
         if not self.thermometer:
             self.plug()
 
+    def store(self, name, tasks):
+        """A scenario that the gateway keeps."""
+        client = gateway_page.client(self.fleet)
+        client.sign_in("olga", gateway_page.PASSWORD)
+        answer = client.ask("POST", "/api/v1/scenarios", {"name": name, "tasks": tasks})
+        if answer.status >= 300:
+            raise RuntimeError(answer.bytes.decode())
+
     def hostile(self, text):
         """Lets everybody who may choose a text say this one; who it was."""
         client = gateway_page.client(self.fleet)

@@ -5,7 +5,7 @@ import { changesOf, filmOf, pointAt, sceneAt, standsOf } from './film';
 
 const answer = (more: Partial<Answer> = {}): Answer => ({
   seconds: 30, messages: 0, bytes: 0, between_computers: { messages: 0, bytes: 0 }, over_time: { interval_s: 1, messages: [], bytes: [] },
-  phases: {} as Answer['phases'], model: {} as Answer['model'],
+  phases: {} as Answer['phases'], model: {} as NonNullable<Answer['model']>,
   world: { state: 'FINISHED', over_everywhere: true, tasks_done: 2, makespan_s: 8, linked_s: 0.5, submitted_s: 10, events: 5, broken: [] },
   tasks: [{ id: 'go', robot: 'a', begin_s: 11, end_s: 14 }, { id: 'pick', robot: 'b', begin_s: 15, failed_s: 16 }, { id: 'pick', robot: 'a', begin_s: 18, end_s: 20 }],
   tasks_not_listed: 0, sendings_not_listed: 0,
@@ -50,6 +50,15 @@ describe('the film of a simulated run', () => {
     const of = filmOf(one, paper);
     const at = (time: number) => sceneAt(of, time).actors.map((actor) => actor.task);
     expect([at(16), at(19), at(21)]).toEqual([[null, null, 'pick'], [null, 'pick', null], [null, null, null]]);
+  });
+
+  it('has the tasks of all runs at the same time, each with its run, and where they lead to', () => {
+    const both = { ...one, job: { ...one.job, beside: [{ scenario: { tasks: [{ id: 'go', data: { place: 'shelf' } }] } }] } } as unknown as Simulation;
+    const [tasks, beside] = [[{ id: 'go', robot: 'a', begin_s: 11, end_s: 14 }], [{ id: 'go', robot: 'a', begin_s: 14, end_s: 17 }]];
+    const of = filmOf(both, answer({ tasks, happenings: [], beside: [{ state: 'FINISHED', submitted_s: 10, tasks: beside }] as unknown as NonNullable<Answer['beside']> }));
+    expect(of.tasks).toEqual(['1: go', '1: pick', '2: go']);
+    expect([...of.goals]).toEqual([['1: go', 'dock'], ['2: go', 'shelf']]);
+    expect([2, 5].map((time) => sceneAt(of, time).actors.find((actor) => actor.id === 'a')!.task)).toEqual(['1: go', '2: go']);
   });
 
   it('shows who works on what, and who is broken', () => {

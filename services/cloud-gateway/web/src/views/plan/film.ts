@@ -4,7 +4,8 @@ import type { RobotState } from '../../lib/fleet/robot_state';
 import type { Point } from '../../lib/map/camera';
 import { spanOf, type Bar } from '../runs/timeline';
 import type { Simulation } from './plan_job';
-import { barsOf, type Answer } from './plan_result';
+import type { Answer } from './plan_result';
+import { allBars, taskOfRun } from './plan_runs';
 
 type Happening = Schemas['SimulationHappening'];
 type Sending = Schemas['SimulationSending'];
@@ -53,19 +54,32 @@ export const FLIGHT_S = 0.6;
 
 export function filmOf(one: Simulation, answer: Answer): Film {
   const from = answer.world?.submitted_s ?? 0;
-  const bars = barsOf(answer);
+  const bars = allBars(answer);
   const end = endOf(answer, bars, from);
   const since = <Of extends { at_s: number }>(all: Of[]): Of[] => all.map((of) => ({ ...of, at_s: of.at_s - from })).filter((of) => of.at_s <= end);
   const sendings = since(answer.sendings).filter((of) => of.at_s >= 0);
-  const scenario = one.job.scenario as { tasks?: { id: string; data?: Record<string, unknown> }[] } | undefined;
-  const drawn = scenario?.tasks?.map((task) => task.id);
-  const tasks = [...new Set([...(drawn ?? Array.from({ length: Math.min(one.tasks, 2000) }, (_, i) => `t${i}`)), ...bars.map((bar) => bar.task)])];
+  const planned = plannedTasks(one);
+  const counted = () => Array.from({ length: Math.min(one.tasks, 2000) }, (_, i) => `t${i}`);
+  const tasks = [...new Set([...(planned?.map((task) => task.id) ?? counted()), ...bars.map((bar) => bar.task)])];
   const nodes = new Set(['cloud', ...sendings.flatMap((of) => [of.from, of.to]), ...bars.map((bar) => bar.robot)]);
   const happenings = since(answer.happenings);
   for (const { node, other, nodes: side = [] } of happenings) for (const id of [node, other, ...side]) if (id !== undefined) nodes.add(id);
-  if (scenario === undefined && one.robots <= 100) for (let i = 0; i < one.robots; i++) nodes.add(`r${i}`);
-  const goals = new Map((scenario?.tasks ?? []).flatMap(({ id, data }) => (typeof data?.place === 'string' ? [[id, data.place] as const] : [])));
+  if (planned === null && one.robots <= 100) for (let i = 0; i < one.robots; i++) nodes.add(`r${i}`);
+  const goals = new Map((planned ?? []).flatMap(({ id, data }) => (typeof data?.place === 'string' ? [[id, data.place] as const] : [])));
   return { end, nodes: [...nodes], tasks, bars, sendings, happenings, goals };
+}
+
+interface PlannedTask {
+  id: string;
+  data?: Record<string, unknown>;
+}
+
+/** Those of its scenarios, as the bars name them; nothing: it has none. */
+function plannedTasks({ job }: Simulation): PlannedTask[] | null {
+  if (job.scenario === undefined) return null;
+  const scenarios = [job.scenario, ...(job.beside ?? []).map((one) => one.scenario)] as unknown as { tasks?: PlannedTask[] }[];
+  const named = (task: PlannedTask, run: number) => (scenarios.length === 1 ? task : { ...task, id: taskOfRun(run, task.id) });
+  return scenarios.flatMap(({ tasks = [] }, i) => tasks.map((task) => named(task, i + 1)));
 }
 
 /** Of what was under way to the end of all that was simulated; else until nothing happens any more. */

@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { lateFaults, playedOf, standOf } from './plan_end';
+import { lateFaults, lateSensors, playedOf, standOf } from './plan_end';
 import type { Answer } from './plan_result';
 
 type World = NonNullable<Answer['world']>;
@@ -26,6 +26,13 @@ describe('the end of a simulated run', () => {
     const faults = [{ at: 2, kind: 'fail' as const, node: 'r0' }, { at: 400, kind: 'repair' as const, node: 'r0' }];
     expect(lateFaults(late, { faults })).toEqual([{ at: 400, place: 1, fault: faults[1] }, { at: 500, place: 7, fault: null }]);
     expect([lateFaults(answer(over), { faults }), lateFaults(answer(), {})]).toEqual([[], []]);
+  });
+
+  it('names the sensors that were to tell something later', () => {
+    const late = answer({ ...over, steps_not_reached: [{ sensor: 1, at: 40, steps: 2 }, { sensor: 3, at: 50, steps: 1 }] });
+    const sensor_values = [{ node: 'a', name: 'x', value: 1 }, { node: 'belt', name: 'load', steps: [{ at: 0, value: 1 }, { at: 40, value: 2 }, { at: 50, value: 3 }] }];
+    expect(lateSensors(late, { sensor_values })).toEqual([{ at: 40, place: 1, name: 'load, belt' }, { at: 50, place: 3, name: '' }]);
+    expect(lateSensors(answer(over), {})).toEqual([]);
   });
 
   it('counts what was played from the submission', () => {

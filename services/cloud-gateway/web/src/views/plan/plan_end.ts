@@ -36,6 +36,23 @@ export function lateFaults(answer: Answer, job: Job): LateFault[] {
   return (answer.world?.not_reached ?? []).map(({ fault, at }) => ({ at, place: fault, fault: job.faults?.[fault] ?? null }));
 }
 
+export interface LateSensor {
+  /** In s since the run's submission: the first that it was to tell. */
+  at: number;
+  /** Among the job's sensors, from 0. */
+  place: number;
+  /** "temperature, belt"; empty: the job that is known has none there. */
+  name: string;
+}
+
+/** The job's sensors that were to tell something after the end. */
+export function lateSensors(answer: Answer, job: Job): LateSensor[] {
+  return (answer.world?.steps_not_reached ?? []).map(({ sensor, at }) => {
+    const told = job.sensor_values?.[sensor];
+    return { at, place: sensor, name: told === undefined ? '' : `${told.name}, ${told.node}` };
+  });
+}
+
 /** What was simulated of the run, in s since its submission. */
 export function playedOf(answer: Answer): number {
   return answer.seconds - (answer.world?.submitted_s ?? 0);

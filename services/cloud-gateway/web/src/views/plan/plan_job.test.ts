@@ -1,7 +1,7 @@
 import { describe, expect, it } from 'vitest';
 import { newFault } from './fault_wish';
 import { newLink } from './link_wish';
-import { faultCount, FIRST, jobOf, jobOfScenario, jobOfTry, mostFaults, wishOf, within, type Wish } from './plan_job';
+import { faultCount, FIRST, jobOf, jobOfScenario, jobOfTry, mostFaults, wishOf, within, type Job, type Wish } from './plan_job';
 import { newSensor } from './sensor_wish';
 
 const wish = (more: Partial<Wish>): Wish => ({ ...FIRST, ...more });
@@ -62,6 +62,15 @@ describe('a wish as a job', () => {
       protocol: 'talkrobots', scenario, task_seconds: 3, link: 'wifi', seed: 1, faults: [{ at: 5, kind: 'fail', node: 'a' }],
       sensor_values: [{ node: 'a', name: 'load', value: 3 }], times: { s: 2 },
     });
+  });
+
+  it('plays other scenarios at the same time, and they come back from the job', () => {
+    const scenario = { name: 'n', tasks: [{ id: 'go', robot: 'a', skill: 's' }] };
+    const other = { ...scenario, name: 'other' };
+    const job = jobOfTry(scenario, wish({ beside: [{ id: '1', scenario: other, after: '20' }, { id: '2', scenario, after: '' }] }), undefined);
+    expect(job.beside).toEqual([{ scenario: other, after: 20 }, { scenario }]);
+    expect(jobOfTry(scenario, wishOf(job as unknown as Job), undefined).beside).toEqual(job.beside);
+    expect(jobOfTry(scenario, FIRST, undefined)).not.toHaveProperty('beside');
   });
 
   it('takes a scenario as it is drawn, without a number of robots or tasks', () => {

@@ -1,6 +1,7 @@
 /** What is wished, as a job of the gateway: POST /api/v1/simulations. */
 import type { Schemas } from '../../lib/api/types';
 import type { Scenario } from '../../lib/scenario/scenario_model';
+import { besideOf, besideWishOf, type BesideWish } from './beside_wish';
 import { faultsOf, WISHED_KINDS, wishesOf, type FaultWish, type JobFault, type WishedKind } from './fault_wish';
 import { linkOf, linkWishOf, newLink, type LinkWish } from './link_wish';
 import { sensorOf, sensorWishOf, type SensorWish } from './sensor_wish';
@@ -26,6 +27,8 @@ export interface Wish {
   link: LinkWish;
   relays: string[];
   sensorValues: SensorWish[];
+  /** With a scenario: others at the same time. */
+  beside: BesideWish[];
   seed: number;
   /** Of the paper's protocol: robots that are told field by field, and sensors that send once a second. */
   interpreted: number;
@@ -39,7 +42,7 @@ export const AWAY_S = 10;
 export const MOST_SEED = 999_999;
 
 export const FIRST: Wish = {
-  protocol: 'talkrobots', robots: 5, tasks: 9, taskSeconds: 3, faults: 0, faultKind: 'fail', more: [], link: newLink('wifi'), relays: [], sensorValues: [],
+  protocol: 'talkrobots', robots: 5, tasks: 9, taskSeconds: 3, faults: 0, faultKind: 'fail', more: [], link: newLink('wifi'), relays: [], sensorValues: [], beside: [],
   seed: 1, interpreted: 0, sensors: 0,
 };
 
@@ -85,7 +88,7 @@ export function jobOfTry(scenario: Scenario, wish: Wish, times: Job['times']): S
   const faults = wish.more.flatMap(faultsOf);
   return {
     protocol: 'talkrobots', scenario, task_seconds: wish.taskSeconds, seed: within(wish).seed, ...surroundingsOf(wish), ...(faults.length === 0 ? {} : { faults }),
-    ...(times === undefined ? {} : { times }),
+    ...(times === undefined ? {} : { times }), ...(wish.beside.length === 0 ? {} : { beside: wish.beside.map(besideOf) }),
   };
 }
 
@@ -95,7 +98,7 @@ export function wishOf(job: Job): Wish {
   return {
     ...FIRST, protocol, robots, tasks, taskSeconds, faults: job.faulty ?? 0, more: wishesOf(job.faults ?? []), link: linkWishOf(job.link),
     relays: job.relays ?? [], sensorValues: (job.sensor_values ?? []).map(sensorWishOf), seed: job.seed ?? FIRST.seed,
-    interpreted: job.interpreted ?? 0, sensors: job.sensors ?? 0,
+    beside: (job.beside ?? []).map(besideWishOf), interpreted: job.interpreted ?? 0, sensors: job.sensors ?? 0,
   };
 }
 

@@ -72,7 +72,7 @@ describe('the result of a simulation', () => {
   it('says what each task of a scenario waited for, in the timeline\'s time', () => {
     const waits = [{ task: 't0', waited_for: '', robot_busy: false, critical: true }, { task: 't1', waited_for: 't0', robot_busy: true, critical: false }];
     const rows = waitRows(answer({ world, waits }));
-    const told = { hasFailed: false, isTold: true, failed: null, more: 0 };
+    const told = { hasFailed: false, isTold: true, failed: null, otherRun: null, more: 0 };
     expect(rows[0]).toEqual({ ...told, task: 't0', robot: 'r0', begin: 0, end: 3, holder: null, busy: null, isCritical: true });
     expect(rows[2]).toEqual({ ...told, task: 't1', robot: 'r0', begin: 5, end: 8, holder: 't0', busy: 'r0', isCritical: false });
     expect(waitRows(answer())).toEqual([]);

@@ -11,14 +11,14 @@ export interface PhaseRow {
   phase: string;
   messages: number;
   bytes: number;
-  /** By Equation 12; nothing: it has no term for it. */
+  /** By Equation 12; nothing: it has no term for it, or several runs were simulated. */
   model: number | null;
   betweenMessages: number;
   betweenBytes: number;
 }
 
 export function phaseRows(answer: Answer): PhaseRow[] {
-  const model: Record<string, number> = answer.model.phases;
+  const model: Record<string, number> = answer.model?.phases ?? {};
   return Object.entries(answer.phases).map(([phase, of]) => ({
     phase, messages: of.messages, bytes: of.bytes, model: model[phase] ?? null,
     betweenMessages: of.between_computers.messages, betweenBytes: of.between_computers.bytes,
@@ -122,6 +122,8 @@ export interface WaitRow {
   holder: string | null;
   /** The robot, if it had to do the holder first; nothing: the holder comes before the task. */
   busy: string | null;
+  /** Another run that kept the robot, from 1; nothing: the holder is of this one. */
+  otherRun: number | null;
   /** The robot that failed at this same task, if it waited for that. */
   failed: string | null;
   /** So long after that it waited for what is no task's end, s; 0: for no longer than a hand-over takes. */
@@ -145,7 +147,7 @@ export function waitRows(answer: Answer): WaitRow[] {
     return {
       task: task.id, robot: task.robot, begin: Math.max(0, task.begin_s - from), end: end === undefined ? null : Math.max(0, end - from),
       hasFailed: task.end_s === undefined && task.failed_s !== undefined, isTold: wait !== undefined, holder: wait?.waited_for || null,
-      busy: wait?.robot_busy ? task.robot : null, failed: wait?.tried_again ? robotBefore(answer, task) : null, more: more < SHOWN_S ? 0 : more,
+      busy: wait?.robot_busy ? task.robot : null, otherRun: wait?.waited_for_run === undefined ? null : wait.waited_for_run + 1, failed: wait?.tried_again ? robotBefore(answer, task) : null, more: more < SHOWN_S ? 0 : more,
       isCritical: wait?.critical ?? false,
     };
   });
@@ -174,15 +176,21 @@ export function compareRows(a: Answer, b: Answer): CompareRow[] {
     row('bytes', (answer) => answer.bytes),
     row('betweenMessages', (answer) => answer.between_computers.messages),
     row('betweenBytes', (answer) => answer.between_computers.bytes),
-    row('equation12', (answer) => answer.model.messages),
+    row('equation12', (answer) => answer.model?.messages ?? null),
     ...phaseRows(a).map((one) => ({ what: one.phase, isPhase: true, a: one.messages, b: inB.get(one.phase)?.messages ?? null })),
   ];
 }
 
-/** From the first task's begin to the last one's end, s; nothing: not all were done. */
+/** From the first task's begin to the last one's end, s; of several runs of all; nothing: not all were done. */
 export function makespanOf(answer: Answer): number | null {
+  if (answer.beside !== undefined && answer.beside.length > 0) return makespanOfAll([answer.world!, ...answer.beside], [answer.tasks, ...answer.beside.map((one) => one.tasks)].flat());
   if (answer.world) return answer.world.state === 'FINISHED' && answer.world.tasks_done > 0 ? answer.world.makespan_s : null;
   return answer.tasks_not_listed > 0 ? answer.seconds : lastEnd(answer) - (answer.tasks[0]?.begin_s ?? 0);
+}
+
+function makespanOfAll(runs: { state: string }[], tasks: Attempt[]): number | null {
+  if (runs.some((run) => run.state !== 'FINISHED') || tasks.length === 0) return null;
+  return Math.max(...tasks.map((task) => task.end_s ?? 0)) - Math.min(...tasks.map((task) => task.begin_s));
 }
 
 function lastEnd(answer: Answer): number {

@@ -4,11 +4,11 @@ import { formatNumber, t, tOr } from '../../lib/i18n/i18n.svelte';
 import type { LateFault } from './plan_end';
 import { faultCount, type Simulation } from './plan_job';
 
-/** "5 robots, 9 tasks, TalkRoBots, Wi-Fi, 1 fault"; of a scenario its name first. */
-export function titleOf({ job, robots, tasks, scenario }: Simulation): string {
+/** "5 robots, 9 tasks, TalkRoBots, Wi-Fi, 1 fault"; of a scenario its name first, and how many are beside it. */
+export function titleOf({ job, robots, tasks, scenario, beside = [] }: Simulation): string {
   const faults = faultCount(job);
   return [
-    scenario === undefined ? '' : t('plan.named', { name: scenario }), t('plan.fleet', { robots, tasks }),
+    scenario === undefined ? '' : t('plan.named', { name: scenario }), beside.length === 0 ? '' : t('plan.besideMore', { count: beside.length }), t('plan.fleet', { robots, tasks }),
     tOr('plan', `protocol_${job.protocol ?? 'paper'}`),
     job.protocol === 'talkrobots' ? tOr('plan', `link_${typeof job.link === 'object' ? 'own' : (job.link ?? 'lan')}`) : '', faults > 0 ? t('plan.withFaults', { count: faults }) : '',
     job.seed === undefined ? '' : t('plan.ofSeed', { seed: job.seed }),

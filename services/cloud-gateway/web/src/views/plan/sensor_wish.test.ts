@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { newSensor, placeOfSensor, sensorOf, sensorsWanted, sensorWishOf, wrongsOfSensor, type SensorWish } from './sensor_wish';
+import { newSensor, placeOfSensor, sensorOf, sensorsWanted, sensorWishOf, withWanted, wrongsOfSensor, type SensorWish } from './sensor_wish';
 
 const wish = (more: Partial<SensorWish>, texts: Partial<SensorWish['texts']> = {}): SensorWish =>
   ({ ...newSensor('belt'), name: 'load', ...more, texts: { ...newSensor('belt').texts, ...texts } });
@@ -10,6 +10,11 @@ describe('a wished sensor', () => {
     const when = { sensor: 'temperature', of: 'belt', op: '>', value: 20, unit: 'degC' };
     const wanted = sensorsWanted({ name: 'n', tasks: [{ id: 'a', when }, { id: 'b', when: { ...when, op: '<=' } }, { id: 'c' }, { id: 'd', when: { sensor: 'door', value: 'open' } }] });
     expect(wanted.map((one) => [one.node, one.name, one.unit, one.texts.value])).toEqual([['belt', 'temperature', 'degC', '20'], ['cloud', 'door', '', 'open']]);
+  });
+
+  it('is added for another scenario, unless it is there', () => {
+    const scenario = { name: 'n', tasks: [{ id: 'a', when: { sensor: 'load', of: 'belt' } }, { id: 'b', when: { sensor: 'door' } }] };
+    expect(withWanted([wish({})], scenario).map((one) => [one.node, one.name])).toEqual([['belt', 'load'], ['cloud', 'door']]);
   });
 
   it('tells one value, steps, or a ramp', () => {

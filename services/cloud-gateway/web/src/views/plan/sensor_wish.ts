@@ -43,6 +43,11 @@ export function sensorsWanted(scenario: Scenario): SensorWish[] {
   return [...out.values()];
 }
 
+/** With those that another scenario's conditions name, too. */
+export function withWanted(wishes: SensorWish[], scenario: Scenario): SensorWish[] {
+  return [...wishes, ...sensorsWanted(scenario).filter((wanted) => !wishes.some((one) => one.node === wanted.node && one.name === wanted.name))];
+}
+
 export type SensorWrongs = Partial<Record<SensorField, Wrong | { why: 'node' | 'name' | 'twice' | 'steps' | 'end' }>>;
 
 export function wrongsOfSensor(wish: SensorWish, nodes: string[], before: SensorWish[]): SensorWrongs {
