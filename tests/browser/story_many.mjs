@@ -24,8 +24,17 @@ export async function manyRobots(browser, settings, people) {
     const beside = await page.locator('main [role=region]').evaluate((one) => one.scrollWidth - one.clientWidth);
     if (beside > 1) olga.faults.push(`at ${width} px columns of the robots lie ${beside} px out of sight`);
   }
+  for (const [width, height] of [[390, 844], [844, 390]]) await stopStays(olga, width, height);
   await stops(olga);
   return `${MORE} more robots`;
+}
+
+/** On a phone, however it is held, the stop of all is not scrolled away. */
+async function stopStays({ page, faults }, width, height) {
+  await page.setViewportSize({ width, height });
+  await page.locator('main tbody tr').nth(MORE).scrollIntoViewIfNeeded();
+  const { y } = await page.getByRole('button', { name: /Stop all/ }).boundingBox();
+  if (y < 0 || y > height / 2) faults.push(`at ${width} x ${height} px "Stop all" is at ${Math.round(y)} px`);
 }
 
 /** Told at its top to who has scrolled down on a phone, too, and nothing of it is hidden in a part that scrolls. */

@@ -32,5 +32,5 @@ export async function order(robot: string, what: Order, body?: Record<string, st
 function tell(robot: string, what: Order, told: RobotOrder | undefined): void {
   const done = `${robot}: ${tOr('robot', `done_${what}`)}`;
   if (told === undefined || told.state === 'confirmed') toasts.done(told?.text ? `${done} (${told.text})` : done);
-  else toasts.fault(t('robot.notConfirmed', { robot, state: told.state === 'sent' ? t('stop.sent') : t('stop.unreachable') }), [told.text], { isKept: what === 'stop' });
+  else toasts.fault(t('robot.notConfirmed', { robot, order: tOr('robot', what), state: told.state === 'sent' ? t('stop.sent') : t('stop.unreachable') }), [told.text], { isKept: what === 'stop' });
 }

@@ -18,7 +18,7 @@ export const robot = {
     done_retired: 'out of service',
     done_returned: 'back in service',
     sent: '{robot}: “{order}” is sent, no answer yet',
-    notConfirmed: '{robot}: {state}',
+    notConfirmed: '{robot}: “{order}”: {state}',
     reason: 'Reason',
     whole: 'whole robot',
     faults: 'Faults',

@@ -1,5 +1,6 @@
 export const scenarios = {
   scenarios: {
+    priority: 'Priority, 9 first',
     title: 'Scenarios',
     all: 'All scenarios',
     stored: 'Stored scenarios',

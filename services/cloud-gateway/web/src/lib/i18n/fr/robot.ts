@@ -20,7 +20,7 @@ export const robot: Pick<Words, 'robot'> = {
     done_retired: 'hors service',
     done_returned: 'remis en service',
     sent: '{robot} : « {order} » est envoyé, pas encore de réponse',
-    notConfirmed: '{robot} : {state}',
+    notConfirmed: '{robot} : « {order} » : {state}',
     reason: 'Raison',
     whole: 'tout le robot',
     faults: 'Pannes',

@@ -2,6 +2,7 @@ import type { Words } from '../en';
 
 export const scenarios: Pick<Words, 'scenarios' | 'skills'> = {
   scenarios: {
+    priority: 'Priorité, 9 d’abord',
     title: 'Scénarios',
     all: 'Tous les scénarios',
     stored: 'Scénarios enregistrés',
