@@ -159,17 +159,27 @@ bool SourceFilter::set(const std::vector<std::string>& sources, bool everybody,
   return good;
 }
 
+/// The kernel's memory for it is small (20 kB in Debian 12): a hundred networks of IPv6 fit. Some friends are better
+/// than no filter.
 bool SourceFilter::attach(int fd) const {
   if (!everybody_ && sources_.empty()) {
     const int none = 0;
     return ::setsockopt(fd, SOL_SOCKET, SO_DETACH_FILTER, &none, sizeof none) == 0 || errno == ENOENT;
   }
+  std::size_t friends = everybody_ ? friends_.size() : 0;
+  while (!attach(fd, friends)) {
+    if (friends == 0) return false;
+    friends /= 2;
+  }
+  return true;
+}
+
+/// With the first of the friends.
+bool SourceFilter::attach(int fd, std::size_t friends) const {
   Verdicts verdicts;
   for (const std::string& source : sources_) verdicts.of.emplace_back(source, 0);
-  if (everybody_) {
-    verdicts.others = 0;
-    for (const std::string& source : friends_) verdicts.of.emplace_back(source, kKeep);
-  }
+  if (everybody_) verdicts.others = 0;
+  for (const std::string& source : first_of(friends_, friends)) verdicts.of.emplace_back(source, kKeep);
   Program program = make_program(verdicts);
   const sock_fprog filter{static_cast<unsigned short>(program.size()), program.data()};
   return ::setsockopt(fd, SOL_SOCKET, SO_ATTACH_FILTER, &filter, sizeof filter) == 0;

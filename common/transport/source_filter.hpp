@@ -44,11 +44,12 @@ class SourceFilter {
   void add_listener(int fd);
   void remove_listener(int fd) { listeners_.erase(fd); }
   /// Replaces the earlier setting: drops these sources, at most kMostSources; or all except these friends, at most
-  /// kMostFriends, which are sources, too. False if the kernel refused it.
+  /// kMostFriends, which are sources, too; fewer, if the kernel has no room for all. False if the kernel refused it.
   bool set(const std::vector<std::string>& sources, bool everybody, const std::vector<std::string>& friends = {});
 
  private:
   [[nodiscard]] bool attach(int fd) const;
+  [[nodiscard]] bool attach(int fd, std::size_t friends) const;
   std::set<int> listeners_;
   std::vector<std::string> sources_;
   std::vector<std::string> friends_;

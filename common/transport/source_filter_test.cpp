@@ -3,12 +3,19 @@
 
 #include <arpa/inet.h>
 #include <doctest/doctest.h>
+#include <fcntl.h>
 #include <netinet/in.h>
 #include <poll.h>
+#include <sched.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <string>
+#include <thread>
 #include <utility>
+#include <vector>
+
+#include "common/base/descriptor.hpp"
 
 using namespace trb;
 
@@ -137,6 +144,31 @@ TEST_CASE("as many sources as there may be, and a listener that comes later") {
   CHECK(listening.keeps_out("127.0.131.64"));
   CHECK(listening.lets_in("127.0.131.65"));
   CHECK(listening.lets_in("127.0.132.1"));
+}
+
+TEST_CASE("where the kernel has little room for a filter, it has as many friends as fit") {
+  const char* left_out = nullptr;
+  bool is_set = false;
+  // Of this thread alone: a network of its own, with the bound of Debian 12.
+  std::thread([&] {
+    if (::unshare(CLONE_NEWNET) != 0) return void(left_out = "no network of its own: not root");
+    const Descriptor bound(::open("/proc/sys/net/core/optmem_max", O_WRONLY | O_CLOEXEC));
+    if (!bound || ::write(bound.get(), "20480", 5) != 5)
+      return void(left_out = "the bound is the machine's: Linux < 6.8");
+    const Descriptor listener(::socket(AF_INET6, SOCK_STREAM | SOCK_CLOEXEC, 0));
+    SourceFilter filter;
+    filter.add_listener(listener.get());
+    std::vector<std::string> blocked;
+    std::vector<std::string> friends;
+    for (int i = 0; i < 64; ++i) blocked.push_back("2001:db9:0:" + std::to_string(i) + "::/64");
+    for (int i = 0; i < 256; ++i) friends.push_back("2001:db8:0:" + std::to_string(i) + "::/64");
+    is_set = filter.set(blocked, true, friends);
+  }).join();
+  if (left_out != nullptr) {
+    MESSAGE(left_out);
+    return;
+  }
+  CHECK(is_set);
 }
 
 TEST_CASE("IPv6 is told apart by its first 64 bits") {
