@@ -319,6 +319,7 @@ class Postgres final : public PostgresSql {
   }
 
   void call_anew() {
+    caller_.watch(-1);  // once it is closed, its descriptor may be another connection's
     connection_.reset();
     caller_.call();
   }
