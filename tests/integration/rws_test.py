@@ -78,11 +78,14 @@ class RwsFleet(trb_fleet.Fleet):
         path.touch(0o600)
         path.write_text(f"digest {USER}:{password}\n")
 
+    def start_virtual(self, port, nonce_uses):
+        self.virtual["abb"] = trb_fleet.Process(
+            [VIRTUAL, "--address", self.robot_address("abb"), "--port", str(port), "--speed", "5", "--password", PASSWORD,
+             "--nonce-uses", str(nonce_uses), "--sessions", "5", "--die-with-parent"], self.root / "rws.log", stdin=subprocess.PIPE)
+        return int(self.virtual["abb"].wait_line("ready", 60)[0].split()[1])
+
     def start_robot(self, node, *more):
-        self.virtual[node] = trb_fleet.Process(
-            [VIRTUAL, "--address", self.robot_address(node), "--port", "auto", "--speed", "5", "--password", PASSWORD,
-             "--nonce-uses", str(NONCE_USES), "--sessions", "5", "--die-with-parent"], self.root / "rws.log", stdin=subprocess.PIPE)
-        self.port = int(self.virtual[node].wait_line("ready", 60)[0].split()[1])
+        self.port = self.start_virtual("auto", NONCE_USES)
         path = self.dir(node) / "commands.json"
         path.write_text(path.read_text().replace('"port": 80,', f'"port": {self.port},'))
 
@@ -172,9 +175,12 @@ class Rws(unittest.TestCase):
     def test_f_a_wrong_password_is_told_and_stands_in_no_log(self):
         self.fleet.sign_in("not-this-one")
         self.fleet.trb("reload", self.fleet.dir("abb"))
-        self.fleet.wait("the robot is not there", lambda: self.fleet.profile()["robot"] != "ONLINE", 60)
-        done = self.fleet.trb("doctor", "abb", node="abb", check=False)
-        self.assertIn("digest USER:PASSWORD", done.stdout + done.stderr)
+
+        def doctor():
+            done = self.fleet.trb("doctor", "abb", node="abb", check=False)
+            return done.stdout + done.stderr
+        self.fleet.wait("the doctor names the cure", lambda: "digest USER:PASSWORD (if the robot asks for Digest)" in doctor(), 60)
+        self.assertNotEqual(self.fleet.profile()["robot"], "ONLINE")
         self.fleet.sign_in(PASSWORD)
         self.fleet.trb("reload", self.fleet.dir("abb"))
         self.fleet.wait("the robot is back", lambda: self.fleet.profile()["robot"] == "ONLINE", 60)
@@ -184,7 +190,12 @@ class Rws(unittest.TestCase):
                 self.assertNotIn(PASSWORD.encode(), text, path)
                 self.assertNotIn(b"not-this-one", text, path)
 
-    def test_g_a_node_that_ends_signs_out(self):
+    def test_g_a_controller_that_starts_anew_is_found_again_and_a_node_that_ends_signs_out(self):
+        self.fleet.virtual["abb"].stop()
+        self.fleet.wait("the robot is gone", lambda: self.fleet.profile()["robot"] != "ONLINE", 60)
+        self.fleet.start_virtual(self.fleet.port, 100000)  # a sign-out is sent once: its nonce is good
+        self.fleet.wait("the robot is back", lambda: self.fleet.profile()["robot"] == "ONLINE", 60)
+        self.assertEqual(self.say("sessions", "sessions"), "sessions 1")
         self.fleet.nodes["abb"].stop()
         self.fleet.virtual["abb"].wait_line("logout", 60)
         self.assertEqual(self.say("sessions", "sessions"), "sessions 0")
