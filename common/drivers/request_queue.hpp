@@ -89,10 +89,14 @@ class RequestQueue {
   }
 
   void add(Job job) { jobs_.push_back(std::move(job)); }
-  /// Before the commands, behind stops and halts: a release in front of a halt would let the motion go on.
+  /// Before the commands, behind stops and halts: a release in front of a halt would let the motion go on. What tidies
+  /// up after a dropped job goes before what follows it.
   void add_urgent(Job job) {
+    const auto goes_before = [&job](const Job& one) {
+      return stops(one) || (one.purpose == Purpose::tidy && !stops(job));
+    };
     auto at = waiting();
-    while (at != jobs_.end() && stops(*at)) ++at;
+    while (at != jobs_.end() && goes_before(*at)) ++at;
     jobs_.insert(at, std::move(job));
   }
   [[nodiscard]] bool will_release() const {

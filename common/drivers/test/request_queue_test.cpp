@@ -182,9 +182,9 @@ TEST_CASE("what was not begun, or has been sent to its end, leaves nothing; a ha
   queue.add(three(3));
   queue.front().done = 1;
   CHECK(queue.halt(3));
+  queue.add_urgent(three(5, Purpose::resume));
   queue.add_urgent(three(4, Purpose::halt));
-  CHECK(queue.pop().purpose == Purpose::halt);
-  CHECK(queue.pop().purpose == Purpose::tidy);
+  for (const Purpose next : {Purpose::halt, Purpose::tidy, Purpose::resume}) CHECK(queue.pop().purpose == next);
   queue.keep_rest(three(5), 1);
   queue.sent(Awaits::job);
   queue.drop_for_stop();  // its only step is under way
