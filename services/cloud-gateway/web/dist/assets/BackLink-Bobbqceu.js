@@ -1,1 +1,0 @@
-import{t as o,m as f,j as l,a as m,k as n,o as c,n as i}from"./index-CpMEhWzl.js";var p=i('<p class="svelte-1nm93r3"><a> </a></p>');function v(r,a){var t=p(),e=n(t),s=c(e);o(()=>{f(e,"href",a.href),l(s,`← ${a.to??""}`)}),m(r,t)}export{v as B};

@@ -1,1 +1,0 @@
-import{b8 as b,b9 as c,ba as t}from"./index-CpMEhWzl.js";const f=Symbol("NaN");function l(e,r,n){var o=new t(e),s=!b();c(()=>{var a=r();a!==a&&(a=f),s&&a!==null&&typeof a=="object"&&(a={}),o.ensure(a,n)})}export{l as k};
