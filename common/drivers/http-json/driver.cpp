@@ -1,6 +1,7 @@
 #include "common/drivers/http-json/driver.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "common/config/robot_auth.hpp"
 #include "common/drivers/http-json/keys.hpp"

@@ -1,6 +1,7 @@
 #include "common/drivers/tcp-dialogue/driver.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "common/drivers/text/number_text.hpp"
 

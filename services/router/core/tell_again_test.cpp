@@ -3,6 +3,8 @@
 
 #include <doctest/doctest.h>
 
+#include <utility>
+
 #include "services/router/test/test_pair.hpp"
 #include "services/router/test/test_relays.hpp"
 

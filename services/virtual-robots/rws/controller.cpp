@@ -3,6 +3,7 @@
 #include <cctype>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "services/virtual-robots/support/text.hpp"
 

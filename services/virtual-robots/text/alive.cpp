@@ -1,5 +1,9 @@
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
 
 #include "services/virtual-robots/support/text.hpp"
 #include "services/virtual-robots/text/dialogue.hpp"
