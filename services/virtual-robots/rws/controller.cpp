@@ -1,7 +1,6 @@
 #include "services/virtual-robots/rws/controller.hpp"
 
 #include <cctype>
-#include <limits>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -14,7 +13,6 @@ using Json = nlohmann::json;
 
 const std::string kSymbols = "/rw/rapid/symbol/data/RAPID/T_ROB1/user/";
 constexpr const char* kForm = "application/x-www-form-urlencoded";
-constexpr std::uint64_t kPendant = std::numeric_limits<std::uint64_t>::max();
 
 HttpReply error(unsigned status, const std::string& text) {
   return {status,
@@ -185,10 +183,6 @@ void Controller::advance(double now) {
   if (!arm_.advance(now)) return;
   symbols_["trb_go"] = "FALSE";
   events_.push_back("arrived");
-}
-
-void Controller::hold_mastership(bool held) {
-  master_ = held ? kPendant : 0;
 }
 
 std::vector<std::string> Controller::take_events() {

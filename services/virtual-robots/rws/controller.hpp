@@ -23,8 +23,6 @@ class Controller {
   HttpReply answer(const HttpRequest& request, double now);
   void advance(double now);
   std::optional<double> next_deadline() const { return arm_.next_deadline(); }
-  /** A person at the FlexPendant takes the mastership, or gives it back. */
-  void hold_mastership(bool held);
   arm::Joints joints(double now) const { return arm_.joints(now); }
   std::size_t sessions() const { return access_.sessions(); }
   std::vector<std::string> take_events();

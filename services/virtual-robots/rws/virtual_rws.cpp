@@ -34,8 +34,6 @@ void VirtualRws::take_line(const std::string& line) {
     print_line(where_line({at[0], at[1], at[2], at[3], at[4], at[5]}));
   } else if (line == "sessions") {
     print_line("sessions " + std::to_string(controller_.sessions()));
-  } else if (line == "hold" || line == "give_back") {
-    controller_.hold_mastership(line == "hold");
   } else {
     print_line("unknown_line");
   }

@@ -114,6 +114,19 @@ TEST_CASE("the first challenge is answered, and counts as nothing; the password 
   for (const auto& log : fixture.out.logs) CHECK(log.text.find("robotics") == std::string::npos);
 }
 
+TEST_CASE("a robot that ends the connection with its challenge is dialled again, and asked the same") {
+  Rws fixture;
+  fixture.up(Channel::command);
+  CHECK(fixture.asked() == "GET /busy");
+  fixture.answer_with(401, "", "Connection: close\r\nWWW-Authenticate: Digest realm=\"r\", nonce=\"n\"\r\n");
+  CHECK(fixture.closed() == "the robot ends each connection;");
+  CHECK(fixture.asked().empty());
+  fixture.up(Channel::command);
+  CHECK(fixture.asked() == "GET /busy");
+  CHECK(fixture.field("Authorization").starts_with("Digest "));
+  CHECK(fixture.told<RobotConnection>().empty());
+}
+
 TEST_CASE("a wrong password is refused once the challenge was answered, without another try for each poll") {
   Rws fixture;
   fixture.up(Channel::command);
