@@ -119,13 +119,18 @@ class Users(GatewayCase):
 
     def test_who_has_taken_over_a_session_does_not_undo_the_admins_reset(self):
         new = GOOD + " by the admin"
-        thief = self.eva("operator")
-        of_thief, of_admin = self.keep_hashing(thief, self.admin)
-        thief.begin("PUT", "/api/v1/me/password", {"old": GOOD, "new": GOOD + " by the thief"}, of_thief)
-        self.admin.begin("PUT", "/api/v1/users/eva/password", {"password": new}, of_admin)
-        self.assertEqual(of_admin.getresponse().status, 204)
-        self.assertEqual(of_thief.getresponse().status, 401)
-        self.assertEqual(self.client().sign_in("eva", new).status, 201)
+        for _ in range(MOST_TRIED):  # if all was hashed before the admin's word came, the session was the thief's still
+            thief = self.eva("operator")
+            of_thief, of_admin = self.keep_hashing(thief, self.admin)
+            thief.begin("PUT", "/api/v1/me/password", {"old": GOOD, "new": GOOD + " by the thief"}, of_thief)
+            self.admin.begin("PUT", "/api/v1/users/eva/password", {"password": new}, of_admin)
+            self.assertEqual(of_admin.getresponse().status, 204)
+            status = of_thief.getresponse().status
+            self.assertEqual(self.client().sign_in("eva", new).status, 201)  # whoever came first, the admin's counts
+            if status == 401:
+                break
+            self.doCleanups()
+        self.assertEqual(status, 401)
 
     def test_an_admin_who_is_disabled_adds_nobody_with_what_he_has_sent_before(self):
         for _ in range(MOST_TRIED):  # if all was hashed before she is disabled, she was an admin still
