@@ -1,5 +1,6 @@
 #include "services/scheduler/core/run/awaited_records.hpp"
 
+#include <algorithm>
 #include <utility>
 
 namespace trb::scheduler {
@@ -8,15 +9,29 @@ namespace {
 /// An answer may come so long after its request: each of the two is given up after 10 s on its way.
 constexpr Duration kAnswerTime = std::chrono::seconds(30);
 
+/// As often in vain takes 3 s.
+constexpr unsigned kAskedInVain = 5;
+
 }  // namespace
 
 void AwaitedRecords::need_result(TaskIndex task, const std::string& giver, const std::string& judge) {
-  const auto [need, is_new] = results_.try_emplace(task, Need{giver});
-  if (!is_new && giver == judge && need->second.giver != judge) need->second = Need{giver};
+  const auto [at, is_new] = results_.try_emplace(task, Need{giver});
+  Need& need = at->second;
+  if (is_new || need.giver == giver || std::ranges::find(need.others, giver) != need.others.end()) return;
+  need.others.insert(giver == judge ? need.others.begin() : need.others.end(), giver);
+  if (giver == judge) ask_next(need, true);
+}
+
+/// `again`: the one that was asked until now will be asked once more, after the others.
+void AwaitedRecords::ask_next(Need& need, bool again) {
+  if (again) need.others.push_back(need.giver);
+  Need next{need.others.front(), {need.others.begin() + 1, need.others.end()}};
+  need = std::move(next);
 }
 
 void AwaitedRecords::settle(std::map<TaskIndex, Need>::iterator need) {
   answered_.insert({need->second.giver, need->first});
+  if (!need->second.others.empty()) return ask_next(need->second, false);
   results_.erase(need);
 }
 
@@ -35,8 +50,10 @@ void AwaitedRecords::settle_without_result(const std::string& giver, MonotonicTi
 
 std::map<std::string, std::vector<TaskIndex>> AwaitedRecords::take_due_results(MonotonicTime now) {
   std::set<std::string> due;
-  for (const auto& [task, need] : results_) {
-    if (need.timer.is_due(now)) due.insert(need.giver);
+  for (auto& [task, need] : results_) {
+    if (!need.timer.is_due(now)) continue;
+    if (need.timer.times() >= kAskedInVain && !need.others.empty()) ask_next(need, true);
+    due.insert(need.giver);
   }
   std::map<std::string, std::vector<TaskIndex>> out;
   for (auto& [task, need] : results_) {

@@ -14,8 +14,9 @@ namespace trb::scheduler {
 
 class AwaitedRecords {
  public:
-  /// A result that this node's next tasks need, and which `giver` should hold. The first giver stays, unless the run's
-  /// judge should hold it: a member that says so and never answers keeps nobody from asking the judge.
+  /// A result that this node's next tasks need, and which `giver` should hold. The first giver is asked, unless the
+  /// run's judge should hold it. A member that says so and never answers keeps nobody from asking the others who do:
+  /// after 5 questions in vain it is the next one's turn.
   void need_result(TaskIndex task, const std::string& giver, const std::string& judge);
   void drop_result(TaskIndex task) { results_.erase(task); }
   void drop_results() { results_.clear(); }
@@ -47,10 +48,12 @@ class AwaitedRecords {
  private:
   struct Need {
     std::string giver;
+    std::vector<std::string> others{};  ///< who should hold it, too: in the order in which they are asked
     ResendTimer timer = resend_timer();
     /// From then on no request without this task can be answered any more; empty: it has not been requested.
     std::optional<MonotonicTime> in_all_since{};
   };
+  static void ask_next(Need& need, bool again);
   void settle(std::map<TaskIndex, Need>::iterator need);
 
   std::map<TaskIndex, Need> results_;

@@ -38,6 +38,33 @@ TEST_CASE("who says that he holds a result and never answers keeps nobody from a
   CHECK(awaited.take_due_results(at(10.1).mono).empty());
 }
 
+TEST_CASE("who says that he holds a result and never answers keeps nobody from asking the next who says so") {
+  AwaitedRecords awaited;
+  awaited.need_result(1, "drone", "cloud");
+  awaited.need_result(1, "pioneer", "cloud");
+  awaited.need_result(1, "belt", "cloud");
+  const auto asked = [&](double from_s, double until_s) {
+    std::set<std::string> out;
+    for (double s = from_s; s < until_s; s += 0.1) {
+      for (const auto& [giver, tasks] : awaited.take_due_results(at(s).mono)) out.insert(giver);
+    }
+    return out;
+  };
+  CHECK(asked(0, 1) == std::set<std::string>{"drone"});
+  CHECK(asked(1, 20) == std::set<std::string>{"belt", "drone", "pioneer"});
+  // Each of them comes again and again.
+  CHECK(asked(20, 40) == std::set<std::string>{"belt", "drone", "pioneer"});
+  // Who answers that it holds none is asked no more; the others are.
+  awaited.need_result(2, "drone", "cloud");
+  awaited.need_result(2, "pioneer", "cloud");
+  awaited.drop_result(1);
+  awaited.take_due_results(at(40).mono);
+  awaited.settle_result(2, "drone");
+  CHECK(asked(41, 60) == std::set<std::string>{"pioneer"});
+  awaited.settle_result(2, "pioneer");
+  CHECK_FALSE(awaited.needs_results());
+}
+
 TEST_CASE("an answer without a result is about what every request asked for that it may answer") {
   AwaitedRecords awaited;
   awaited.need_result(1, "cloud", "cloud");
