@@ -66,7 +66,7 @@ Without --via, copy FLEET_DIR/news.json into the keys folder of any node that is
                       holds, read once when the task could start. Without "of" any node's; "identity" follows a serial number
   timeout_s           for one attempt; left out: the skill's own
   retries             how often its robot tries again after it said 'failed' (0 to 16), after
-  retry_after_s       0.1 to 3600, doubled each time, 60 s at most
+  retry_after_s       0.1 to 3600, doubled each time, up to 60 s
   start_within_s      0.1 to 86400: once it is due; not begun by then it has failed
   on_failure          resilience (if left out): the run waits and the fleet looks for another robot; skip: SKIPPED, and what
                       waits for it alone too; continue: SKIPPED, and what follows goes on; abort: the run ends

@@ -64,10 +64,11 @@ bool Facts::tries_again(TaskIndex task, const TaskResult& result) const {
 }
 
 Duration Facts::retry_pause(TaskIndex task) const {
-  constexpr double kLongest_s = 60;
-  double pause_s = definition_.tasks()[task].retry_after_s;
+  const double first_s = definition_.tasks()[task].retry_after_s;
+  const double longest_s = std::max(first_s, 60.0);  // nobody tries earlier than the scenario says
+  double pause_s = first_s;
   for (std::uint32_t i = epochs_.first_attempt(task) + 1; i < next_attempt(task); ++i)
-    pause_s = std::min(pause_s * 2, kLongest_s);
+    pause_s = std::min(pause_s * 2, longest_s);
   return seconds(std::clamp(pause_s, 0.0, 3600.0));
 }
 

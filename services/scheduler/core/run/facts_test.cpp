@@ -108,3 +108,14 @@ TEST_CASE("the pause before a retry doubles") {
     CHECK(to_seconds(known.run().facts().retry_pause(0)) == doctest::Approx(expected));
   }
 }
+
+TEST_CASE("a pause of over a minute before a retry stays as long as the scenario says") {
+  Scenario scenario = chain({"ur3"});
+  scenario.tasks[0].retries = 5;
+  scenario.tasks[0].retry_after_s = 300;
+  KnownRun known(scenario);
+  for (int i = 0; i < 3; ++i) {
+    known.add(known.result("task-0", "ur3", TaskOutcome::retriable, known.run().facts().next_attempt(0)));
+    CHECK(to_seconds(known.run().facts().retry_pause(0)) == doctest::Approx(300));
+  }
+}
