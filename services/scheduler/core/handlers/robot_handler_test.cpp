@@ -220,6 +220,41 @@ TEST_CASE("a node with new keys begins nothing in a run that knows its old ones,
   CHECK_FALSE(working.known.executor.attempt().has_value());
 }
 
+TEST_CASE("an outcome stays with the mode-adapter as long as its attempt has been begun and is not taken up yet") {
+  Working working(chain({"ur3", "ur3"}));
+  JournalStart old;
+  old.key = {kKnownRun, "task-0", 1, 1};
+  old.epoch = 1;
+  old.instance = 5;
+  REQUIRE(working.known.run().apply(old).ok());
+  // What got other keys since has left its start record; a younger run's attempt was under way when this node ended.
+  const std::string id(32, 'b');
+  auto later = working.known.runs.open(
+      working.known.signers.make_start(chain({"ur3"}), "cloud", working.known.now.utc + seconds(1), seconds(3600), id));
+  REQUIRE(later.ok());
+  Run& younger = working.known.runs.add(std::move(*later));
+  JournalStart start = old;
+  start.key.run = id;
+  REQUIRE(younger.apply(start).ok());
+  working.schedule.resume_attempt();
+  REQUIRE(working.known.executor.runs(kKnownRun));
+  Outcome outcome;
+  outcome.key = start.key;
+  outcome.instance = 5;
+  outcome.outcome = TaskOutcome::finished;
+  const auto tell = [&] { return working.known.send(working.robot, "ur3", outcome, MessageType::information); };
+  const Outbox early = tell();
+  // Who is told that it is journaled forgets it, and would be ordered to do the task again.
+  CHECK(sent<OutcomeJournaled>(early).empty());
+  CHECK(early.logs.empty());
+  working.sign_with_new_keys(working.tell_outcome(TaskOutcome::finished));
+  working.schedule.resume_attempt();
+  REQUIRE(working.known.executor.runs(id));
+  CHECK(sent<SignRequest>(tell()).size() == 1);
+  // What the other run's attempt has ended with is of no use any more.
+  CHECK(sent<OutcomeJournaled>(working.tell_outcome(TaskOutcome::finished)).size() == 1);
+}
+
 TEST_CASE("a run that knows other keys of this node has no task begun at all") {
   Working working(chain({"ur3"}), Bytes(32, 'n'));
   working.tell_online();

@@ -100,6 +100,11 @@ const JournalStart* Facts::open_start() const {
   return nullptr;
 }
 
+bool Facts::awaits_result(TaskIndex task, const AttemptKey& key) const {
+  const auto start = starts_.find(task);
+  return start != starts_.end() && start->second.key == key && !results_.holds(task, key, epochs_.self());
+}
+
 bool Facts::takes_along(TaskIndex task) const {
   return results_.is_skipped(task) && !results_.of(task)->result.goes_on;
 }

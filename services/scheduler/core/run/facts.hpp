@@ -56,6 +56,8 @@ class Facts {
   [[nodiscard]] bool has_begun(TaskIndex task) const;
   /// A start record without a result: nobody has reported yet how it ended.
   [[nodiscard]] const JournalStart* open_start() const;
+  /// That attempt was begun here, and its result is not held.
+  [[nodiscard]] bool awaits_result(TaskIndex task, const AttemptKey& key) const;
 
   [[nodiscard]] bool all_final() const { return open_ == 0; }
   [[nodiscard]] bool all_before_final(TaskIndex task) const { return before_[task].open == 0; }
