@@ -118,6 +118,18 @@ TEST_CASE("a task says what keeps its robot, and what cures it, by what the robo
   CHECK(waiting.tell(online()) == kBegins + ", passed on by 'cloud'");
 }
 
+TEST_CASE("a task with a condition is passed on by the node that has evaluated it") {
+  Scenario scenario = chain({"ur3", "drone", "drone"});
+  scenario.tasks[1].after = {};
+  scenario.tasks[2].after = {0, 1};
+  scenario.tasks[2].when = {{"temperature", "conveyor", "", Comparison::more, false, 20, "", "degC"}};
+  KnownRun known(scenario, "cloud");
+  known.finish("task-0");
+  known.finish("task-1");
+  REQUIRE(known.run().apply(JournalChoice{known.choice("ur3", "task-2", 21)}).ok());
+  CHECK(due_text(known.run(), known.runs, known.executor, 2) == "'drone' to begin task 'task-2', passed on by 'ur3'");
+}
+
 TEST_CASE("what keeps nobody: a run's own lease, a profile that is not there yet, a fault of what is not needed") {
   Waiting waiting;
   const std::string free = kBegins + ", passed on by 'cloud'";

@@ -103,6 +103,13 @@ std::string pause_text(const Run& run, TaskIndex task) {
          (at ? ", at " + to_iso8601(*at) : "");
 }
 
+/// Who passes the task on to its robot, as far as one can say: of several tasks before it, any may be the last.
+const std::string& giver_of(const Run& run, TaskIndex task) {
+  const auto& after = run.tasks()[task].after;
+  if (after.empty()) return run.definition().start().submitter;
+  return run.definition().is_conditional(task) ? run.epochs().chooser_of(task) : run.epochs().robot_of(after.back());
+}
+
 /// What another node's robot does, as it has reported; empty: nothing that this node knows of.
 std::string other_task_text(const RunStore& runs, const std::string& robot) {
   for (const Run* run : runs.runs()) {
@@ -167,9 +174,7 @@ std::string due_text(const Run& run, const RunStore& runs, const Executor& execu
   if (const std::string other = other_task_text(runs, robot); !other.empty()) return other;
   const std::string begins = "'" + robot + "' to begin task '" + run.tasks()[task].id + "'";
   if (!kept.empty()) return begins + ": " + kept;
-  const auto& after = run.tasks()[task].after;
-  const std::string& giver = after.empty() ? run.definition().start().submitter : run.epochs().robot_of(after.back());
-  return begins + ", passed on by '" + giver + "'";
+  return begins + ", passed on by '" + giver_of(run, task) + "'";
 }
 
 std::string recovery_text(const Run& run) {
