@@ -46,7 +46,7 @@ struct Task {
   bool pinned = false;               ///< no decision moves it, except the one that first gives it a robot
   std::vector<Condition> when;       ///< none or one; more are reserved for a later version
   std::uint32_t retries = 0;         ///< how often the same robot tries again after it reported `failed`
-  double retry_after_s = 1;          ///< before the first retry; doubled each time, 60 s at most
+  double retry_after_s = 1;          ///< before the first retry; doubled each time, up to 60 s
   OnFailure on_failure{};
   std::vector<ValueFrom> values{};
   double start_within_s = 0;  ///< after it is due; if it has not begun by then, it has failed. 0: it waits
