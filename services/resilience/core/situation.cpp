@@ -5,6 +5,11 @@
 #include "common/base/errc.hpp"
 
 namespace trb::resilience {
+namespace {
+
+constexpr Duration kLease = std::chrono::seconds(10);  ///< of a link between two routers
+
+}  // namespace
 
 const SignedRecord* Situation::certificate_of(std::string_view robot) const {
   const auto at = certificates_.find(robot);
@@ -18,6 +23,7 @@ bool Situation::is_missing(std::string_view robot) const {
 void Situation::forget(const std::string& robot, Now now) {
   fleet_.forget(robot, now.utc);
   certificates_.erase(robot);
+  unlisted_.erase(robot);
   note_robot(robot, now);
 }
 
@@ -89,8 +95,26 @@ void Situation::receive(const RouteTable& table, Now now, Outbox& out) {
     fleet_.set_later_tasks(route.id, open_tasks_.of(route.id));  // the robot may be new here
     if (*changed && !first) note_robot(route.id, now);
   }
+  expire_unlisted(now);
   if (first) judge_all(now);
   note_change();
+}
+
+/// A router that has started anew tells of no robot's end that came before: it has never had that robot. It first gets
+/// as long to find the others as they have to be heard.
+void Situation::expire_unlisted(Now now) {
+  std::vector<std::string> over;
+  for (const auto& [id, robot] : fleet_.robots()) {
+    if (!robot.reached || listed_.contains(id)) {
+      unlisted_.erase(id);
+    } else if (now.mono - unlisted_.try_emplace(id, now.mono).first->second >= kLease) {
+      over.push_back(id);
+    }
+  }
+  for (const std::string& id : over) {
+    fleet_.on_expired(id, "the router's table has it no more", now.utc);
+    note_robot(id, now);
+  }
 }
 
 void Situation::judge_all(Now now) {

@@ -67,6 +67,7 @@ class Situation {
 
  private:
   void judge_all(Now now);
+  void expire_unlisted(Now now);
   void count_tasks(const std::string& run);
 
   CoreSettings settings_;
@@ -77,7 +78,8 @@ class Situation {
   DueRuns due_runs_;
   OpenTasks open_tasks_;
   std::map<std::string, SignedRecord, std::less<>> certificates_;
-  std::set<std::string, std::less<>> listed_;  ///< the robots of the router's last table
+  std::set<std::string, std::less<>> listed_;      ///< the robots of the router's last table
+  std::map<std::string, MonotonicTime> unlisted_;  ///< reached ones that it lacks, and since when
   bool changed_ = true;
   bool judged_ = false;
 };

@@ -85,3 +85,19 @@ TEST_CASE("a robot that is back before the grace is over is no alert, though nob
   fixture->wait(seconds(20));
   CHECK(fixture->alerts(true).empty());
 }
+
+TEST_CASE("a robot that the own router knows no more is reached no more, though nobody says that it has expired") {
+  auto fixture = paper();
+  const Route route = fixture->routes.at("ridgeback");
+  fixture->routes.erase("ridgeback");  // the own router has started anew: it finds the robot after some seconds
+  fixture->wait(seconds(8));
+  fixture->routes["ridgeback"] = route;
+  fixture->wait(seconds(30));
+  CHECK(fixture->alerts(true).empty());
+  fixture->routes.erase("ridgeback");  // and again, and the robot is gone meanwhile
+  fixture->wait(seconds(60));
+  const Alert alert = fixture->alert();
+  CHECK(alert.robot == "ridgeback");
+  CHECK(alert.cause == "peer_expired");
+  CHECK(alert.needs_word);
+}
