@@ -24,6 +24,12 @@ std::string decided_text(const Alert& alert) {
   return cut_utf8(out, 512);
 }
 
+/// The first named task that the decided alert does not have; empty: none.
+std::string other_task(const Alert& alert, const AlertDecide& body) {
+  const auto at = std::ranges::find_if_not(body.tasks, [&](const auto& id) { return contains(alert.tasks, id); });
+  return at == body.tasks.end() ? std::string() : cut_utf8(*at, 64);
+}
+
 constexpr std::size_t kMaxPerson = 64;  ///< of AlertDecide
 
 constexpr const char* kTrbRun = "trb scenario list names the runs, trb scenario watch a run's tasks";
@@ -183,11 +189,16 @@ Result<std::string> Verdicts::decide_again(Alert& alert, const AlertDecide& body
   const std::string name = "alert " + alert.id + " ";
   if (body.verdict == Verdict::retry && !is_open(alert) && !alert.robot.empty())
     return mend_again(alert, body, now, out);
-  const bool same = alert.verdict == body.verdict &&
+  const std::string other = other_task(alert, body);
+  const bool same = alert.verdict == body.verdict && other.empty() &&
                     (alert.proposals.empty() || (is_as_shown(alert.proposals.front(), body.shown) &&
                                                  (body.robot.empty() || alert.proposals.front().robot == body.robot)));
   if (alert.verdict == Verdict::none) return fail(Errc::conflict, name + "is closed: " + alert.waits_for);
   if (!same && decisions_.is_stuck(alert, now)) return decide(alert, body, now, out);
+  if (!other.empty()) {
+    return fail(Errc::conflict, "tasks: '" + other + "' is not among those on which " + name + decided_text(alert),
+                "once that is done, it has an alert of its own if it still needs one: trb alert list");
+  }
   if (!same) return fail(Errc::conflict, name + decided_text(alert), "trb alert list --all contains it");
   if (alert.state == AlertState::releasing && body.stands && !alert.needs_word) {
     alert.needs_word = true;

@@ -250,3 +250,16 @@ TEST_CASE(
   fixture->wait(seconds(3));
   CHECK(watches_within(2) >= 1);
 }
+
+TEST_CASE("a verdict on other tasks of an alert is another verdict, and not answered as if it had been taken") {
+  auto fixture = broken();
+  fixture->keeps.insert("ridgeback");
+  const std::string id = fixture->alert().id;
+  AlertDecide word{id, Verdict::accept, "pioneer2", "", "", false};
+  word.tasks = {"t4"};
+  CHECK(fixture->decide(word) == "accepted");
+  CHECK(fixture->decide(word) == "accepted");
+  CHECK(fixture->last_text.find("already") != std::string::npos);
+  word.tasks = {"t7"};
+  CHECK(fixture->decide(word) == "conflict");
+}
