@@ -191,6 +191,7 @@ StoreBatch Access::take_batch() {
   for (AuditRecord& record : std::exchange(noted_, {})) batch.audit.push_back({std::move(record), {}});
   batch.requests = std::exchange(kept_, {});
   batch.dropped_requests = std::exchange(dropped_, {});
+  batch.moved_requests = std::exchange(moved_, {});
   // With all that has a time: what is on disk must not be newer than the clock that goes on after a restart.
   if (std::exchange(is_time_due_, false) || !batch.empty()) batch.steady = steady_;
   return batch;
@@ -356,7 +357,7 @@ Access::Steady Access::steady(Now now) {
   sessions.move(*step);
   tokens.move(*step);
   alarms.move(*step);
-  for (StoredRequest& request : requests.move(*step)) keep(std::move(request));
+  for (MovedRequest& request : requests.move(*step)) moved_.push_back(std::move(request));
   return {*steady_, true};
 }
 

@@ -139,6 +139,7 @@ class Access {
   std::vector<SignedHead> signed_;
   std::vector<StoredRequest> kept_;
   std::vector<RequestKey> dropped_;
+  std::vector<MovedRequest> moved_;
   std::optional<MonotonicTime> timed_;  ///< when the steady time was stored last by itself
   bool is_time_due_ = false;
   std::optional<UtcTime> steady_;  ///< the last one

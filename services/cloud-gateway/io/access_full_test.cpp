@@ -178,3 +178,32 @@ TEST_CASE("a file from a backup: the log says so before all else, with a number 
   CHECK_FALSE(report.fault);
   CHECK(report.restored.size() == 1);
 }
+
+TEST_CASE("a full disk while the clock steps: a request's key moves along, and is written once there is room") {
+  const FileGateway gateway;
+  Access& access = *gateway.is.access;
+  Now now{MonotonicTime{} + std::chrono::seconds(1), kNow + std::chrono::seconds(1)};
+  const RequestKey key{"ann", "key-1"};
+  auto begun = access.requests.begin(key, "digest", "a run", access.steady(now).time);
+  REQUIRE(begun.ok());
+  access.keep(std::get<Idempotency::Act>(*begun).store);
+  REQUIRE(access.commit());
+  {
+    const trb::test::FullDisk full(1);
+    now.utc = now.utc + std::chrono::hours(30);
+    static_cast<void>(access.steady(now));
+    now = {now.mono + SteadyTime::kSteady + std::chrono::seconds(1), now.utc + SteadyTime::kSteady};
+    REQUIRE(access.steady(now).has_stepped);
+    CHECK(access.commit());
+    CHECK(access.unwritten());
+    auto answer = access.requests.finish(key, {201, "{}"});
+    REQUIRE(answer);
+    access.keep(*answer);
+    CHECK(access.commit());
+  }
+  REQUIRE(access.retry());
+  const StoredState disk = gateway.on_disk();
+  REQUIRE(disk.requests.size() == 1);
+  CHECK(disk.requests[0].answer.has_value());
+  CHECK(disk.requests[0].since >= kNow + std::chrono::hours(29));
+}

@@ -323,3 +323,40 @@ BOTH_STORES("a machine that was off for the night: when its clock is taken over,
   CHECK(steady == now.utc);
   CHECK(again.access->sessions.find(morning, again.access->users, steady) != nullptr);
 }
+
+BOTH_STORES("the clock steps: keys of requests, answered and under way, are kept for as long as they would have been") {
+  init_crypto();
+  const StoreFolder folder;
+  Now now{{1'000'000'000'000}, kNow};
+  const auto pass = [&](Duration by) { now = {now.mono + by, now.utc + by}; };
+  const RequestKey done{"ann", "done"};
+  const RequestKey open{"ann", "open"};
+  const OneGateway gateway{folder, "cloud"};
+  Access& access = *gateway.access;
+  static_cast<void>(access.steady(now));
+  pass(std::chrono::seconds(1));
+  for (const RequestKey& key : {done, open}) {
+    auto begun = access.requests.begin(key, "digest", "a run", access.steady(now).time);
+    REQUIRE(begun.ok());
+    access.keep(std::get<Idempotency::Act>(*begun).store);
+    REQUIRE(access.commit());
+  }
+  auto answered = access.requests.finish(done, {201, "{}"});
+  REQUIRE(answered);
+  access.keep(*answered);
+  REQUIRE(access.commit());
+  now.utc = now.utc + std::chrono::hours(30);
+  static_cast<void>(access.steady(now));
+  pass(SteadyTime::kSteady + std::chrono::seconds(1));
+  REQUIRE(access.steady(now).has_stepped);
+  const Status written = access.commit();
+  CHECK_MESSAGE(written.ok(), (written ? "" : written.error().text()));
+  for (const StoredRequest& one : loaded(*gateway.db).requests) {
+    CHECK(one.since == kNow + std::chrono::seconds(1) + std::chrono::hours(30));
+    CHECK(one.answer.has_value() == (one.key == done));
+  }
+  auto late = access.requests.finish(open, {201, "{}"});
+  REQUIRE(late);
+  access.keep(*late);
+  CHECK(access.commit().ok());
+}

@@ -15,10 +15,23 @@ void move_newest(std::vector<Change<Row>>& from, std::vector<Change<Row>>& to) {
   }
 }
 
+/// Of requests that are dropped, or have moved again.
+void erase_moves(const RequestKey& of, std::vector<MovedRequest>& from) {
+  std::erase_if(from, [&](const MovedRequest& one) { return one.key == of; });
+}
+
+void move_moves(std::vector<MovedRequest>& from, std::vector<MovedRequest>& to) {
+  for (MovedRequest& one : std::exchange(from, {})) {
+    erase_moves(one.key, to);
+    to.push_back(std::move(one));
+  }
+}
+
 /// An intent is none: what was not stored before it was done must not be found as if it had been.
 void move_answers(StoreBatch& from, StoreBatch& to) {
   for (RequestKey& key : std::exchange(from.dropped_requests, {})) {
     std::erase_if(to.requests, [&](const StoredRequest& is) { return is.key == key; });
+    erase_moves(key, to.moved_requests);
     std::erase(to.dropped_requests, key);
     to.dropped_requests.push_back(std::move(key));
   }
@@ -42,6 +55,7 @@ void put_behind(std::vector<T>& all, const std::vector<T>& more) {
 void Held::take_from(StoreBatch& batch, Besides besides) {
   if (batch.users.empty()) move_newest(batch.sessions, waits_.sessions);
   move_answers(batch, waits_);
+  move_moves(batch.moved_requests, waits_.moved_requests);
   put_behind(waits_.heads, std::exchange(batch.heads, {}));
   if (besides == Besides::nothing) return;
   move_newest(batch.acknowledged, waits_.acknowledged);
@@ -55,10 +69,13 @@ StoreBatch Held::before(const StoreBatch& batch) const {
   put_behind(out.sessions, batch.sessions);
   put_behind(out.tokens, batch.tokens);
   // All that is dropped goes before all that is put.
-  for (const RequestKey& key : batch.dropped_requests)
+  for (const RequestKey& key : batch.dropped_requests) {
     std::erase_if(out.requests, [&](const StoredRequest& one) { return one.key == key; });
+    erase_moves(key, out.moved_requests);
+  }
   put_behind(out.requests, batch.requests);
   put_behind(out.dropped_requests, batch.dropped_requests);
+  put_behind(out.moved_requests, batch.moved_requests);
   put_behind(out.scenarios, batch.scenarios);
   put_behind(out.acknowledged, batch.acknowledged);
   put_behind(out.shelves, batch.shelves);

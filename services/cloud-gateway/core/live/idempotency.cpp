@@ -123,15 +123,15 @@ std::vector<RequestKey> Idempotency::take_expired(UtcTime now) {
   return out;
 }
 
-std::vector<StoredRequest> Idempotency::move(const SteadyStep& step) {
-  std::vector<StoredRequest> out;
+std::vector<MovedRequest> Idempotency::move(const SteadyStep& step) {
+  std::vector<MovedRequest> out;
   for (auto& [key, known] : requests_) {
     StoredRequest& stored = known.stored;
     if (!step.moves(stored.since)) continue;
     const bool was_answered = answered_.erase({stored.since, key}) > 0;
     stored.since = step.moved(stored.since);
     if (was_answered) answered_.insert({stored.since, key});
-    out.push_back(stored);
+    out.push_back({key, stored.since});
   }
   return out;
 }

@@ -39,6 +39,12 @@ struct StoredRequest {
   bool operator==(const StoredRequest&) const = default;
 };
 
+/// A request that the clock's step has moved; all else of it stays.
+struct MovedRequest {
+  RequestKey key;
+  UtcTime since;
+};
+
 /// Times are steady UTC.
 class Idempotency {
  public:
@@ -84,7 +90,7 @@ class Idempotency {
   /// Expired keys: remove them from the disk.
   std::vector<RequestKey> take_expired(UtcTime now);
   /// The clock has stepped: a key is kept for as long as it would have been. Store those that it returns.
-  std::vector<StoredRequest> move(const SteadyStep& step);
+  std::vector<MovedRequest> move(const SteadyStep& step);
 
  private:
   struct Known {

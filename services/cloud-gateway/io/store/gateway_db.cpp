@@ -33,7 +33,7 @@ StoreKinds StoreBatch::kinds() const {
   add(StoreKind::users, !users.empty());
   add(StoreKind::sessions, !sessions.empty());
   add(StoreKind::tokens, !tokens.empty());
-  add(StoreKind::requests, !requests.empty() || !dropped_requests.empty());
+  add(StoreKind::requests, !requests.empty() || !dropped_requests.empty() || !moved_requests.empty());
   add(StoreKind::scenarios, !scenarios.empty());
   add(StoreKind::acknowledged, !acknowledged.empty());
   add(StoreKind::shelves, !shelves.empty());

@@ -55,13 +55,14 @@ struct StoredState {
 };
 
 /// What is written together, in one transaction: all of it or nothing. Requests are dropped before new ones are put, so
-/// that an expired key can be used again in the same batch.
+/// that an expired key can be used again in the same batch; then those that are there are moved.
 struct StoreBatch {
   std::vector<Change<User>> users;
   std::vector<Change<Session>> sessions;
   std::vector<Change<Token>> tokens;
   std::vector<StoredRequest> requests;
   std::vector<RequestKey> dropped_requests;
+  std::vector<MovedRequest> moved_requests;
   std::vector<Change<StoredScenario>> scenarios;
   std::vector<Change<Acknowledgement>> acknowledged;
   std::vector<Change<Shelf>> shelves;

@@ -133,6 +133,11 @@ Status write_requests(Sql& sql, const StoreBatch& batch) {
   for (const StoredRequest& request : batch.requests) {
     if (Status done = put_row(sql, request); !done) return done;
   }
+  for (const MovedRequest& moved : batch.moved_requests) {
+    const Status done = sql.run("UPDATE requests SET since = ? WHERE \"user\" = ? AND key = ?", moved.since.ns,
+                                moved.key.user, moved.key.key);
+    if (!done) return done;
+  }
   return Done{};
 }
 
