@@ -198,6 +198,31 @@ TEST_CASE(
   CHECK(hall.robot("pioneer1").faults[0].severity == Severity::critical);
 }
 
+TEST_CASE("a fault that the profile lists no more is over, though the robot's own word of it was lost") {
+  Hall hall;
+  Route broken = route("pioneer1");
+  broken.profile.capabilities = {"mobile", "grab"};
+  SUBCASE("of one capability") {
+    broken.profile.out_of_use = {{"mobile", Severity::critical, "motor", 5, false, {}}};
+  }
+  SUBCASE("of the whole robot, which is told of each capability") {
+    broken.profile.out_of_use = {{"", Severity::critical, "motor", 5, false, {}}};
+    hall.say("pioneer1", RobotFault{"grab", Severity::critical, "motor", false});
+  }
+  hall.say("pioneer1", RobotFault{"mobile", Severity::critical, "motor", false});
+  hall.say("pioneer1", RobotFault{"mobile", Severity::urgent, "battery low: 15 %", false});
+  hall.table({broken});
+  hall.say("cloud", PeerExpired{"pioneer1", "10 s unheard"});
+  Route begins = route("pioneer1");
+  begins.profile = {};  // its node has just begun: it has told of no robot yet
+  hall.table({begins});
+  CHECK(hall.robot("pioneer1").out_of_use == broken.profile.out_of_use);
+  broken.profile.out_of_use.clear();
+  hall.table({broken});
+  REQUIRE(hall.robot("pioneer1").faults.size() == 1);
+  CHECK(hall.robot("pioneer1").faults[0].severity == Severity::urgent);
+}
+
 TEST_CASE("nobody else speaks for the own router, scheduler and resilience") {
   Hall hall;
   hall.table({route("pioneer1")});

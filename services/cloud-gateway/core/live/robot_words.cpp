@@ -24,6 +24,28 @@ bool is_same(const RobotRowFault& one, const RobotFault& told) {
   return one.capability == told.capability && (told.ended || one.severity == told.severity);
 }
 
+bool is_standing(const OutOfUse& one) {
+  return !one.retired && one.severity >= Severity::critical;
+}
+
+const OutOfUse* standing_in(const std::vector<OutOfUse>& list, std::string_view capability) {
+  const auto at =
+      std::ranges::find_if(list, [&](const OutOfUse& one) { return is_standing(one) && one.capability == capability; });
+  return at == list.end() ? nullptr : &*at;
+}
+
+/// What the node's profile had and has no more is over, with that fault of each capability if it was of the whole
+/// robot: the robot's own word of the end may be lost.
+void end_unlisted(RobotRow& row, const std::vector<OutOfUse>& listed) {
+  for (const OutOfUse& old : row.out_of_use) {
+    if (!is_standing(old) || standing_in(listed, old.capability) != nullptr) continue;
+    std::erase_if(row.faults, [&](const RobotRowFault& one) {
+      const bool with_it = old.capability.empty() && standing_in(listed, one.capability) == nullptr;
+      return one.severity >= Severity::critical && (one.capability == old.capability || with_it);
+    });
+  }
+}
+
 }  // namespace
 
 void apply(RobotRow& row, const RobotState& state, UtcTime now) {
@@ -64,8 +86,11 @@ void apply(RobotRow& row, const NodeProfile& profile, UtcTime) {
   row.detail = profile.detail;
   row.fenced = profile.fenced;
   row.control = profile.control;
-  row.out_of_use = profile.out_of_use;
   row.drives = profile.drives;
+  // A node that has just begun has not told of its robot yet: that ends nothing.
+  if (profile.robot.empty() && profile.out_of_use.empty()) return;
+  end_unlisted(row, profile.out_of_use);
+  row.out_of_use = profile.out_of_use;
 }
 
 }  // namespace trb::gateway

@@ -12,6 +12,7 @@ void apply(RobotRow& row, const RobotState& state, UtcTime now);
 void apply(RobotRow& row, const RobotConnection& connection, UtcTime now);
 /// Removes a fault that has ended; ignores the end of an unknown one.
 void apply(RobotRow& row, const RobotFault& fault, UtcTime now);
+/// Ends the faults that it lists no more.
 void apply(RobotRow& row, const NodeProfile& profile, UtcTime now);
 
 /// The end of a WARNING or URGENT fault is told by nobody: it is shown for this long, as in the list of alerts.
