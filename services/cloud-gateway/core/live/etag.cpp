@@ -100,8 +100,7 @@ Precondition evaluate(const ConditionalRequest& request, const std::optional<ETa
   if (request.if_none_match && matches(*request.if_none_match, now, is_same_weakly)) {
     return request.is_read ? Precondition::not_modified : Precondition::failed;
   }
-  const bool is_asked = request.if_match || request.if_none_match;
-  return request.needs_if_match && !is_asked ? Precondition::required : Precondition::proceed;
+  return request.needs_if_match && !request.if_match ? Precondition::required : Precondition::proceed;
 }
 
 }  // namespace trb::gateway

@@ -41,7 +41,7 @@ struct ConditionalRequest {
   std::optional<TagCondition> if_match;
   std::optional<TagCondition> if_none_match;
   bool is_read = true;          ///< GET or HEAD
-  bool needs_if_match = false;  ///< two users may edit it: refused without a precondition (428, RFC 6585)
+  bool needs_if_match = false;  ///< two users may edit it: refused without If-Match (428, RFC 6585)
 };
 Precondition evaluate(const ConditionalRequest& request, const std::optional<ETag>& now);
 

@@ -99,6 +99,13 @@ TEST_CASE("a change of what two may edit needs to say what it has seen") {
   ConditionalRequest edit = asked("", "", false);
   edit.needs_if_match = true;
   CHECK(evaluate(edit, ETag{"7", false}) == Precondition::required);
+  // "Only if it is not version 6" says nothing of 7.
+  ConditionalRequest other = asked("", "\"6\"", false);
+  other.needs_if_match = true;
+  CHECK(evaluate(other, ETag{"7", false}) == Precondition::required);
+  ConditionalRequest seen = asked("\"7\"", "\"6\"", false);
+  seen.needs_if_match = true;
+  CHECK(evaluate(seen, ETag{"7", false}) == Precondition::proceed);
 }
 
 TEST_CASE("an error becomes a problem that points to the field, with its hint") {
