@@ -2,6 +2,8 @@
 
 #include <sodium.h>
 
+#include <utility>
+
 #include "common/security/rights.hpp"
 #include "proto/body.hpp"
 
@@ -10,33 +12,52 @@ namespace {
 
 static_assert(sizeof(crypto_generichash_state) <= 384 && alignof(crypto_generichash_state) <= 64);
 
-crypto_generichash_state* state_of(std::array<unsigned char, 384>& bytes) {
-  return reinterpret_cast<crypto_generichash_state*>(bytes.data());
+/// The same place for the same object.
+crypto_generichash_state* state_in(void* at, std::size_t room) {
+  return static_cast<crypto_generichash_state*>(
+      std::align(alignof(crypto_generichash_state), sizeof(crypto_generichash_state), at, room));
 }
 
-void update(std::array<unsigned char, 384>& state, BytesView bytes) {
-  crypto_generichash_update(state_of(state), reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size());
+void update(crypto_generichash_state* state, BytesView bytes) {
+  crypto_generichash_update(state, reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size());
 }
 
 }  // namespace
 
-RangeHash::RangeHash(BytesView previous) {
-  crypto_generichash_init(state_of(state_), nullptr, 0, kRangeHashSize);
-  update(state_, previous);
+RangeHash::RangeHash(BytesView previous) : place_(new Place) {
+  crypto_generichash_state* state = state_in(place_.get(), kPlace);
+  crypto_generichash_init(state, nullptr, 0, kRangeHashSize);
+  update(state, previous);
+}
+
+RangeHash::RangeHash(const RangeHash& other) {
+  *this = other;
+}
+
+RangeHash& RangeHash::operator=(const RangeHash& other) {
+  if (this == &other) return *this;
+  if (other.is_empty()) {
+    place_.reset();
+    return *this;
+  }
+  if (is_empty()) place_.reset(new Place);
+  *state_in(place_.get(), kPlace) = *state_in(other.place_.get(), kPlace);
+  return *this;
 }
 
 void RangeHash::add(BytesView frame) {
   const auto size = static_cast<std::uint32_t>(frame.size());
   const std::array<char, 4> head{static_cast<char>(size >> 24U), static_cast<char>(size >> 16U),
                                  static_cast<char>(size >> 8U), static_cast<char>(size)};
-  update(state_, {head.data(), head.size()});
-  update(state_, frame);
+  crypto_generichash_state* state = state_in(place_.get(), kPlace);
+  update(state, {head.data(), head.size()});
+  update(state, frame);
 }
 
 Bytes RangeHash::value() const {
-  RangeHash copy = *this;
+  crypto_generichash_state copy = *state_in(place_.get(), kPlace);
   Bytes out(kRangeHashSize, '\0');
-  crypto_generichash_final(state_of(copy.state_), reinterpret_cast<unsigned char*>(out.data()), out.size());
+  crypto_generichash_final(&copy, reinterpret_cast<unsigned char*>(out.data()), out.size());
   return out;
 }
 
@@ -46,32 +67,34 @@ Bytes first_previous() {
 
 void SealWriter::add(BytesView frame) {
   before_last_ = hash_;
+  if (hash_.is_empty()) hash_ = RangeHash(previous_);
   hash_.add(frame);
   ++unsealed_;
 }
 
 void SealWriter::take_back() {
-  hash_ = before_last_;
+  hash_ = std::move(before_last_);
   --unsealed_;
 }
 
 SealedRange SealWriter::range(const SealScope& scope, UtcTime utc) const {
+  Bytes hash = hash_.is_empty() ? RangeHash(previous_).value() : hash_.value();
   return {scope.link, scope.serial, scope.peer_serial, scope.dialled, first_,
-          next() - 1, {previous_},  {hash_.value()},   utc.ns};
+          next() - 1, {previous_},  {std::move(hash)}, utc.ns};
 }
 
-void SealWriter::sealed(BytesView payload) {
-  first_ = next() + 1;
-  unsealed_ = 0;
-  previous_ = digest(payload);
-  hash_ = RangeHash(previous_);
+SealWriter SealWriter::sealed(BytesView payload) {
+  SealWriter behind;
+  behind.first_ = next() + 1;
+  behind.previous_ = digest(payload);
+  return std::exchange(*this, std::move(behind));
 }
 
-SealReader::SealReader(std::uint64_t first, Bytes previous)
-    : previous_(std::move(previous)), hash_(previous_), first_(first) {}
+SealReader::SealReader(std::uint64_t first, Bytes previous) : previous_(std::move(previous)), first_(first) {}
 
 bool SealReader::add(BytesView frame) {
   if (unsealed_ >= kMaxUnsealed) return false;
+  if (hash_.is_empty()) hash_ = RangeHash(previous_);
   hash_.add(frame);
   ++unsealed_;
   return true;
@@ -90,7 +113,7 @@ SealFault SealReader::close(const SealScope& scope, const SealedRange& range, st
   first_ = sequence + 1;
   unsealed_ = 0;
   previous_ = digest(payload);
-  hash_ = RangeHash(previous_);
+  hash_ = {};
   return SealFault::none;
 }
 

@@ -5,7 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <deque>
+#include <memory>
 
 #include "common/base/bytes.hpp"
 #include "common/base/time.hpp"
@@ -45,15 +45,29 @@ constexpr auto enum_names(SealFault) {
 }
 
 /// BLAKE2b-256 over the previous seal and, for each frame, its size (u32, big-endian) and its bytes. A copy is a
-/// snapshot.
+/// snapshot. A link has nothing unsealed nearly always, so what is empty has no state: each end would hold three.
 class RangeHash {
  public:
+  RangeHash() = default;
   explicit RangeHash(BytesView previous);
+  RangeHash(const RangeHash& other);
+  RangeHash& operator=(const RangeHash& other);
+  RangeHash(RangeHash&&) = default;
+  RangeHash& operator=(RangeHash&&) = default;
+  ~RangeHash() = default;
+
+  [[nodiscard]] bool is_empty() const { return place_ == nullptr; }
   void add(BytesView frame);
   [[nodiscard]] Bytes value() const;
 
  private:
-  alignas(64) std::array<unsigned char, 384> state_{};  ///< libsodium's state, whose type this header hides
+  static constexpr std::size_t kPlace = 384 + 64 - alignof(std::max_align_t);
+  /// Holds libsodium's state, whose type this header hides, at its first place for one. Not over-aligned itself: for
+  /// that malloc takes its slow way.
+  struct Place {
+    std::array<unsigned char, kPlace> bytes;
+  };
+  std::unique_ptr<Place> place_;
 };
 
 /// The value of `previous` before the first seal of a link and direction.
@@ -71,13 +85,13 @@ class SealWriter {
   void take_back();
   /// The seal over the unsealed messages (at least one).
   [[nodiscard]] SealedRange range(const SealScope& scope, UtcTime utc) const;
-  /// A seal with this payload was sent, with next() as its sequence.
-  void sealed(BytesView payload);
+  /// A seal with this payload was sent, with next() as its sequence. Returns what the writer was before.
+  SealWriter sealed(BytesView payload);
 
  private:
   Bytes previous_ = first_previous();
-  RangeHash hash_{previous_};
-  RangeHash before_last_{previous_};
+  RangeHash hash_;         ///< empty: nothing is unsealed
+  RangeHash before_last_;  ///< empty: the last frame is the first
   std::uint64_t first_ = 1;
   std::size_t unsealed_ = 0;
 };
@@ -103,7 +117,7 @@ class SealReader {
 
  private:
   Bytes previous_ = first_previous();
-  RangeHash hash_{previous_};
+  RangeHash hash_;  ///< empty: nothing is unsealed
   std::uint64_t first_ = 1;
   std::size_t unsealed_ = 0;
   std::uint64_t last_keep_alive_ = 0;

@@ -61,6 +61,25 @@ TEST_CASE("the hash is that of the grammar: the seal before, then size and bytes
   CHECK(writer.range({}, kUtc).hash.bytes == digest(Bytes(32, '\0') + std::string("\0\0\0\2ab\0\0\0\1c", 11)));
 }
 
+TEST_CASE("both directions of an idle link are small: a router has a link to each node of its fleet") {
+  CHECK(sizeof(SealWriter) + sizeof(SealReader) <= 160);
+}
+
+TEST_CASE("a copy of a running hash is a snapshot: what is added to one is not in the other") {
+  init_crypto();
+  RangeHash one(first_previous());
+  one.add("first");
+  const Bytes before = one.value();
+  RangeHash copy = one;
+  one.add("second");
+  CHECK(copy.value() == before);
+  CHECK(one.value() != before);
+  copy = one;
+  CHECK(copy.value() == one.value());
+  copy = RangeHash();
+  CHECK(copy.is_empty());
+}
+
 TEST_CASE("a frame that could not leave is in no seal") {
   init_crypto();
   Direction link;

@@ -83,9 +83,8 @@ std::optional<Bytes> SealBook::seal(LinkSeals& seals, LinkId link, Now now, Undo
   Bytes frame = encode_frame(message);
   stamp_link(frame.data(), link, seals.writer.next(), message.remaining_ms);
   undo.link = link;
-  undo.writer = seals.writer;
+  undo.writer = seals.writer.sealed(seal.range.payload.bytes);
   undo.due = seals.due;
-  seals.writer.sealed(seal.range.payload.bytes);
   seals.overdue = false;
   due_.set(link, seals.due, std::nullopt);
   counters_.count("seals.sent");
@@ -93,7 +92,7 @@ std::optional<Bytes> SealBook::seal(LinkSeals& seals, LinkId link, Now now, Undo
 }
 
 void SealBook::take_back_seal(LinkId link, LinkSeals& seals, Undo& undo) {
-  seals.writer = undo.writer;
+  seals.writer = std::move(undo.writer);
   undo.link = 0;
   due_.set(link, seals.due, undo.due);
   seals.overdue = true;
