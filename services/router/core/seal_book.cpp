@@ -50,22 +50,19 @@ Outgoing SealBook::send(LinkId link, char* frame, std::size_t size, Now now) {
   if (seals == nullptr) return out;
   out.known = true;
   if (!kUnsealed && seals->overdue) out.before = seal(*seals, link, now, before_).value_or(Bytes());
-  stamp(*seals, link, frame, size);
+  stamp(*seals, link, frame, size, now);
   // When signed before the message leaves, the two go together and wake the other side once.
   if (!kUnsealed && seals->each) out.behind = seal(*seals, link, now, behind_).value_or(Bytes());
   return out;
 }
 
-void SealBook::stamp(LinkSeals& seals, LinkId link, char* frame, std::size_t size) {
+void SealBook::stamp(LinkSeals& seals, LinkId link, char* frame, std::size_t size, Now now) {
   const BytesView bytes(frame, size);
   stamp_link(frame, link, kUnsealed ? ++seals.unsealed_count : seals.writer.next(), decode_remaining(bytes));
   if (kUnsealed) return;
-  if (seals.writer.unsealed() == 0) fresh_.push_back(link);
   seals.writer.add(bytes);
-  if (seals.writer.unsealed() >= kMaxUnsealed) {
-    seals.overdue = true;
-    fresh_.push_back(link);
-  }
+  seals.overdue = seals.overdue || seals.writer.unsealed() >= kMaxUnsealed;
+  due_.set(link, seals.due, seals.overdue ? now.mono : seals.due.value_or(now.mono + kSealWithin));
 }
 
 std::optional<Bytes> SealBook::make_seal(LinkId link, Now now) {
@@ -139,18 +136,7 @@ void SealBook::last_seal(LinkId link, Effects& out) {
   if (LinkSeals* seals = row(link)) seals->each = false;
 }
 
-std::optional<MonotonicTime> SealBook::next_deadline() const {
-  if (!fresh_.empty()) return MonotonicTime{};
-  return due_.earliest();
-}
-
 void SealBook::tick(Now now, Effects& out) {
-  for (const LinkId link : fresh_) {
-    LinkSeals* seals = row(link);
-    if (seals == nullptr) continue;
-    due_.set(link, seals->due, seals->overdue ? now.mono : seals->due.value_or(now.mono + kSealWithin));
-  }
-  fresh_.clear();
   std::vector<LinkId> due = due_.due(now.mono);
   std::ranges::sort(due);
   for (const LinkId link : due) seal_due(link, now, out);

@@ -85,7 +85,7 @@ class SealBook {
   void note_open_end(LinkId link, const std::string& peer, Effects& out) const;
 
   void tick(Now now, Effects& out);
-  [[nodiscard]] std::optional<MonotonicTime> next_deadline() const;
+  [[nodiscard]] std::optional<MonotonicTime> next_deadline() const { return due_.earliest(); }
 
  private:
   /// About the seal that was made last: its link, and what was unsealed before it.
@@ -96,7 +96,7 @@ class SealBook {
   };
   LinkSeals* row(LinkId link);
   void seal_due(LinkId link, Now now, Effects& out);
-  void stamp(LinkSeals& seals, LinkId link, char* frame, std::size_t size);
+  void stamp(LinkSeals& seals, LinkId link, char* frame, std::size_t size, Now now);
   std::optional<Bytes> seal(LinkSeals& seals, LinkId link, Now now, Undo& undo);
   void take_back_seal(LinkId link, LinkSeals& seals, Undo& undo);
 
@@ -106,7 +106,6 @@ class SealBook {
   std::shared_ptr<const SignedRecord> own_;  ///< this node's certificate, for all links since it was renewed
   std::map<LinkId, LinkSeals> rows_;         ///< until the shell has closed the link: a Goodbye follows its end
   LookupTable<LinkId, LinkSeals> by_link_;
-  std::vector<LinkId> fresh_;  ///< have unsealed frames for which no time is set yet
   DeadlineIndex<LinkId> due_;
   Undo before_;
   Undo behind_;

@@ -95,3 +95,19 @@ TEST_CASE("given frames that arrive, then the 65th without a seal, and an unseal
     CHECK(arrives(alive, 2) == SealFault::late);
   }
 }
+
+TEST_CASE("a frame's seal has its time at once: no tick is needed that would only set it") {
+  Book book;
+  book.send();
+  CHECK(book.seals.next_deadline() == book.now.mono + kSealWithin);
+  SUBCASE("frames behind the first do not move it") {
+    book.now.mono = book.now.mono + std::chrono::milliseconds(5);
+    book.send();
+    CHECK(book.seals.next_deadline() == book.now.mono + kSealWithin - std::chrono::milliseconds(5));
+  }
+  SUBCASE("the 64th makes it due") {
+    book.now.mono = book.now.mono + std::chrono::milliseconds(5);
+    book.send(kMaxUnsealed - 1);
+    CHECK(book.seals.next_deadline() == book.now.mono);
+  }
+}
