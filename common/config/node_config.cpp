@@ -17,6 +17,7 @@
 #include "common/config/readers.hpp"
 #include "common/config/resilience_file.hpp"
 #include "common/config/robot_auth.hpp"
+#include "common/config/robot_tls.hpp"
 #include "common/config/sensor_files.hpp"
 #include "common/fleet/description_parts.hpp"
 #include "common/fleet/did_you_mean.hpp"
@@ -62,6 +63,7 @@ class NodeChecker {
     const std::vector<OwnPort> own = own_ports(cloud_good ? &cloud : nullptr);
     if (const auto metrics = read_metrics_file(out_.config.dir, out_.faults)) metrics_apart(*metrics, own);
     if (out_.config.has_service("mode-adapter")) check_robot_auth(out_.config.dir, out_.faults);
+    if (out_.config.has_service("mode-adapter")) check_robot_trust(out_.config, out_.faults);
     if (node.usable) keys(running);
     if (!out_.config.bus.empty()) check_bus_keys(out_.config.dir, bus_names(out_.config), out_.faults);
     if (!running) ports(own);

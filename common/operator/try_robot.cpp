@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "common/config/robot_auth.hpp"
+#include "common/config/robot_tls.hpp"
 #include "common/fleet/did_you_mean.hpp"
 #include "common/operator/abort_run.hpp"
 #include "common/operator/follow_run.hpp"
@@ -75,7 +76,11 @@ class Trial : public std::enable_shared_from_this<Trial> {
 
  private:
   void add(std::string name, TryState state, std::string text, std::string cure = {}) {
-    if (state == TryState::failed && text.find(kSignInRefused) != std::string::npos) cure = kSignInCure;
+    if (state == TryState::failed) {
+      if (text.find(kSignInRefused) != std::string::npos) cure = kSignInCure;
+      if (text.find(kNotAllowed) != std::string::npos) cure = kNotAllowedCure;
+      if (text.find(kTlsFailed) != std::string::npos) cure = kTlsCure;
+    }
     steps_.push_back({std::move(name), state, std::move(text), std::move(cure)});
     if (wish_.person.see) wish_.person.see(steps_.back());
   }

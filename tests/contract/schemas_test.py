@@ -55,7 +55,7 @@ CLOUD_NODE = {
 SESSIONS = {
     "abb-rws": {
         "transport": "http-json", "port": 80, "body": "form", "cookies": True, "sign_out": "GET /logout",
-        "headers": {"_comment": "of its own", "X-Key": "1"}, "commands": {"stop": "POST /stop a=b"},
+        "headers": {"_comment": "of its own", "X-Key": "1"}, "tls": {"fingerprint": ":".join(["AB"] * 32)}, "commands": {"stop": "POST /stop a=b"},
     },
 }
 
@@ -108,6 +108,10 @@ BAD = [
     ("commands", SESSIONS, ["abb-rws", "cookies"], 1),
     ("commands", SESSIONS, ["abb-rws", "headers", "A b"], "1"),
     ("commands", SESSIONS, ["abb-rws", "headers", "X-Key"], 1),
+    ("commands", SESSIONS, ["abb-rws", "tls"], {}),
+    ("commands", SESSIONS, ["abb-rws", "tls", "fingerprint"], "AB:CD"),
+    ("commands", SESSIONS, ["abb-rws", "tls", "name"], "abb"),
+    ("commands", SESSIONS, ["abb-rws", "tls", "verify"], False),
     ("commands", "commands.json", ["dobot", "answer_end"], ""),
     ("commands", "commands.json", ["dobot", "good"], "0,*"),
     ("commands", "commands.json", ["plc", "keep_alive"], "PING"),

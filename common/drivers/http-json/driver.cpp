@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "common/config/robot_auth.hpp"
 #include "common/drivers/http-json/keys.hpp"
 
 namespace trb::drivers {
@@ -107,6 +106,7 @@ void HttpJsonDriver::on_bytes(Channel channel, BytesView bytes, Now now, const D
   const auto answers = reader_.add(bytes);
   if (!answers) {
     out.refuse("bad_packet", answers.error().text());
+    if (!heard_) refuse_all(answers.error(), out);
     out.robot.close(Channel::command, answers.error().what);
     reader_.clear();  // what has come of it is no answer
     return on_down(Channel::command, answers.error().what, now, out);
@@ -142,26 +142,25 @@ void HttpJsonDriver::look_at_link(Awaits whose, const HttpAnswer& answer, const 
   const bool refused = poll_.refuses_sign_in(answer);
   if (whose != Awaits::poll && (refused || sign_ins_refused_ > 0)) return;
   if (whose == Awaits::poll && refused) {
-    if (++sign_ins_refused_ >= poll_.paths()) lose_sign_in(http_refusal("its poll", answer).what, out);
+    if (++sign_ins_refused_ >= poll_.paths()) refuse_all(http_refusal("its poll", answer), out);
     return;
   }
   sign_ins_refused_ = 0;
-  refused_why_.clear();
+  refused_why_ = {};
   if (!std::exchange(heard_, true)) out.emit(LinkUp{});
 }
 
 /// A stop that waits is sent all the same; commands would only be refused, or come late.
-void HttpJsonDriver::lose_sign_in(std::string reason, const DriverOut& out) {
-  if (!refused_why_.empty()) return;
-  refused_why_ = std::move(reason);
+void HttpJsonDriver::refuse_all(const Error& reason, const DriverOut& out) {
+  if (refused_why_.code != Errc::ok) return;
+  refused_why_ = fail(Errc::robot_offline, reason.what, reason.hint);
   heard_ = false;
   for (const Job& job : queue_.drop_for_stop()) out.emit(Refused{job.token, offline_error()});
-  out.emit(LinkDown{refused_why_});
+  out.emit(LinkDown{refused_why_.what});
 }
 
 Error HttpJsonDriver::offline_error() const {
-  if (refused_why_.empty()) return PolledDriver::offline_error();
-  return fail(Errc::robot_offline, refused_why_, kSignInCure);
+  return refused_why_.code == Errc::ok ? PolledDriver::offline_error() : refused_why_;
 }
 
 void HttpJsonDriver::on_poll(const HttpAnswer& answer, Now now, const DriverOut& out) {
@@ -234,7 +233,7 @@ void HttpJsonDriver::on_lost_job(const std::string& reason, Now now, const Drive
 void HttpJsonDriver::go_offline(const std::string& reason, const DriverOut& out) {
   heard_ = false;
   sign_ins_refused_ = 0;
-  refused_why_.clear();
+  refused_why_ = {};
   for (const Job& job : clear_queue()) {
     if (job.purpose != Purpose::command) continue;
     out.emit(Refused{job.token, fail(Errc::robot_offline, "the robot does not answer any more: " + reason,

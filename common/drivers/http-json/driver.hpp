@@ -67,7 +67,7 @@ class HttpJsonDriver : public PolledDriver<std::vector<HttpCall>, HttpStep, Http
   void on_poll(const HttpAnswer& answer, Now now, const DriverOut& out);
   void end_connection(Now now, const DriverOut& out);
   void look_at_link(Awaits whose, const HttpAnswer& answer, const DriverOut& out);
-  void lose_sign_in(std::string reason, const DriverOut& out);
+  void refuse_all(const Error& reason, const DriverOut& out);
   [[nodiscard]] Error offline_error() const override;
   void on_step(const HttpAnswer& answer, Now now, const DriverOut& out);
   Status remember(const HttpCall& words, const HttpAnswer& answer);
@@ -85,8 +85,8 @@ class HttpJsonDriver : public PolledDriver<std::vector<HttpCall>, HttpStep, Http
   std::optional<MonotonicTime> lost_at_;  ///< the last connection's end, until there is another one
   std::string lost_why_;
   std::size_t sign_ins_refused_ = 0;  ///< polls in a row
-  std::string refused_why_;           ///< the robot does not accept this node's user; empty: it does
-  std::size_t unanswered_ = 0;        ///< requests in a row whose connection ended before the answer
+  Error refused_why_;           ///< what answers is not the robot, or does not accept this node's user; ok: it does
+  std::size_t unanswered_ = 0;  ///< requests in a row whose connection ended before the answer
   MonotonicTime unanswered_since_{};  ///< when the first of them did
   Remembered remembered_;
   HttpReader reader_;

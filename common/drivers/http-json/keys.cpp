@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "common/config/robot_tls.hpp"
 #include "common/drivers/polled_check.hpp"
 #include "common/fleet/did_you_mean.hpp"
 
@@ -67,6 +68,7 @@ void read_http_json_keys(ObjectReader& vendor, VendorCommands& into) {
   if (const auto timeout_s = vendor.number("timeout_s", Need::optional, kTimeout))
     into.numbers["timeout_s"] = *timeout_s;
   read_hold_key(vendor, into);
+  read_tls_key(vendor, into);
   const auto body = vendor.choice("body", Need::optional, {"json", "form"});
   if (body && *body == 1) into.texts["body"] = {"form"};
   if (const auto cookies = vendor.boolean("cookies", Need::optional)) into.numbers["cookies"] = *cookies ? 1 : 0;

@@ -11,7 +11,7 @@
 
 namespace trb::drivers {
 
-/// "poll_s", "timeout_s", "hold_s", "body", "cookies", "sign_out", "headers".
+/// "poll_s", "timeout_s", "hold_s", "body", "cookies", "sign_out", "headers", "tls".
 void read_http_json_keys(ObjectReader& vendor, VendorCommands& into);
 
 /// How often values are polled, and how long an answer may take.

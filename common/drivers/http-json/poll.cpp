@@ -52,13 +52,16 @@ Status add_part(const Value& json, const HttpQuestion::Part& part, RobotValue& v
 
 Error http_refusal(const std::string& what, const HttpAnswer& answer) {
   constexpr std::size_t kMost = 160;
-  const bool refuses_sign_in = answer.status == 401 || answer.status == 403;
+  const bool refuses_sign_in = answer.status == 401;
+  const bool forbids = answer.status == 403;
   std::string text = what + " was answered with " + std::to_string(answer.status);
   const std::string asked = refuses_sign_in ? asked_schemes(answer) : "";
   if (refuses_sign_in) text += std::string(", the robot ") + kSignInRefused;
+  if (forbids) text += std::string(", the robot ") + kNotAllowed;
   if (!asked.empty()) text += " and asks for " + asked;
   if (!answer.body.empty()) text += ": " + cut_utf8(answer.body, kMost);
   if (refuses_sign_in) return fail(Errc::robot_error, text, kSignInCure);
+  if (forbids) return fail(Errc::robot_error, text, kNotAllowedCure);
   return fail(Errc::robot_error, text, "compare commands.json with the maker's description of the interface");
 }
 

@@ -22,7 +22,8 @@ class HttpPoll : public PolledValues {
   [[nodiscard]] MonotonicTime due() const { return due_; }
   /// How many requests a whole round has.
   [[nodiscard]] std::size_t paths() const { return groups_.size(); }
-  /// The robot does not accept the node's user. A probe's path may be one that this user only may not read.
+  /// The robot does not accept the node's user, or not for this. A probe's path may be one that this user only may not
+  /// read.
   [[nodiscard]] bool refuses_sign_in(const HttpAnswer& answer) const {
     return answer.status == 401 || (answer.status == 403 && !groups_.front().values.empty());
   }

@@ -6,11 +6,17 @@
 #include <boost/beast/http/string_body.hpp>
 #include <string_view>
 
+#include "common/config/robot_tls.hpp"
+
 namespace trb::drivers {
 
 namespace http = boost::beast::http;
 
 constexpr std::string_view kLastChunk = "0\r\n\r\n";
+/// How a TLS server answers what is no TLS.
+constexpr std::string_view kTlsAlert = "\x15\x03";
+/// It begins with kTlsFailed.
+constexpr const char* kSpeaksTls = "TLS: the robot's port speaks it, and commands.json has no \"tls\"";
 
 namespace {
 
@@ -55,6 +61,8 @@ Result<std::vector<HttpAnswer>> HttpReader::add(BytesView bytes) {
   while (!rest_.empty()) {
     // Beast 1.74 asserts if the last chunk comes in pieces. Before it has come whole, no chunked answer is over.
     if (parser_->of.is_header_done() && parser_->of.chunked() && rest_.size() < kLastChunk.size()) break;
+    if (!parser_->of.got_some() && BytesView(rest_).starts_with(kTlsAlert))
+      return fail(Errc::malformed, kSpeaksTls, kTlsCure);
     boost::system::error_code problem;
     const std::size_t taken = parser_->of.put(boost::asio::buffer(rest_.data(), rest_.size()), problem);
     rest_.erase(0, taken);

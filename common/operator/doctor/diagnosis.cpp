@@ -5,6 +5,7 @@
 
 #include "common/base/address.hpp"
 #include "common/config/robot_auth.hpp"
+#include "common/config/robot_tls.hpp"
 #include "common/operator/doctor/causes.hpp"
 #include "common/operator/doctor/certificate_findings.hpp"
 #include "common/operator/doctor/machine_findings.hpp"
@@ -120,6 +121,10 @@ class Doctor {
     // Somebody answers there: its power and its cable are good.
     if (what.find(kSignInRefused) != std::string::npos)
       return problem("robot_silent", seen_.node, std::move(what), kSignInCure);
+    if (what.find(kNotAllowed) != std::string::npos)
+      return problem("robot_silent", seen_.node, std::move(what), kNotAllowedCure);
+    if (what.find(kTlsFailed) != std::string::npos)
+      return problem("robot_silent", seen_.node, std::move(what), kTlsCure);
     std::string hint = "start its program that connects to TCP_PORT of this node";
     if (!seen_.robot.address.empty()) {
       const std::string at = seen_.robot.address;

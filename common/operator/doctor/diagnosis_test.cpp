@@ -255,6 +255,10 @@ TEST_CASE("on the node itself: no router, a socket that is gone, a service that 
   CHECK(silent->hint.find("has it another client") != std::string::npos);
   robot.seen.routes.routes[0].profile.detail = "its poll was answered with 401, the robot refuses the sign-in";
   CHECK(diagnose(robot.seen).at(0).hint.find("sha256sum") != std::string::npos);
+  robot.seen.routes.routes[0].profile.detail = "its poll was answered with 403, the robot does not allow it";
+  CHECK(diagnose(robot.seen).at(0).hint.find("the right on the robot") != std::string::npos);
+  robot.seen.routes.routes[0].profile.detail = "command: TLS: the robot ended the handshake";
+  CHECK(diagnose(robot.seen).at(0).hint.find("trb robot certificate") != std::string::npos);
   robot.seen.services.services = {{"mode-adapter", "silent", 1, 1, "1.0", 5, 5, {}, {}}};
   check_only(robot.seen, "service_down", "mode-adapter");
 }

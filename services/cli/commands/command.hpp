@@ -49,6 +49,7 @@ inline constexpr const char* kPassphrase =
   GROUP(model)                    \
   GROUP(simulate)                 \
   GROUP(robot_check)              \
+  GROUP(robot_certificate)        \
   GROUP(robot_try)                \
   GROUP(robot_conform)            \
   GROUP(sensor)                   \

@@ -1,5 +1,7 @@
 #include "services/mode-adapter/core/robot_status.hpp"
 
+#include "common/tls/tls_trust.hpp"
+
 namespace trb::adapter {
 namespace {
 
@@ -39,7 +41,9 @@ void RobotStatus::on_down(const std::string& reason) {
 
 void RobotStatus::on_no_contact(const std::string& reason) {
   const std::string detail = reason.substr(0, kMaxDetail);
-  if (connection_ != Connection::offline || detail_ == detail) return;
+  // That a robot which was there has another certificate now is worth more than how it went.
+  const bool other_robot = connection_ == Connection::broken && reason.find(kTlsFailed) != std::string::npos;
+  if ((connection_ != Connection::offline && !other_robot) || detail_ == detail) return;
   detail_ = detail;
   detail_changed_ = true;
 }

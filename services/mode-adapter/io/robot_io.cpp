@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "common/config/robot_tls.hpp"
 #include "services/mode-adapter/io/udp.hpp"
 
 namespace trb::adapter {
@@ -19,6 +20,8 @@ constexpr Duration kLongestHold = std::chrono::milliseconds(500);
 constexpr int kMostLastReads = 256;
 constexpr int kAcceptBatch = 16;
 constexpr Duration kConnectTimeout = std::chrono::seconds(2);
+/// A small controller reckons with large keys for a second or two.
+constexpr Duration kHandshakeTimeout = std::chrono::seconds(5);
 
 }  // namespace
 
@@ -48,7 +51,7 @@ RobotIo::RobotIo(const RobotIoSettings& settings, Service& service, ModeAdapterC
 
 RobotIo::~RobotIo() {
   for (RobotConnection& open : connections_) {
-    push(open);  // a process that ends has just told its robot to stand
+    say_last(open);  // a process that ends has just told its robot to stand
     close(open);
   }
   service_.unwatch(listener_.get());
@@ -104,14 +107,25 @@ void RobotIo::dial_datagrams(RobotConnection& connection) {
 void RobotIo::on_dialled(RobotConnection& connection) {
   if (const Status connected = tcp_connected(connection.fd.get()); !connected)
     return go_down(connection, connected.error().what);
+  if (connection.channel == Channel::command && settings_.tls) return begin_tls(connection);
   come_up(connection);
+}
+
+void RobotIo::begin_tls(RobotConnection& connection) {
+  auto client = TlsClient::make(*settings_.tls);
+  if (!client) return go_down(connection, client.error().what, client.error().hint);
+  connection.tls = std::move(*client);
+  connection.state = State::securing;
+  connection.due = now().mono + kHandshakeTimeout;
+  watch(connection);
+  receive_encrypted(connection, {});
 }
 
 void RobotIo::come_up(RobotConnection& connection) {
   connection.state = State::up;
   connection.due.reset();
   connection.last_failure.clear();
-  connection.wants_write = false;
+  connection.wants_write = !connection.output.empty();
   watch(connection);
   service_.step([&](Now at, Outbox& out) {
     out.log(LogLevel::info, "robot_connected", std::string(name_of(connection.channel)));
@@ -129,7 +143,7 @@ void RobotIo::watch(RobotConnection& connection) {
 
 void RobotIo::on_ready(RobotConnection& connection, short revents) {
   report_losses();
-  if (connection.state != State::up) return;
+  if (!is_open(connection)) return;
   if ((revents & POLLOUT) != 0 && !flush(connection)) return report_losses();
   if ((revents & (POLLIN | POLLERR | POLLHUP)) == 0) return;
   if (must_wait(connection)) return hold_back(connection);
@@ -159,6 +173,8 @@ void RobotIo::read(RobotConnection& connection) {
   if (connection.datagrams) return read_datagram(connection);
   const auto got = tcp_read(connection.fd.get(), buffer_.data(), buffer_.size());
   if (!got) return go_down(connection, got.error().what);
+  if (got->closed && connection.state == State::securing)
+    return go_down(connection, kTlsFailed + std::string("the robot ended the handshake"), kTlsCure);
   if (got->closed) return go_down(connection, "closed by the robot");
   if (got->bytes == 0) return;
   receive(connection, got->bytes);
@@ -182,8 +198,24 @@ void RobotIo::read_datagram(RobotConnection& connection) {
 }
 
 void RobotIo::receive(RobotConnection& connection, std::size_t size) {
-  connection.back_off.reset();
   const BytesView bytes(buffer_.data(), size);
+  connection.tls ? receive_encrypted(connection, bytes) : hand_in(connection, bytes);
+}
+
+/// What is answered at once is the handshake, or why it ended.
+void RobotIo::receive_encrypted(RobotConnection& connection, BytesView bytes) {
+  const auto plain = connection.tls->take(bytes);
+  connection.output.add(connection.tls->to_send());
+  if (!push(connection)) return;
+  if (!plain) return go_down(connection, plain.error().what, plain.error().hint);
+  const bool ended = connection.tls->ended();
+  if (connection.state == State::securing && connection.tls->ready()) come_up(connection);
+  if (!plain->empty() && connection.state == State::up) hand_in(connection, *plain);
+  if (ended && connection.state == State::up) go_down(connection, "closed by the robot");
+}
+
+void RobotIo::hand_in(RobotConnection& connection, BytesView bytes) {
+  connection.back_off.reset();
   service_.step([&](Now at, Outbox& out) { core_.on_bytes(connection.channel, bytes, at, out); });
 }
 
@@ -192,7 +224,7 @@ bool RobotIo::is_new_reason(const RobotConnection& connection, const std::string
   return connection.last_failure != reason || (connection.state == State::up && !connection.datagrams);
 }
 
-void RobotIo::go_down(RobotConnection& connection, const std::string& reason) {
+void RobotIo::go_down(RobotConnection& connection, const std::string& reason, const std::string& cure) {
   const bool was_up = connection.state == State::up;
   const bool is_new = is_new_reason(connection, reason);
   close(connection);
@@ -201,7 +233,8 @@ void RobotIo::go_down(RobotConnection& connection, const std::string& reason) {
   connection.last_failure = reason;
   service_.step([&](Now at, Outbox& out) {
     const char* const event = was_up ? "robot_lost" : "robot_not_reached";
-    if (is_new) out.log(LogLevel::warning, event, std::string(name_of(connection.channel)) + ": " + reason);
+    const std::string told = cure.empty() ? reason : reason + "; " + cure;
+    if (is_new) out.log(LogLevel::warning, event, std::string(name_of(connection.channel)) + ": " + told);
     core_.on_channel_down(connection.channel, reason, at, out);
   });
 }
@@ -209,6 +242,7 @@ void RobotIo::go_down(RobotConnection& connection, const std::string& reason) {
 void RobotIo::close(RobotConnection& connection) {
   if (connection.fd) service_.unwatch(connection.fd.get());
   connection.fd.reset();
+  connection.tls.reset();
   connection.state = State::down;
   connection.output.clear();
   connection.has_written = false;
@@ -224,7 +258,7 @@ void RobotIo::retry_later(RobotConnection& connection) {
 void RobotIo::carry_out(const RobotOutbox& out) {
   for (const RobotWrite& order : out.writes) write(connection(order.channel), order.bytes);
   for (const RobotClose& order : out.closes) {
-    push(connection(order.channel));
+    say_last(connection(order.channel));
     close(connection(order.channel));
     retry_later(connection(order.channel));
   }
@@ -237,6 +271,12 @@ void RobotIo::write(RobotConnection& connection, BytesView bytes) {
     return;
   }
   if (connection.output.size() > kMaxWaiting) return notice_loss(connection, "the robot does not read");
+  Bytes encrypted;
+  if (connection.tls) {
+    connection.tls->write(bytes);
+    encrypted = connection.tls->to_send();
+    bytes = encrypted;
+  }
   // The first bytes of a turn are sent at once, the others together at its end: a system call per message would cost
   // more than all the rest of its way.
   if (!std::exchange(connection.has_written, true) && connection.output.empty()) {
@@ -250,13 +290,22 @@ void RobotIo::write(RobotConnection& connection, BytesView bytes) {
 /// Ends the turn's collecting. False if the connection is lost.
 bool RobotIo::push(RobotConnection& connection) {
   connection.has_written = false;
-  if (connection.state != State::up || connection.wants_write || connection.output.empty()) return true;
+  if (!is_open(connection) || connection.wants_write || connection.output.empty()) return true;
   if (!flush(connection)) return false;
   if (!connection.output.empty()) {
     connection.wants_write = true;
     watch(connection);
   }
   return true;
+}
+
+/// What was written leaves, as far as the robot takes it, and with TLS the end of it.
+void RobotIo::say_last(RobotConnection& connection) {
+  if (connection.tls) {
+    connection.tls->end();
+    connection.output.add(connection.tls->to_send());
+  }
+  push(connection);
 }
 
 bool RobotIo::flush(RobotConnection& connection) {
@@ -309,6 +358,8 @@ void RobotIo::tick(Now at) {
     if (!connection.due || at.mono < *connection.due) continue;
     if (connection.state == State::connecting) {
       go_down(connection, "no answer within 2 s");
+    } else if (connection.state == State::securing) {
+      go_down(connection, kTlsFailed + std::string("the robot did not end the handshake within 5 s"), kTlsCure);
     } else if (connection.state == State::down) {
       dial(connection);
     }

@@ -2,6 +2,7 @@
 
 #include "common/config/node_config.hpp"
 #include "common/config/robot_auth.hpp"
+#include "common/config/robot_tls.hpp"
 #include "common/drivers/modbus/syntax.hpp"
 #include "common/drivers/registry.hpp"
 #include "services/mode-adapter/io/fault_port.hpp"
@@ -61,7 +62,10 @@ Result<int> start(NodeConfig config) {
   const OutOfUseFile kept(config.dir);
   const DriverRow* row = find_driver(config.commands.transport);
   const Wire wire = row == nullptr ? Wire::none : row->wire;
-  const RobotIoSettings links = io_settings(config, wire);
+  RobotIoSettings links = io_settings(config, wire);
+  auto trust = read_robot_trust(config);
+  if (!trust) return trust.error();
+  links.tls = std::move(*trust);
   const ModbusLink::Where device = modbus_device(config);
   const std::string control = config.robot.fault_injection;
   const auto inject = [&control](const std::string& line) { return send_control_line(control, line); };

@@ -32,7 +32,10 @@ class FakeService : public LooplessService {
     effect(trb::now(), out);
     if (after_sends_) after_sends_();
     for (std::string& name : out.counts) counts.push_back(std::move(name));
-    for (Log& log : out.logs) logs.push_back(std::move(log.event));
+    for (Log& log : out.logs) {
+      told.push_back(log.event + " " + log.text);
+      logs.push_back(std::move(log.event));
+    }
   }
 
   /// Runs turns until it is true, for a minute at most.
@@ -51,6 +54,7 @@ class FakeService : public LooplessService {
   bool bus_has_room = true;
   std::vector<std::string> counts;
   std::vector<std::string> logs;
+  std::vector<std::string> told;  ///< the same with their texts
 
  private:
   struct Watch {

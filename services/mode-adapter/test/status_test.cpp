@@ -106,6 +106,10 @@ TEST_CASE("a robot that is down for another reason than was told has the new one
   CHECK(details() == std::vector<std::string>{"CONNECTION_BROKEN no answer for 3 s"});
   status.on_down("no answer for 3 s");
   CHECK(details().empty());
+  status.on_no_contact("command: Connection refused");
+  CHECK(details().empty());
+  status.on_no_contact("command: TLS: the robot speaks no TLS on this port");
+  CHECK(details() == std::vector<std::string>{"CONNECTION_BROKEN command: TLS: the robot speaks no TLS on this port"});
 }
 
 TEST_CASE("a message that is nobody's is refused") {

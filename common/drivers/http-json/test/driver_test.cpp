@@ -110,6 +110,24 @@ TEST_CASE("http: a robot that refuses the sign-in is not there, and is again onc
     fixture.answer_with(403);
   }
   CHECK(fixture.robot() == "CONNECTION_BROKEN");
+  const auto other = fixture.command("tidy", "");
+  CHECK(fixture.nack_of(other).what.find("was answered with 403, the robot does not allow it") != std::string::npos);
+  CHECK(fixture.nack_of(other).hint.starts_with("give the user in keys/robot.auth the right"));
+}
+
+TEST_CASE("http: a port that speaks TLS is told, with the cure, and the robot is not there") {
+  MirFixture fixture;
+  fixture.up(Channel::command);
+  CHECK(fixture.asked() == "GET /status");
+  fixture.hear(Channel::command, std::string("\x15\x03\x03\x00\x02\x02\x46", 7));
+  CHECK(fixture.robot() == "CONNECTION_BROKEN");
+  const auto id = fixture.command("tidy", "");
+  CHECK(fixture.nack_of(id).what.find("commands.json has no \"tls\"") != std::string::npos);
+  CHECK(fixture.nack_of(id).hint.starts_with("trb robot certificate NODE_DIR"));
+  fixture.reconnect();
+  CHECK(fixture.asked() == "GET /status");
+  fixture.answer_with(200, kStatus);
+  CHECK(fixture.robot() == "ONLINE");
 }
 
 TEST_CASE("http: who gave a stop that the robot refuses is told so at once, with the robot's words") {
@@ -121,9 +139,9 @@ TEST_CASE("http: who gave a stop that the robot refuses is told so at once, with
   const Nack nack = fixture.nack_of(stop);
   CHECK(nack.code == "robot_error");
   CHECK(nack.what ==
-        "the node is fenced, but the robot refused to stop: PUT /status was answered with 403, the robot refuses the "
-        "sign-in: no right");
-  CHECK(nack.hint.starts_with("look at the robot, and use its emergency stop if it moves; then write keys/robot.auth"));
+        "the node is fenced, but the robot refused to stop: PUT /status was answered with 403, the robot does not "
+        "allow it: no right");
+  CHECK(nack.hint.starts_with("look at the robot, and use its emergency stop if it moves; then give the user"));
   // The next one waits for an answer of its own.
   const auto again = fixture.deliver(MessageType::command, Stop{"still there"});
   fixture.serve();

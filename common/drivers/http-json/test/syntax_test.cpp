@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include "common/config/robot_tls.hpp"
 #include "tests/support/node_folder.hpp"
 
 using namespace trb;
@@ -144,6 +145,25 @@ TEST_CASE("what a robot with sessions needs is checked: each fault names its key
         "ur.headers.A b: 'A b' is no name of a header; use letters, digits and -\n"
         "ur.headers.C: has a line end or another character that no header may have; write one line of printable "
         "characters\n");
+  const auto tls = [&](const std::string& keys) {
+    return faults_of(words + R"(, "body": "form", "tls": {)" + keys + "}");
+  };
+  const std::string pin = R"("fingerprint": ")" + std::string(64, 'a') + '"';
+  CHECK(tls(pin) == "");
+  CHECK(tls("").starts_with("ur.tls: says of no certificate that it is the robot's; write the fingerprint (SHA-256)"));
+  CHECK(tls(R"("fingerprint": "AB:CD")").starts_with("ur.tls.fingerprint: is no SHA-256 in hexadecimal; write the "));
+  CHECK(tls(pin + R"(, "authority": "a.pem")").starts_with("ur.tls.authority: stands beside a fingerprint; remove"));
+  CHECK(tls(pin + R"(, "name": "abb")").starts_with("ur.tls.name: stands beside a fingerprint"));
+  CHECK(tls(pin + R"(, "verify": false)").starts_with("ur.tls.verify: is no key that is known here"));
+  CHECK(tls(R"("authority": "keys/ca.pem")") ==
+        "ur.tls.authority: keys/ca.pem cannot be read; put the certificate of the robot's authority there, in PEM\n");
+  folder.write("keys/ca.pem", "none");
+  CHECK(tls(R"("authority": "keys/ca.pem")")
+            .starts_with("ur.tls.authority: keys/ca.pem has no certificate in PEM; put it there"));
+  folder.write("keys/ca.pem", "-----BEGIN CERTIFICATE-----\n");
+  CHECK(tls(R"("authority": "keys/ca.pem", "name": "abb.hall")") == "");
+  const NodeConfig config = folder.check().config;
+  CHECK((**read_robot_trust(config)).name == "abb.hall");
   CHECK(faults_of(R"("body": "form", "commands": {"go": "POST /go", "stop": "POST /stop/{0}"})") ==
         "ur.commands.stop: needs data, and a stop has none; write the values themselves\n");
   CHECK(faults_of(words + R"(, "body": "form", "requests": {"joints": "joints"})") == "");

@@ -73,6 +73,14 @@ TEST_CASE("what is no HTTP, and what is too large, is refused") {
   CHECK(refusal("HTTP/1.1 200 OK\r\nX: " + std::string(20'000, 'x')) == Errc::too_large);
 }
 
+TEST_CASE("a port that speaks TLS is told from one that speaks nonsense") {
+  HttpReader reader;
+  const auto answers = reader.add(std::string("\x15\x03\x03\x00\x02\x02\x46", 7));
+  REQUIRE_FALSE(answers);
+  CHECK(answers.error().what == "TLS: the robot's port speaks it, and commands.json has no \"tls\"");
+  CHECK(answers.error().hint.starts_with("trb robot certificate NODE_DIR"));
+}
+
 TEST_CASE("a request has a length if it has a body or may have one") {
   const HttpFields fields{{"Host", "h"}, {"Accept", "application/json"}};
   CHECK(encode(HttpRequest{"GET", "/a", ""}, fields) ==

@@ -13,7 +13,7 @@
 #include <array>
 #include <memory>
 
-#include "common/base/hex.hpp"
+#include "common/base/fingerprint.hpp"
 
 namespace trb::gateway {
 namespace {
@@ -192,12 +192,7 @@ Result<std::string> fingerprint_of(BytesView certificate) {
   unsigned int size = 0;
   if (read == nullptr || X509_digest(read.get(), EVP_sha256(), digest.data(), &size) != 1)
     return fail(Errc::malformed, "no certificate in PEM", "put one there, or remove it and its key to get new ones");
-  std::string out;
-  for (const char digit : to_hex({reinterpret_cast<const char*>(digest.data()), size})) {
-    if (out.size() % 3 == 2) out += ':';
-    out += digit >= 'a' ? static_cast<char>(digit - 'a' + 'A') : digit;
-  }
-  return out;
+  return to_fingerprint({reinterpret_cast<const char*>(digest.data()), size});
 }
 
 }  // namespace trb::gateway
