@@ -1,6 +1,7 @@
 /** Who is signed in. The browser keeps the cookie, which no script can read, and that there was a sign-in. */
 import { api, Problem } from './api/client';
 import type { Role, Session } from './api/types';
+import { t } from './i18n/i18n.svelte';
 import { live } from './live/live.svelte';
 
 const KEPT = 'trb.signedIn';
@@ -17,6 +18,7 @@ class SessionStore {
   isUnreachable = $state(false);
 
   constructor() {
+    api.sayOf = (silence, seconds) => t(`common.${silence}`, { seconds });
     api.onSignedOut = (isTaken) => {
       this.end('ended');
       if (isTaken) localStorage.setItem(KEPT, '1'); // of the browser, not of this tab

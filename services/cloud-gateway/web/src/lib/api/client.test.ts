@@ -1,4 +1,4 @@
-import { describe, expect, it } from 'vitest';
+import { describe, expect, it, vi } from 'vitest';
 import { allPages, Client, urlOf } from './client';
 import { pageHints, Problem } from './problem';
 
@@ -154,4 +154,36 @@ it('reads a list to its last page', async () => {
   const { client, sent } = gateway(json({ items: [1, 2], next: 'abc' }), json({ items: [3], next: '' }));
   expect(await allPages(client, '/api/v1/robots')).toEqual([1, 2, 3]);
   expect(sent[1]?.url).toBe('/api/v1/robots?limit=500&cursor=abc');
+});
+
+describe('a request without an answer', () => {
+  const silent = () => new Client((_, { signal }) => new Promise((_, fail) => signal!.addEventListener('abort', () => fail(signal!.reason))));
+
+  async function after(ms: number, ask: (client: Client) => Promise<unknown>): Promise<unknown> {
+    vi.useFakeTimers();
+    let said: unknown = 'nothing yet';
+    void ask(silent()).catch((problem: Problem) => (said = [problem.status, problem.code]));
+    await vi.advanceTimersByTimeAsync(ms);
+    vi.useRealTimers();
+    return said;
+  }
+
+  it('is not confirmed if it changes something, and is told so after 10 s', async () => {
+    expect(await after(9_999, (client) => client.post('/api/v1/runs', { body: {} }))).toBe('nothing yet');
+    expect(await after(10_000, (client) => client.post('/api/v1/runs', { body: {} }))).toEqual([0, 'unconfirmed']);
+    expect(await after(10_000, (client) => client.post('/api/v1/policy', { withinMs: 20_000 }))).toBe('nothing yet');
+  });
+
+  it('is unanswered if it only asks', async () => {
+    expect(await after(10_000, (client) => client.get('/api/v1/archive'))).toBe('nothing yet');
+    expect(await after(30_000, (client) => client.get('/api/v1/archive'))).toEqual([0, 'unanswered']);
+    expect(await after(10_000, (client) => client.post('/api/v1/scenarios/check', { isQuestion: true }))).toEqual([0, 'unanswered']);
+  });
+
+  it('ends at once when its asker ends it', async () => {
+    const asker = new AbortController();
+    const asked = silent().get('/api/v1/archive', { signal: asker.signal });
+    asker.abort();
+    await expect(asked).rejects.toMatchObject({ name: 'AbortError' });
+  });
 });

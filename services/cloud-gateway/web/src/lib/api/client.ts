@@ -1,10 +1,12 @@
 /**
  * Requests to the gateway. Cookies go by themselves; changes carry the CSRF value of the session. A refused request
  * throws a Problem. A 401 tells `onSignedOut` first, whatever view asked.
+ * No request stays open for ever: who waits for it is told that no answer came. A change may then have been done, or
+ * be done still.
  * All tabs share the cookie: a sign-in in another one leaves this one with the CSRF value of the session before. The
  * refused change is then sent once more, with the new value, unless it would be another user's.
  */
-import { Problem, problemOf, unreachable } from './problem';
+import { Problem, problemOf, silence, type Silence } from './problem';
 
 export type Method = 'GET' | 'POST' | 'PUT' | 'PATCH' | 'DELETE';
 export type Query = Record<string, string | number | boolean | undefined>;
@@ -20,6 +22,10 @@ export interface Ask {
   /** A start, send or decision with it is done once, however often it is sent. */
   idempotencyKey?: string;
   signal?: AbortSignal;
+  /** It changes nothing, though it is no GET. */
+  isQuestion?: true;
+  /** How long an answer is waited for, where that is not what is usual. */
+  withinMs?: number;
 }
 
 export interface Answer<T> {
@@ -27,6 +33,10 @@ export interface Answer<T> {
   etag: string;
   status: number;
 }
+
+/** A robot's node may take some seconds to confirm a change; a long list may have to come over a slow line. */
+export const CHANGE_MS = 10_000;
+const READ_MS = 30_000;
 
 type Fetch = (url: string, init: RequestInit) => Promise<Response>;
 
@@ -52,11 +62,26 @@ export class Client {
   user = '';
   /** `isTaken`: in another tab somebody else has signed in; his session goes on. */
   onSignedOut: (isTaken: boolean) => void = () => {};
+  /** The words for who waited in vain, in his language. */
+  sayOf: (silence: Silence, seconds: number) => string = (silence) => silence;
   /** A sign-in and the first look for a session are refused without telling anybody. */
   constructor(private readonly fetch: Fetch = (url, init) => globalThis.fetch(url, init)) {}
 
   async send<T>(method: Method, pattern: string, ask: Ask = {}): Promise<Answer<T>> {
     const url = urlOf(pattern, ask.path, ask.query);
+    const ms = ask.withinMs ?? (method === 'GET' ? READ_MS : CHANGE_MS);
+    const wait = new Wait(ms, ask.signal);
+    try {
+      return await this.exchange<T>(method, url, { ...ask, signal: wait.signal });
+    } catch (error) {
+      if (wait.isOver) throw this.silent(method === 'GET' || ask.isQuestion ? 'unanswered' : 'unconfirmed', ms / 1000);
+      throw error;
+    } finally {
+      wait.end();
+    }
+  }
+
+  private async exchange<T>(method: Method, url: string, ask: Ask): Promise<Answer<T>> {
     let response = await this.reach(method, url, ask);
     if (response.status === 403 && this.csrf !== '') {
       const refused = await problemOf(response);
@@ -100,8 +125,12 @@ export class Client {
       return await this.fetch(url, this.initOf(method, ask));
     } catch (error) {
       if (error instanceof DOMException && error.name === 'AbortError') throw error;
-      throw unreachable();
+      throw this.silent('unreachable', 0);
     }
+  }
+
+  private silent(what: Silence, seconds: number): Problem {
+    return silence(what, this.sayOf(what, seconds));
   }
 
   private initOf(method: Method, ask: Ask): RequestInit {
@@ -116,6 +145,33 @@ export class Client {
     if (ask.signal) init.signal = ask.signal;
     return init;
   }
+}
+
+/** Ends a request after a while, or when its asker ends it. AbortSignal.any is too new for some browsers. */
+class Wait {
+  isOver = false;
+  private readonly abort = new AbortController();
+  private readonly timer: ReturnType<typeof setTimeout>;
+
+  constructor(ms: number, private readonly asker: AbortSignal | undefined) {
+    this.timer = setTimeout(() => {
+      this.isOver = true;
+      this.abort.abort();
+    }, ms);
+    if (asker?.aborted) this.follow();
+    asker?.addEventListener('abort', this.follow);
+  }
+
+  get signal(): AbortSignal {
+    return this.abort.signal;
+  }
+
+  end(): void {
+    clearTimeout(this.timer);
+    this.asker?.removeEventListener('abort', this.follow);
+  }
+
+  private readonly follow = (): void => this.abort.abort(this.asker!.reason);
 }
 
 /** The most that the gateway gives at once. */

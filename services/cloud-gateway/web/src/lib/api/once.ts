@@ -17,7 +17,7 @@ const LIFE_MS = 15 * 60_000; // the gateway keeps a key for 24 h
 const MOST_OPEN = 16;
 
 /** Codes of answers after which a start may have been done, or still be under way. */
-const UNSETTLED = ['unreachable', 'under_way', 'no_database', 'changed_meanwhile', 'not_written', 'no_answer', 'stopping'];
+const UNSETTLED = ['unreachable', 'unconfirmed', 'under_way', 'no_database', 'changed_meanwhile', 'not_written', 'no_answer', 'stopping'];
 
 /** The gateway has said its last word of this key. What is no Problem was an answer that broke off. */
 export function isSettled(error: unknown): boolean {

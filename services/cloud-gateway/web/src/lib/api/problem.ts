@@ -43,8 +43,11 @@ export function pageHints(hints: string[]): string[] {
   return hints.filter((hint) => !/(^|\W)--[a-z]|\btrb /.test(hint));
 }
 
-export function unreachable(): Problem {
-  return new Problem(0, 'unreachable', 'the gateway cannot be reached');
+/** No answer came: no way to the gateway, or not in time. `unconfirmed`: what was asked for may be done still. */
+export type Silence = 'unreachable' | 'unanswered' | 'unconfirmed';
+
+export function silence(what: Silence, words: string): Problem {
+  return new Problem(0, what, words);
 }
 
 export async function problemOf(response: Response): Promise<Problem> {

@@ -53,7 +53,7 @@ export class LiveRanking {
   private async send(wish: Wish): Promise<void> {
     this.isBusy = true;
     try {
-      const ask = { path: { alert: this.alert }, body: bodyOf(wish), signal: this.abort.signal };
+      const ask = { path: { alert: this.alert }, body: bodyOf(wish), signal: this.abort.signal, isQuestion: true as const };
       this.answer = await api.post<Ranking>('/api/v1/alerts/{alert}/ranking', ask);
       if (wish === null) this.inForce = this.answer.weights;
       this.at = new Date(live.utcMs()).toISOString();

@@ -34,5 +34,5 @@ it('says of a stop without an answer that the gateway is not reached, after 8 s'
   late.abort(new DOMException('', 'TimeoutError'));
   await ordered;
   expect(timeout).toHaveBeenCalledWith(8000);
-  expect(shown()).toEqual(['fault ur3: the gateway cannot be reached']);
+  expect(shown()).toEqual(['fault ur3: unreachable']);
 });

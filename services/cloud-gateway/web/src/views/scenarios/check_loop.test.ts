@@ -1,5 +1,5 @@
 import { afterEach, beforeEach, expect, it, vi } from 'vitest';
-import { Problem, unreachable } from '../../lib/api/problem';
+import { Problem, silence } from '../../lib/api/problem';
 import type { Scenario } from '../../lib/scenario/scenario_model';
 import { CheckLoop, type Checked } from './check_loop';
 
@@ -35,7 +35,7 @@ it('asks once for what was drawn in one go', async () => {
 });
 
 it('asks again after a failure, which it shows, until there is an answer', async () => {
-  answers = [fails(unreachable()), fails(new Problem(503, 'no_answer', 'no answer')), () => Promise.resolve(GOOD)];
+  answers = [fails(silence('unreachable', 'the gateway cannot be reached')), fails(new Problem(503, 'no_answer', 'no answer')), () => Promise.resolve(GOOD)];
   loop.want(scenario('a'));
   await vi.advanceTimersByTimeAsync(10_000);
   expect(asked).toEqual(['a', 'a', 'a']);

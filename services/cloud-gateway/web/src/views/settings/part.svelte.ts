@@ -13,6 +13,9 @@ export async function readPart<T>(path: string, signal: AbortSignal): Promise<Re
   return { data, etag };
 }
 
+/** The service reads its file anew: so long may it take until it is up again. */
+const IN_FORCE_MS = 20_000;
+
 export class Part {
   isBusy = $state(false);
   private problem = $state.raw<Problem | null>(null);
@@ -37,7 +40,7 @@ export class Part {
   async save(body: unknown, etag: string): Promise<void> {
     this.isBusy = true;
     try {
-      await api.send('PUT', this.path, { body, ifMatch: etag });
+      await api.send('PUT', this.path, { body, ifMatch: etag, withinMs: IN_FORCE_MS });
       this.problem = null;
       toasts.done(t('settings.inForce'));
       this.saved();
