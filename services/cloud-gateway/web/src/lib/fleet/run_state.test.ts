@@ -1,6 +1,6 @@
 import { describe, expect, it } from 'vitest';
-import type { RunDetail, TaskView } from '../api/types';
-import { runOrders, shortId, taskOrders, taskWord } from './run_state';
+import type { RobotContent, Row, RunDetail, TaskView } from '../api/types';
+import { helpOf, runBadge, runOrders, shortId, taskOrders, taskWord } from './run_state';
 
 const run = (state: RunDetail['state'], paused_by = '') => ({ state, paused_by }) as RunDetail;
 const task = (state: TaskView['state']) => ({ state }) as TaskView;
@@ -13,6 +13,20 @@ describe('what may be ordered', () => {
 
   it('resumes nothing that waits for an alert: nobody has paused it', () => {
     expect(runOrders(run('PAUSED'))).toEqual(['pause', 'abort']);
+  });
+
+  it('calls paused only what a person holds', () => {
+    expect(runBadge({ state: 'PAUSED', waits_for: "task 'a' failed on 'ur3': no part" }).word).toBe('waits');
+    expect(runBadge({ state: 'PAUSED', waits_for: "a person: held by 'cloud': lunch" }).word).toBe('PAUSED');
+    expect(runBadge({ state: 'PAUSED', waits_for: "'ur3' is silent", paused_by: 'cloud' }).word).toBe('PAUSED');
+    expect(runBadge({ state: 'RUNNING', waits_for: 'the robot is busy' }).word).toBe('RUNNING');
+  });
+
+  it('offers what helps a run that waits: its failed tasks, its stopped robots', () => {
+    const tasks = [{ id: 'a', robot: 'ur3', state: 'FAILED' }, { id: 'b', robot: 'drone', state: 'WAITING' }, { id: 'c', robot: 'kuka', state: 'FINISHED' }];
+    const robots = ['drone', 'kuka', 'abb'].map((node) => ({ node, content: { fenced: true } }) as Row<RobotContent>);
+    expect(helpOf({ state: 'PAUSED', tasks } as RunDetail, robots)).toEqual({ tasks: ['a'], stopped: ['drone'] });
+    expect(helpOf({ state: 'ABORTED', tasks } as RunDetail, robots)).toEqual({ tasks: [], stopped: [] });
   });
 
   it('orders nothing of a run that is over', () => {

@@ -1,5 +1,5 @@
 /** How tasks and runs look, and what may be ordered in which state. */
-import type { RunDetail, TaskView } from '../api/types';
+import type { RobotContent, Row, RunDetail, RunSummary, TaskView } from '../api/types';
 import type { Look } from '../ui/shapes';
 
 export type TaskState = TaskView['state'];
@@ -7,6 +7,7 @@ export type RunState = RunDetail['state'];
 export type RunOrder = 'pause' | 'resume' | 'abort';
 export type TaskOrder = 'move' | 'retry' | 'skip';
 
+const HELD = 'a person: held by ';
 const CIRCLE = 'M12 3a9 9 0 1 0 0 18 9 9 0 1 0 0-18z';
 const CHECK = 'M4 13 10 19 21 5';
 const BARS = 'M8 4v16M16 4v16';
@@ -24,6 +25,9 @@ export const taskLooks: Record<TaskState, Look> = {
   SKIPPED: { path: 'M4 12h16', tone: 'stale', isFilled: false },
 };
 
+/** Nobody holds it: it waits for a person's decision. */
+const WAITS: Look = { path: CIRCLE, tone: 'urgent', isFilled: false };
+
 export const runLooks: Record<RunState, Look> = {
   RUNNING: taskLooks.RUNNING,
   PAUSED: taskLooks.PAUSED,
@@ -32,6 +36,31 @@ export const runLooks: Record<RunState, Look> = {
   ABORTED: { path: CROSS, tone: 'stale', isFilled: false },
   EXPIRED: { path: CROSS, tone: 'warning', isFilled: false },
 };
+
+/** A run as its badge shows it. Its summary does not say who holds it, but what it waits for does: "a person: held by ...". */
+export function runBadge(run: Pick<RunSummary, 'state' | 'waits_for'> & { paused_by?: string }): { look: Look; word: string } {
+  const isHeld = run.paused_by ? true : run.waits_for === '' || run.waits_for.startsWith(HELD);
+  const waits = run.state === 'PAUSED' && !isHeld;
+  return waits ? { look: WAITS, word: 'waits' } : { look: runLooks[run.state], word: run.state };
+}
+
+/** What a person may do about what a run waits for. */
+export interface Help {
+  /** Tasks that somebody has to decide on: they failed or were broken off. */
+  tasks: string[];
+  /** Robots of open tasks that are stopped until they are released. */
+  stopped: string[];
+}
+
+export function helpOf(run: RunDetail, robots: Row<RobotContent>[]): Help {
+  if (run.state !== 'RUNNING' && run.state !== 'PAUSED') return { tasks: [], stopped: [] };
+  const open = run.tasks.filter((task) => task.state !== 'FINISHED' && task.state !== 'SKIPPED');
+  const fenced = new Set(robots.filter((row) => row.content.fenced).map((row) => row.node));
+  return {
+    tasks: open.filter((task) => task.state === 'FAILED' || task.state === 'RETRIABLE').map((task) => task.id),
+    stopped: [...new Set(open.map((task) => task.robot))].filter((robot) => fenced.has(robot)),
+  };
+}
 
 /** Its word in the section `taskState`. What is RETRIABLE is begun again by nobody but a person; of a run that is over nothing waits. */
 export function taskWord(state: TaskState, outcome: TaskView['outcome'] = 'none', run?: RunState): string {

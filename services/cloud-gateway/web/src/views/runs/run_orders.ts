@@ -14,10 +14,13 @@ export async function orderTask(run: string, task: string, what: TaskOrder, body
 }
 
 async function send(route: string, path: Record<string, string>, body: unknown, what: string): Promise<void> {
+  const busy = toasts.busy(t('runs.sent', { what }));
   try {
     await api.post(route, { path, body, idempotencyKey: newKey() });
     toasts.done(t('runs.taken', { what }));
   } catch (problem) {
     toasts.problem(problem, { of: what, hintsOf: pageHints });
+  } finally {
+    toasts.close(busy);
   }
 }

@@ -27,6 +27,7 @@ export const states = {
   runState: {
     RUNNING: 'running',
     PAUSED: 'paused',
+    waits: 'waits for a decision',
     ABORTING: 'being ended',
     FINISHED: 'finished',
     ABORTED: 'ended before its end',

@@ -29,6 +29,7 @@ export const states: Pick<Words, 'state' | 'severity' | 'connection' | 'runState
   runState: {
     RUNNING: 'en cours',
     PAUSED: 'suspendue',
+    waits: 'attend une décision',
     ABORTING: 'en cours d’arrêt',
     FINISHED: 'terminée',
     ABORTED: 'arrêtée',
