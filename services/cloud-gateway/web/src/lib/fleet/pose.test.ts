@@ -1,6 +1,6 @@
 import { describe, expect, it } from 'vitest';
 import type { Profile, RobotContent, RobotValue } from '../api/types';
-import { chargeOf, poseOf } from './pose';
+import { chargeOf, poseOf, unitOf } from './pose';
 
 function robot(values: Record<string, RobotValue['value']>): RobotContent {
   const list = Object.entries(values).map(([name, value]) => ({ name, value, changed: '' }));
@@ -14,6 +14,16 @@ function profile(is: Partial<Profile>): Profile {
     out_of_use: [], numbers: [], drives: [], ...is,
   };
 }
+
+it('has a value in the unit that the fleet knows, and in none that it does not', () => {
+  expect(unitOf('state_of_charge', undefined)).toBe('%');
+  expect(unitOf('position', profile({ frame: { length: 1000, x: 0, y: 0, yaw: 0 } }))).toBe('(x, y: mm)');
+  expect(unitOf('position', profile({ frame: { length: 0, x: 0, y: 0, yaw: 0 } }))).toBe('');
+  expect(unitOf('position', profile({ capabilities: ['reach'] }))).toBe('');
+  expect(unitOf('battery', profile({ transport: 'udp-at' }))).toBe('%');
+  expect(unitOf('battery', profile({ mode: 'ros' }))).toBe(''); // 0 to 1
+  expect(unitOf('sonar', profile({}))).toBe('');
+});
 
 describe('the place of a robot', () => {
   it('is turned and scaled from its own frame into the hall', () => {

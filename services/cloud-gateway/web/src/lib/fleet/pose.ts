@@ -66,3 +66,13 @@ export function chargeOf(robot: RobotContent, profile: Profile | undefined): num
   const full = fullBattery(profile);
   return full === null ? null : percent(valueOf(robot, 'battery'), full);
 }
+
+/** The unit of one of its values, where the fleet knows it; empty: it is the robot's own. */
+export function unitOf(name: string, profile: Profile | undefined): string {
+  if (name === 'state_of_charge') return '%';
+  if (profile === undefined) return '';
+  if (name === 'battery') return fullBattery(profile) === 100 ? '%' : '';
+  if (name !== 'position' || !moves(profile)) return ''; // an arm's is of joints
+  const unit = { 1: 'm', 1000: 'mm' }[profile.frame.length];
+  return unit === undefined ? '' : `(x, y: ${unit})`; // what follows them may be an angle
+}

@@ -30,6 +30,7 @@ export const robot = {
     node: 'Node',
     capabilities: 'Capabilities',
     values: 'Values',
+    ownUnits: 'As the robot sends them. Where no unit stands, it is the robot’s own: see its maker’s manual.',
     sensors: 'Sensors',
     cut: 'It sends more than is kept.',
     messages: 'Last messages',

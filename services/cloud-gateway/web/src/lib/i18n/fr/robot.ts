@@ -32,6 +32,7 @@ export const robot: Pick<Words, 'robot'> = {
     node: 'Nœud',
     capabilities: 'Capacités',
     values: 'Valeurs',
+    ownUnits: 'Comme le robot les envoie. Sans unité indiquée, c’est celle du robot : voir le manuel du fabricant.',
     sensors: 'Capteurs',
     cut: 'Il envoie plus que ce qui est gardé.',
     messages: 'Derniers messages',
