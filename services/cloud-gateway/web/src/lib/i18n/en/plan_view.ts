@@ -39,6 +39,7 @@ export const plan = {
     state_done: 'done',
     state_failed: 'failed',
     state_cancelled: 'cancelled',
+    playsAlone: 'All together are done. Each is now played by itself, to compare.',
     progress: '{done} of {tasks} {tasks|task|tasks}, {seconds} s of the fleet’s time',
     tasksDone: 'Tasks done',
     fleet: '{robots} {robots|robot|robots}, {tasks} {tasks|task|tasks}',

@@ -60,7 +60,7 @@ export const shell = {
     certificateEnded: 'The certificate of {node} ended on {date}: the fleet refuses it.',
     certificateHow: 'To renew it: trb fleet renew',
     certificateMore: '({count} more)',
-    refused: 'The live stream refused: {detail}',
+    refused: 'A part of this view is not live: the gateway refused to send it. Close other views or windows, then load the page again.',
     alarmsSilent: 'No word from the resilience service: a new alarm would not be shown.',
   },
   stop: {

@@ -40,6 +40,7 @@ export const plan: Pick<LateWords, 'plan'> = {
     state_done: 'faite',
     state_failed: 'échouée',
     state_cancelled: 'annulée',
+    playsAlone: 'Tous ensemble ont fini. Chacun est maintenant joué seul, pour comparer.',
     progress: '{done} {done|tâche|tâches} sur {tasks}, {seconds} s du temps de la flotte',
     tasksDone: 'Tâches faites',
     fleet: '{robots} {robots|robot|robots}, {tasks} {tasks|tâche|tâches}',

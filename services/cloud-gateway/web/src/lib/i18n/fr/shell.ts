@@ -62,7 +62,7 @@ export const shell: Pick<Words, 'common' | 'shell' | 'stop' | 'signIn' | 'notice
     certificateEnded: 'Le certificat de {node} a expiré le {date} : la flotte le refuse.',
     certificateHow: 'Pour le renouveler : trb fleet renew',
     certificateMore: '({count} de plus)',
-    refused: 'Le flux en direct a refusé : {detail}',
+    refused: 'Une partie de cette vue n’est pas en direct : la passerelle a refusé de l’envoyer. Fermez d’autres vues ou fenêtres, puis rechargez la page.',
     alarmsSilent: 'Sans nouvelles du service de résilience : une nouvelle alarme ne serait pas affichée.',
   },
   stop: {
