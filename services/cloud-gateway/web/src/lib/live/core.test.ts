@@ -209,6 +209,18 @@ describe('a lost connection', () => {
     expect(waits).toEqual([250, 500, 1000, 1000, 1000, 1000]);
   });
 
+  it('gives a connection 8 s to open after some that failed: the browser itself keeps it back', () => {
+    const core = new LiveCore();
+    core.start(0);
+    let now = 0;
+    for (let i = 0; i < 3; i++) {
+      core.closed(1006, now);
+      while (core.tick(now).connect === undefined) now += 50;
+    }
+    expect(core.tick(now + 7900).close).toBeUndefined();
+    expect(core.tick(now + 8000).close).toBe(true);
+  });
+
   it('gives a connection 3 s to open', () => {
     const core = new LiveCore();
     core.start(0);

@@ -7,6 +7,7 @@
  * | connecting | opened                       | subscribe every topic, resume those that are known | open       |
  * | connecting | closed, 3 s without an answer | wait 0.25 s, doubled each time, 1 s at most;      | waiting    |
  * |            |                              | drop snapshots that are not whole                 |            |
+ * |            | (8 s once the wait is 1 s)   |                                                   |            |
  * | open       | frame                        | rows of its blocks                                | open       |
  * | open       | closed, 3 s without a frame  | as above                                          | waiting    |
  * | waiting    | the wait is over             | connect                                           | connecting |
@@ -16,6 +17,8 @@ import type { DriveAnswer, RemovedRow, Row, RowSource } from '../api/types';
 
 export const SIGNED_OUT = 4401;
 const QUIET_MS = 3000; // the gateway sends a frame each second, even if nothing has changed
+/** After many tries that failed, Chromium keeps each new one back for up to 5 s. Given up before, it is never let go. */
+const HELD_BACK_MS = 8000;
 const FIRST_WAIT_MS = 250;
 const MOST_WAIT_MS = 1000;
 /** By the first word of a topic: whose table its rows are. Those of runs in `fleet` are the scheduler's. */
@@ -154,7 +157,7 @@ export class LiveCore {
       return this.connect(now);
     }
     const quiet = now - Math.max(this.since, this.phase === 'open' ? (this.heardAt ?? 0) : 0);
-    if ((this.phase !== 'open' && this.phase !== 'connecting') || quiet < QUIET_MS) return { send: [] };
+    if ((this.phase !== 'open' && this.phase !== 'connecting') || quiet < this.patience) return { send: [] };
     this.lose(now);
     return { close: true, send: [] };
   }
@@ -242,6 +245,10 @@ export class LiveCore {
     const word = JSON.stringify({ subscribe: topic });
     if (!table.isKnown || this.instance === '') return word;
     return `${word.slice(0, -1)},"instance":${this.instance},"from":${this.resumeFrom}}`;
+  }
+
+  private get patience(): number {
+    return this.phase === 'connecting' && this.wait === MOST_WAIT_MS ? HELD_BACK_MS : QUIET_MS;
   }
 
   private connect(now: number): Act {
