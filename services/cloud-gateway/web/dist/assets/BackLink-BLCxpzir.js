@@ -1,0 +1,1 @@
+import{t as o,m as l,j as c,a as f,k as m,o as n,n as i}from"./index-qdgLjS9g.js";var p=i('<p class="svelte-1nm93r3"><a class="target"> </a></p>');function v(s,a){var t=p(),e=m(t),r=n(e);o(()=>{l(e,"href",a.href),c(r,`← ${a.to??""}`)}),f(s,t)}export{v as B};

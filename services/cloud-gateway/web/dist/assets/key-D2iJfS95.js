@@ -1,1 +1,0 @@
-import{b9 as b,ba as c,bb as t}from"./index-CIS3dRnI.js";const f=Symbol("NaN");function l(e,r,n){var o=new t(e),s=!b();c(()=>{var a=r();a!==a&&(a=f),s&&a!==null&&typeof a=="object"&&(a={}),o.ensure(a,n)})}export{l as k};

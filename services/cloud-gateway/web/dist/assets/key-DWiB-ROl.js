@@ -1,0 +1,1 @@
+import{ba as b,bb as c,bc as t}from"./index-qdgLjS9g.js";const f=Symbol("NaN");function l(e,r,n){var o=new t(e),s=!b();c(()=>{var a=r();a!==a&&(a=f),s&&a!==null&&typeof a=="object"&&(a={}),o.ensure(a,n)})}export{l as k};
