@@ -1,6 +1,9 @@
 // The node's bus over real sockets: Hello first, and connections that are gone.
 #include "services/router/io/bus_sockets.hpp"
 
+#include <string>
+#include <vector>
+
 #include "proto/body.hpp"
 #include "services/router/test/test_shell.hpp"
 
@@ -106,14 +109,15 @@ TEST_CASE("a peer that sends faster than a service reads gets no more room; anot
   CHECK(parts.bus.send_of("cat", 1, to_frame("a frame of cat")) == SendResult::sent);
   CHECK(parts.bus.send_of("ant", 1, to_frame("a frame of its own node")) == SendResult::sent);
   CHECK(parts.bus.send(1, to_frame("a frame of the router")) == SendResult::sent);
-  CHECK(parts.bus.send_of("bee", 1, to_frame("a frame of bee")) == SendResult::full);
+  std::size_t more = 0;  // the kernel may have taken some meanwhile
+  while (more < kMany && parts.bus.send_of("bee", 1, to_frame("a frame of bee")) == SendResult::sent) ++more;
+  REQUIRE(more < kMany);
 
+  std::vector<std::string> expected(sent, "a frame of bee");
+  expected.insert(expected.end(), {"a frame of cat", "a frame of its own node", "a frame of the router"});
+  expected.insert(expected.end(), more, "a frame of bee");
   Frame frame;
-  for (std::size_t i = 0; i < sent; ++i) {
-    REQUIRE(parts.turn_until([&] { return adapter.socket.receive(frame); }));
-    CHECK(view_of(frame) == "a frame of bee");
-  }
-  for (const std::string text : {"a frame of cat", "a frame of its own node", "a frame of the router"}) {
+  for (const std::string& text : expected) {
     REQUIRE(parts.turn_until([&] { return adapter.socket.receive(frame); }));
     CHECK(view_of(frame) == text);
   }
