@@ -10,6 +10,7 @@
 #include <ctime>
 
 #include "common/base/fingerprint.hpp"
+#include "common/tls/freed.hpp"
 
 namespace trb {
 namespace {
@@ -19,7 +20,7 @@ constexpr std::size_t kMaxText = 80;
 
 /// Everything but printable ASCII is escaped.
 std::string text_of(const X509_NAME* name) {
-  const std::unique_ptr<BIO, decltype(&BIO_free_all)> memory(BIO_new(BIO_s_mem()), BIO_free_all);
+  const std::unique_ptr<BIO, Freed<BIO_free_all>> memory(BIO_new(BIO_s_mem()));
   if (memory == nullptr || X509_NAME_print_ex(memory.get(), name, 0, XN_FLAG_RFC2253) < 0) return {};
   char* bytes = nullptr;
   const long size = BIO_get_mem_data(memory.get(), &bytes);
@@ -53,9 +54,8 @@ std::string one_name(const GENERAL_NAME* name) {
 }
 
 std::vector<std::string> names_of(const X509* certificate) {
-  using Names = std::unique_ptr<GENERAL_NAMES, decltype(&GENERAL_NAMES_free)>;
-  const Names names(static_cast<GENERAL_NAMES*>(X509_get_ext_d2i(certificate, NID_subject_alt_name, nullptr, nullptr)),
-                    GENERAL_NAMES_free);
+  using Names = std::unique_ptr<GENERAL_NAMES, Freed<GENERAL_NAMES_free>>;
+  const Names names(static_cast<GENERAL_NAMES*>(X509_get_ext_d2i(certificate, NID_subject_alt_name, nullptr, nullptr)));
   std::vector<std::string> out;
   for (int i = 0; names != nullptr && i < sk_GENERAL_NAME_num(names.get()) && out.size() < kMostNames; ++i) {
     std::string name = one_name(sk_GENERAL_NAME_value(names.get(), i));
@@ -64,14 +64,14 @@ std::vector<std::string> names_of(const X509* certificate) {
   return out;
 }
 
+}  // namespace
+
 std::string fingerprint_of(const X509* certificate) {
   std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
   unsigned int size = 0;
   if (X509_digest(certificate, EVP_sha256(), digest.data(), &size) != 1) return {};
   return to_fingerprint({reinterpret_cast<const char*>(digest.data()), size});
 }
-
-}  // namespace
 
 PeerCertificate describe(X509* certificate) {
   return {text_of(X509_get_subject_name(certificate)),

@@ -9,18 +9,12 @@
 #include <array>
 
 #include "common/base/words.hpp"
+#include "common/tls/freed.hpp"
 #include "common/tls/peer_certificate.hpp"
 
 namespace trb {
 namespace {
 
-template <auto kFree>
-struct Freed {
-  template <class T>
-  void operator()(T* object) const {
-    kFree(object);
-  }
-};
 using Certificate = std::unique_ptr<X509, Freed<X509_free>>;
 using Memory = std::unique_ptr<BIO, Freed<BIO_free_all>>;
 

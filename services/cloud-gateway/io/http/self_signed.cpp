@@ -10,22 +10,14 @@
 #include <openssl/x509v3.h>
 
 #include <algorithm>
-#include <array>
 #include <memory>
 
-#include "common/base/fingerprint.hpp"
+#include "common/tls/freed.hpp"
+#include "common/tls/peer_certificate.hpp"
 
 namespace trb::gateway {
 namespace {
 
-/// Frees what OpenSSL made.
-template <auto kFree>
-struct Freed {
-  template <class T>
-  void operator()(T* object) const {
-    kFree(object);
-  }
-};
 using Key = std::unique_ptr<EVP_PKEY, Freed<EVP_PKEY_free>>;
 using Certificate = std::unique_ptr<X509, Freed<X509_free>>;
 using Extension = std::unique_ptr<X509_EXTENSION, Freed<X509_EXTENSION_free>>;
@@ -188,11 +180,9 @@ bool is_weak_key(BytesView key) {
 
 Result<std::string> fingerprint_of(BytesView certificate) {
   const Certificate read = read_certificate(certificate);
-  std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
-  unsigned int size = 0;
-  if (read == nullptr || X509_digest(read.get(), EVP_sha256(), digest.data(), &size) != 1)
-    return fail(Errc::malformed, "no certificate in PEM", "put one there, or remove it and its key to get new ones");
-  return to_fingerprint({reinterpret_cast<const char*>(digest.data()), size});
+  std::string fingerprint = read == nullptr ? std::string() : trb::fingerprint_of(read.get());
+  if (!fingerprint.empty()) return fingerprint;
+  return fail(Errc::malformed, "no certificate in PEM", "put one there, or remove it and its key to get new ones");
 }
 
 }  // namespace trb::gateway
