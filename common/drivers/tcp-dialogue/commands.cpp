@@ -33,7 +33,7 @@ class Reader {
     if (!manner.answer_end.empty()) return;
     faults_.add("answer_end", "is empty: where an answer ends would not be known",
                 "add \"answer_end\", for example \";\" or \"crlf\"");
-    manner.answer_end = "\n";
+    manner.answer_end.push_back('\n');
   }
   void end(const std::string& key, const std::string& given, std::string& into) const {
     auto read = read_text_end(given);
